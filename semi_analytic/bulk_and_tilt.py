@@ -166,7 +166,7 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
     loading_count = len(path.initial_loading)
 
     # A = 2/E*; strain_per_stress: bulk strain by a unit stress in the lower and the upper body.
-    convex_shape = convex_profile(scene.profile)
+    profile = convex_profile(scene.profile)
     compliance = 2 / composite_modulus(scene.material)
     datum_length = scene.profile.datum_length
     friction = scene.friction.coefficient
@@ -176,13 +176,13 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
     # moment.
     contact_under_moment = None
     if path.moment_is_given:
-        contact_under_moment = _contact_of_any_load(convex_shape, compliance, datum_length)
+        contact_under_moment = _contact_of_any_load(profile, compliance, datum_length)
     samples_of_segments = [
         _load_samples_of_segment(segment, contact_under_moment, strain_per_stress)
         for segment in segments
     ]
     load_sizes = LoadSizes.of_samples(
-        np.concatenate(samples_of_segments, axis=1), convex_shape, compliance, friction
+        np.concatenate(samples_of_segments, axis=1), profile, compliance, friction
     )
 
     # Loads that only press leave nothing locked in: the relations need to hold from the first
@@ -198,7 +198,7 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
     neglected_loads: dict[str, float] = {}
 
     # At constant P the stick zones of a parabola are nested where contacts are not.
-    is_parabola = convex_shape.radius is not None
+    is_parabola = profile.radius is not None
     may_slip_opposite_ways = bool(
         is_parabola and friction > 0 and np.ptp(p) <= _ROUND_OFF_SHARE * largest_load
     )
@@ -226,7 +226,7 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
 
     # Contact intervals under tilts alpha_0 + kappa P up to the largest P of the samples.
     intervals = NestedIntervals(
-        convex_shape, compliance, relation.tilt_without_load, relation.slope, largest_load
+        profile, compliance, relation.tilt_without_load, relation.slope, largest_load
     )
     contact = _contact_with_one_curve(
         intervals,
@@ -269,22 +269,22 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
 
 
 def _contact_of_any_load(
-    shape: ConvexProfile, compliance: float, datum_length: float
+    profile: ConvexProfile, compliance: float, datum_length: float
 ) -> TiltedProfile:
     """Contact of a convex profile without a prescribed tilt, under any load, to be asked for the
     tilt under a load and a moment.
 
     Parameters
     ----------
-    shape
-        the profile
+    profile
+        gap between the unloaded faces
     compliance
         A = 2/E* [1/stress]
     datum_length
         distance at which displacements count as 0 [length]
     """
     intervals = NestedIntervals(
-        shape, compliance, tilt_without_load=0.0, tilt_per_load=0.0, largest_load=math.inf
+        profile, compliance, tilt_without_load=0.0, tilt_per_load=0.0, largest_load=math.inf
     )
     return TiltedProfile(intervals, datum_length)
 
@@ -483,13 +483,13 @@ class LoadSizes:
 
     @classmethod
     def of_samples(
-        cls, samples: Array, shape: ConvexProfile, compliance: float, friction: float
+        cls, samples: Array, profile: ConvexProfile, compliance: float, friction: float
     ) -> LoadSizes:
         """The bulk strain that makes an edge of contact slip and the tilt that lifts one, at the
         largest P of a load path, and the round-off of bulk strain, tilt and Q along it.
 
         `samples` (4, n) are P, Q, bulk strain and tilt along the path, NaN where the tilt is not
-        known. `shape` is the profile, `compliance` A = 2/E*, `friction` f. Round-off is 1e-11 of
+        known. `profile` is the gap h(x), `compliance` A = 2/E*, `friction` f. Round-off is 1e-11 of
         the largest value of each, or of what makes an edge slip or lift if that is larger.
 
         # notation: p, q, eps, alpha samples (n,) of P, Q, bulk strain and tilt
@@ -500,7 +500,9 @@ class LoadSizes:
         largest_load = float(p[sample_of_largest_load])
         tilt = alpha[sample_of_largest_load] if is_tilt_known[sample_of_largest_load] else 0.0
         # Half-width a at the largest P; A P/(pi a) lifts an edge, f times it makes it slip.
-        _, contact_half_width = shape.contact_centre_and_half_width(compliance * largest_load, tilt)
+        _, contact_half_width = profile.contact_centre_and_half_width(
+            compliance * largest_load, tilt
+        )
         half_width = float(contact_half_width)
         lifting_tilt = 0.0
         if half_width > 0:
@@ -986,7 +988,7 @@ def path_loads_and_contact(scene: Scene) -> tuple[PathLoads, TiltedProfile]:
     """Loads of a scene over time (P, Q, bulk strain and tilt), and its profile as a contact under
     any tilt, for normal loads up to the largest P of the path.
     """
-    shape = convex_profile(scene.profile)
+    profile = convex_profile(scene.profile)
     path = scene.load.path()
     largest_load = -math.inf
     # The largest P is at the end of a segment or at a turning point of P within one.
@@ -997,7 +999,7 @@ def path_loads_and_contact(scene: Scene) -> tuple[PathLoads, TiltedProfile]:
     compliance = 2 / composite_modulus(scene.material)
     # A contact without tilt of its own; A = 2/E*.
     intervals = NestedIntervals(
-        shape, compliance, tilt_without_load=0.0, tilt_per_load=0.0, largest_load=largest_load
+        profile, compliance, tilt_without_load=0.0, tilt_per_load=0.0, largest_load=largest_load
     )
     contact = TiltedProfile(intervals, scene.profile.datum_length)
     return PathLoads(path, strain_per_stress_of(scene.material), contact), contact

@@ -330,7 +330,7 @@ class OppositeSlip(TiltedProfile):
         slips [stress].
         """
         _, contact_middle, contact_half_width = self._contact
-        pressure = self.shape.pressure(
+        pressure = self.profile.pressure(
             np.asarray(x, dtype=float), np.array(contact_middle), np.array(contact_half_width)
         ) / (np.pi * self.intervals.compliance)
         return np.asarray(self.slip_direction_at(x) * pressure + 0 * np.asarray(load, dtype=float))

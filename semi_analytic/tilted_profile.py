@@ -989,8 +989,8 @@ class NestedIntervals:
 
     Attributes
     ----------
-    shape
-        the profile
+    profile
+        gap between the unloaded faces
     compliance
         A = 2/E* [1/stress]
     tilt_without_load, tilt_per_load
@@ -999,7 +999,7 @@ class NestedIntervals:
         up to which the series go [force per thickness]
     """
 
-    shape: ConvexProfile
+    profile: ConvexProfile
     compliance: float
     tilt_without_load: float
     tilt_per_load: float
@@ -1010,7 +1010,7 @@ class NestedIntervals:
         kappa eta that belongs to each [length], by equilibrium, not by the series over eta.
         """
         eta = np.asarray(load, dtype=float)
-        return self.shape.contact_centre_and_half_width(
+        return self.profile.contact_centre_and_half_width(
             self.compliance * eta, self.tilt_without_load + self.tilt_per_load * eta
         )
 
@@ -1028,14 +1028,14 @@ class NestedIntervals:
     def flat_face(self) -> tuple[float, float]:
         """Middle and half-length of a flat face, all of which touches without load [length]."""
         middle = float(self.unloaded_centre_and_half_width[0])
-        if self.shape.radius is not None:
+        if self.profile.radius is not None:
             return middle, 0.0
         return middle, float(self._series.half_width(0.0))
 
     @cached_property
     def corner_loads(self) -> Array:
         """Loads at which an end of I(eta) is at a knot, ascending."""
-        loads = self.load_with_edge_at(self.shape.corner_places)
+        loads = self.load_with_edge_at(self.profile.corner_places)
         return np.unique(loads[np.isfinite(loads) & (loads > 1e-12 * self.largest_load)])
 
     @cached_property
@@ -1087,7 +1087,7 @@ class NestedIntervals:
         # The halving stops where coefficients are below 4e-15 of this length, a tenth of the
         # round-off of a contact. Beside a flat the last digits of a contact are noise, as are those
         # of a profile with noise.
-        value_scale = 0.1 * self.shape.relative_roundoff / 4e-15 * self.largest_half_width
+        value_scale = 0.1 * self.profile.relative_roundoff / 4e-15 * self.largest_half_width
         try:
             return (
                 piecewise_series_by_halving(
@@ -1115,7 +1115,7 @@ class NestedIntervals:
         end of contact meets a knot the series is one of v = sqrt(eta - eta_b), eta_b the lower of
         them. The ranges of v are laid end to end on one axis.
         """
-        if self.shape.radius is not None:
+        if self.profile.radius is not None:
             return self.exact_centre_and_half_width(load)
         eta = np.clip(np.asarray(load, dtype=float), 0.0, self.largest_load)
         series = self._series
@@ -1146,7 +1146,7 @@ class NestedIntervals:
         """
         # radius: of a parabola; None for other profiles. tilt_per_load: kappa; compliance: A =
         # 2/E*.
-        radius = self.shape.radius
+        radius = self.profile.radius
         if radius is not None:  # of a parabola in closed form
             _, half_width_after = self.exact_centre_and_half_width(load)
             _, half_width_before = self.exact_centre_and_half_width(load - load_rise)
@@ -1200,7 +1200,7 @@ class NestedIntervals:
         reached_x = x[is_reached]
         tilt_over_compliance = self.tilt_per_load / self.compliance
         side = np.where(
-            reached_x < float(self.shape.place_of_first_touch(self.tilt_without_load)), -1.0, 1.0
+            reached_x < float(self.profile.place_of_first_touch(self.tilt_without_load)), -1.0, 1.0
         )
 
         # side: +1 if x is the right end, -1 if the left. The contact has the centre x - side c.
@@ -1210,7 +1210,7 @@ class NestedIntervals:
         for _ in range(_MOST_NEWTON_STEPS):
             # Of a trial contact: mean of h', A times the carried load, and integrals of h'' over
             # the angle.
-            balance = self.shape.balance(reached_x - side * c, c)
+            balance = self.profile.balance(reached_x - side * c, c)
             # Sum of mean slope and tilt, times side: positive while c is too small.
             slope_excess = side * (balance.mean_slope + self.tilt_without_load)
             slope_excess = slope_excess + side * tilt_over_compliance * balance.load_product
@@ -1230,7 +1230,7 @@ class NestedIntervals:
                 break
         loads = np.full(x.shape, np.inf)
         loads[is_reached] = (
-            self.shape.balance(reached_x - side * c, c).load_product / self.compliance
+            self.profile.balance(reached_x - side * c, c).load_product / self.compliance
         )
         return np.where(loads <= self.largest_load * (1 + 1e-9), loads, np.inf)
 
@@ -1303,17 +1303,17 @@ class TiltedProfile:
     @property
     def has_closed_form(self) -> bool:
         """Whether contacts are known in closed form, without series."""
-        return self.shape.radius is not None
+        return self.profile.radius is not None
 
     @property
     def relative_roundoff(self) -> float:
         """Relative error of the centre m and half-length c of contact."""
-        return self.shape.relative_roundoff
+        return self.profile.relative_roundoff
 
     @property
-    def shape(self) -> ConvexProfile:
+    def profile(self) -> ConvexProfile:
         """The profile."""
-        return self.intervals.shape
+        return self.intervals.profile
 
     @property
     def _compliance(self) -> float:
@@ -1372,13 +1372,13 @@ class TiltedProfile:
 
     def centre_and_half_width_under(self, load: Array, tilt: Array) -> tuple[Array, Array]:
         """Centre m and half-length c of contacts under loads and tilts, (n,) each [length]."""
-        return self.shape.contact_centre_and_half_width(self._compliance * load, tilt)
+        return self.profile.contact_centre_and_half_width(self._compliance * load, tilt)
 
     def pressure_over(self, x: Array, m: Array, c: Array) -> Array:
         """Pressure p >= 0 (n, k) at points x (k,) of contacts of centre m and half-length c, (n,)
         each [stress].
         """
-        pressure = np.maximum(self.shape.pressure(x, m[:, None], c[:, None]), 0.0)
+        pressure = np.maximum(self.profile.pressure(x, m[:, None], c[:, None]), 0.0)
         return np.asarray(pressure / (np.pi * self._compliance))
 
     def approach(self, m: Array, c: Array, load: Array, tilt: Array) -> Array:
@@ -1391,12 +1391,14 @@ class TiltedProfile:
         load, tilt
             (n,) P [force per thickness] and alpha [rad]
         """
-        return self.shape.approach(m, c, tilt) + self._compliance / np.pi * load * self.logarithm(c)
+        return self.profile.approach(m, c, tilt) + self._compliance / np.pi * load * self.logarithm(
+            c
+        )
 
     def moment(self, m: Array, c: Array, load: Array, tilt: Array) -> Array:
         """Moment int x p dx of the pressure about x = 0, of contacts (n,) [force]."""
         del load
-        return self.shape.moment(m, c, tilt) / self._compliance
+        return self.profile.moment(m, c, tilt) / self._compliance
 
     def tilt_under(self, load: Array, moment: Array) -> Array:
         """Tilt [rad] under which contacts under loads (n,) have given moments (n,), int x p dx
@@ -1414,8 +1416,8 @@ class TiltedProfile:
         """
         load = np.maximum(load, 0.0)
         moment = np.where(load > 0, moment, 0.0)
-        if self.shape.radius is not None:  # a parabola: the contact is centred at -radius tilt
-            return -moment / (self.shape.radius * np.where(load > 0, load, np.inf))
+        if self.profile.radius is not None:  # a parabola: the contact is centred at -radius tilt
+            return -moment / (self.profile.radius * np.where(load > 0, load, np.inf))
 
         # Each pair of load and moment is solved once.
         different_pairs, pair_number = np.unique(
@@ -1452,7 +1454,7 @@ class TiltedProfile:
 
     def pressure(self, x: ArrayLike, load: ArrayLike) -> Array:
         """Pressure p >= 0 at x under loads [stress], 0 outside the contact."""
-        scaled_pressure = self.shape.pressure(
+        scaled_pressure = self.profile.pressure(
             np.asarray(x, dtype=float), *self.intervals.centre_and_half_width(load)
         )
         return np.asarray(np.maximum(scaled_pressure, 0.0) / (np.pi * self._compliance))
@@ -1498,8 +1500,8 @@ class TiltedProfile:
         """
         x = np.asarray(x, dtype=float)
         # Gap without load, and under each load; both from centre and half-width of the contact.
-        gap_before = self.shape.gap(x, *self.intervals.unloaded_centre_and_half_width)
-        gap_after = self.shape.gap(x, *self.intervals.centre_and_half_width(load))
+        gap_before = self.profile.gap(x, *self.intervals.unloaded_centre_and_half_width)
+        gap_after = self.profile.gap(x, *self.intervals.centre_and_half_width(load))
         return np.maximum(gap_before - gap_after, 0.0) * np.pi / self._compliance
 
     def slip_integral_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
@@ -1624,15 +1626,15 @@ class TiltedProfile:
         contact_centre, contact_half_length = self.intervals.centre_and_half_width(load)
         # Tilt under this load: alpha_0 + kappa load.
         tilt = self.intervals.tilt_without_load + self.intervals.tilt_per_load * load
-        # shape.moment is A times the moment of the pressure.
-        moment = self.shape.moment(contact_centre, contact_half_length, tilt) / self._compliance
+        # profile.moment is A times the moment of the pressure.
+        moment = self.profile.moment(contact_centre, contact_half_length, tilt) / self._compliance
         if self.kernel_quantity == "shear_moment":
             return moment
-        approach_without_load = self.shape.approach(
+        approach_without_load = self.profile.approach(
             *self.intervals.unloaded_centre_and_half_width, self.intervals.tilt_without_load
         )
         # without the term of the datum, (A P/pi) ln(2 L/c), c the half-length
-        approach_under_load = self.shape.approach(contact_centre, contact_half_length, tilt)
+        approach_under_load = self.profile.approach(contact_centre, contact_half_length, tilt)
         approach = approach_under_load - approach_without_load
         logarithm = self.logarithm(contact_half_length)
         scaled_approach = np.pi / self._compliance * approach + load * logarithm

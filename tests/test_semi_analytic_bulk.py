@@ -499,7 +499,7 @@ def test_contact_under_a_tilt_against_adaptive_quadrature(name, load, tilt):
     moved = 2 / math.pi * np.log(length / np.abs(x[:, None] - xi)) @ force
     expected = profile.height(x) + tilt * x - approach + moved
     np.testing.assert_allclose(
-        contact.shape.gap(x, np.array(m), np.array(c)), expected, rtol=0, atol=1e-8
+        contact.profile.gap(x, np.array(m), np.array(c)), expected, rtol=0, atol=1e-8
     )
 
 
