@@ -58,6 +58,7 @@ class ClockColumn:
         """
         # Groups of the match: date, hours, minutes, seconds, half (AM or PM), zone; None if left
         # out.
+        # `_INSTANT`: the pattern of a date and a time of day
         match = _INSTANT.match(text)
         if match is None:
             return None

@@ -154,6 +154,7 @@ def parsed_toml(text: str) -> dict[str, Any]:
     previous_symbol = ""
     # Tokens: comments, strings, keys and numbers, brackets. "deep" is a key of too many parts,
     # "long" a word with too many characters.
+    # `_TOML_TOKENS`: the pattern of a token
     for token in _TOML_TOKENS.finditer(text):
         symbol = token["sign"] or ""  # a bracket, or the equals sign between key and value
         is_table_heading = symbol == "[" and n_open_brackets == 0 and previous_symbol != "="

@@ -179,7 +179,7 @@ def unit_of_column(
     table
         `headings` of the file's columns, and `units` of its line of units, "" where there is none
     column
-        number of the column, from 0
+        index of the column
     kind
         kind of its unit, such as "load" or "length"
     units
@@ -419,7 +419,7 @@ class FromFile(Frozen):
         table
             the file's columns, headings and units
         column
-            number of the column in the `table`, from 0
+            index of the column in the `table`
         name
             quantity that it holds, such as "P"
         kind
@@ -483,7 +483,7 @@ class FromFile(Frozen):
         table
             the file's columns, headings and units
         column
-            number of the column in the `table`, from 0
+            index of the column in the `table`
         name
             quantity that it holds, such as "P"
         kind

@@ -235,6 +235,7 @@ def _require_lengths(path: Path, arrays: Mapping[str, StoredArray]) -> None:
         ):
             expected_length = lengths.setdefault(dimension, length)
             if length != expected_length:
+                # _ROLE: "the solution"
                 raise InputError(
                     f"{path}: {_ROLE} can't be read: {name} has {length} values over {dimension},"
                     f" and others have {expected_length}"

@@ -383,6 +383,7 @@ class ContactSolution:
         # `_NAMES_OF_NUMBERS`: dissipation, its uncertainty, loop work, permanent stick half-width.
         attributes: dict[str, Any] = {"engine": self.engine}
         attributes |= {name: getattr(self, name) for name in _NAMES_OF_NUMBERS}
+        # FILE_FORMAT: name and version of the form of the file
         attributes |= {
             "format": FILE_FORMAT,
             "steady_from": -1 if self.steady_from is None else self.steady_from,

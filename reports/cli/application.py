@@ -651,6 +651,7 @@ def requested_tolerances(option_texts: Sequence[str]) -> dict[str, float]:
                 f"--tolerance {option_text}: a number without % is a share, and this is"
                 f" {100 * tolerance:g} %; write {alternatives}"
             )
+        # _MAIN_METRICS: keys of the four main metrics
         keys = [key] if equals_sign else _MAIN_METRICS
         tolerances |= dict.fromkeys(keys, tolerance)
     return tolerances
@@ -782,6 +783,7 @@ def _print_answer(command_row: _Command, answer: Answer, options: Options) -> in
     if options.json and answer.content is not None:
         from reports.comparison.json_values import strict_json_values
 
+        # FORMAT: name and version of the form of answers, "halfplane answer 2"
         content = {
             "format": FORMAT,
             "command": answer.command or command_row.name,
@@ -843,6 +845,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             sys.stdout.flush()
         except BrokenPipeError:
             _drop_unwritten()
+            # _READER_GONE: exit code 141
             return _READER_GONE
         except OSError as reason:
             _drop_unwritten()
@@ -958,18 +961,20 @@ def _print_program_fault(fault: Exception, tokens: Sequence[str]) -> int:
     the words of the command line. Returns the exit code, 70.
     """
     command_line = shlex.join(["halfplane", *tokens])
-    lines = [
+    log_lines = [
         time.strftime("%Y-%m-%d %H:%M:%S %z  ") + command_line,
         *traceback.format_exception(fault),
     ]
-    place = _keep_traceback("\n".join(line.rstrip("\n") for line in lines) + "\n")
+    place_in_words = _keep_traceback(
+        "\n".join(log_line.rstrip("\n") for log_line in log_lines) + "\n"
+    )
     message = textwrap.shorten(str(fault), 200, placeholder=" ...").rstrip(".")
     error = type(fault).__name__
     if message:
         error += f": {message}"
     _print_refusal(
         f"internal error, a fault of halfplane: {error}{_notes_of(fault)}; the traceback is"
-        f" {place}: please report it"
+        f" {place_in_words}: please report it"
     )
     return _EXIT_PROGRAM_FAULT
 

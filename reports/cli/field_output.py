@@ -188,10 +188,10 @@ def _write_files(
     with results_folder(job.folder, stale_prefixes=("fields/", "pictures/")) as staging:
         folder = staging / "fields"
         with stages.stage("files for ParaView", "instants") as show_progress:
-            names = files.write_fields(
+            vtu_names = files.write_fields(
                 solution, noted_snapshots(), folder, show_progress, len(request.instants)
             )
-        file_names = [f"fields/{name}" for name in names]
+        file_names = [f"fields/{name}" for name in vtu_names]
         fatigue_content: dict[str, Any] = {}
         if request.criteria is not None:
             with stages.stage("measures of fatigue"):

@@ -99,6 +99,7 @@ def _packages() -> tuple[bool, str]:
     versions, then the names of those that are missing.
     """
     version_by_package: dict[str, str] = {}
+    # _PACKAGES: names of the packages that the program needs
     for name in _PACKAGES:
         with suppress(PackageNotFoundError):
             version_by_package[name] = version(name)

@@ -42,6 +42,7 @@ def score(result: str | None, options: Options) -> Answer:
     from scenes import ConvergenceError, InputError
 
     if options.mapping_example:
+        # TEMPLATES: folder of the texts that commands print
         example_file = TEMPLATES / "mapping.toml"
         return Answer(EXIT_WITHIN, [example_file.read_text("utf-8").rstrip()])
     if result is None:
@@ -250,6 +251,7 @@ def _score_loop(
         cells,
         range(1, len(heads)),
     )
+    # exit code 0 or 1
     return Answer(
         EXIT_WITHIN if loop_score.is_scene_friction_within else EXIT_OUTSIDE,
         [

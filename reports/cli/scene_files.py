@@ -201,7 +201,7 @@ def check(source: str, options: Options) -> Answer:
     )
     rows = rows_of_contact(scene, contact) if contact else []
     rows += rows_of_sliding(scene, nearest_instant)
-    table = Sheet("By half-plane theory", ("", "value"), rows, (1,))
+    sheet = Sheet("By half-plane theory", ("", "value"), rows, (1,))
     bulk_sentences = bulk_in_words(bulk_effects) if bulk_effects else ""
     # how it was found out that the bodies have room for the contact, and on bulk stress and tilt
     sentences = filter(None, [refusals.size_in_words, bulk_sentences])
@@ -220,7 +220,7 @@ def check(source: str, options: Options) -> Answer:
     if bulk_effects:
         content["bulk_and_tilt"] = vars(bulk_effects)
     marked_remarks = [f"Remark: {remark}" for remark in remarks_on_scene]
-    parts: list[Part] = [verdict, table, *marked_remarks, *sentences, *notes]
+    parts: list[Part] = [verdict, sheet, *marked_remarks, *sentences, *notes]
     return Answer(EXIT_WITHIN, parts, lambda: content, scene.name)
 
 

@@ -50,6 +50,7 @@ def read(source: str, *, may_prescribe_displacements: bool = False) -> Scene:
 
     scene = load_scene(source)
     if scene.load.is_driven and not may_prescribe_displacements:
+        # REFUSAL_OF_DISPLACEMENTS: a sentence
         raise InputError(f"{source}: {REFUSAL_OF_DISPLACEMENTS}")
     require_admissible(scene, source)
     return scene
@@ -403,6 +404,7 @@ def _comparison_with_theory(
     theory_on_polygon: ContactSolution | None = reference
     if not fe_solution.thinned:
         with job.stages.stage("half-plane theory, on the polygon of the steps"):
+            # SHOWN_ON_STEPS: the fields that the page shows of theory on the polygon
             fields = None if measures_budget else SHOWN_ON_STEPS
             theory_on_polygon = theory_on_steps(fe_solution, fields)
     with job.stages.stage("comparison"):
@@ -613,6 +615,7 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
         solution_of_elements = report_content["result"]
         metrics: dict[str, Any] = {}
         for key, metric in report_content["metrics"].items():
+            # _METRIC_KEYS: the entries of a metric that --json states
             metrics[key] = {name: metric[name] for name in _METRIC_KEYS}
         work_keys = ("dissipation", "dissipation_uncertainty", "dissipation_drift")
         last_keys = ("expected", "profile_fit", "notes", "seconds")
@@ -662,6 +665,7 @@ def verdict_shown(report: Report, verbose: bool = True) -> Iterator[Part]:
         yield metrics_without_value
     if comparison.why is not None:
         yield comparison.why.sentence
+    # _STYLES: verdict -> style on a terminal
     style = _STYLES.get(verdict_for_colour(comparison) or "", "")  # green, red or yellow
     long_verdict = f"{verdict_in_few_words(comparison)} {verdict_in_sentences(comparison)}".strip()
     yield long_verdict if verbose else verdict_in_short(comparison), style
@@ -768,6 +772,7 @@ def _expected_shown(findings: Sequence[ExpectedNumber]) -> Iterator[Part]:
 
     if findings:
         n_missed = sum(not finding.is_met for finding in findings)
+        # EXPECTED_HEADS: heads of the columns
         yield Sheet("Expected numbers", EXPECTED_HEADS, expected_rows(findings), (2, 3, 4, 5))
         if n_missed:
             yield f"{n_missed} of {len(findings)} expected numbers are missed."
@@ -990,6 +995,7 @@ def _elements_of_rig(job: Job) -> tuple[ContactSolution | None, dict[str, Any]]:
     path = write_solution(solution, job.folder, states_loads=False)
     law_checks = certificates(solution)
     content = solution_content(solution, law_checks)
+    # _SOLUTION_KEYS: the values that --json states of a solution
     return solution, {
         "admissible": solution.record.converged and all(check.holds for check in law_checks),
         **{name: content[name] for name in _SOLUTION_KEYS if name in content},
@@ -1028,6 +1034,7 @@ def write_solution(
     stem = name or solution.engine
     with results_folder(out, stale_prefixes=()) as folder:  # other files of the folder stay
         solution.save(folder / f"{stem}.nc")
+        # FORMAT_OF_SOLUTION: name and version of the form of the file
         content = {
             "format": FORMAT_OF_SOLUTION,
             **solution_content(solution, certificates(solution)),
@@ -1039,6 +1046,7 @@ def write_solution(
         columns = {key: getattr(solution, key) for key in _COLUMNS_OF_INSTANTS}
         columns["iterations"] = solution.record.iterations
         if solution.tilt is not None:  # bulk stress or tilt: the two edges of a zone differ
+            # NAMES_OF_BULK_SERIES: bulk stresses, tilt and moments
             columns |= {key: getattr(solution, key) for key in NAMES_OF_BULK_SERIES}
             edges_of_zone = {"contact": solution.contact_edges, "stick": solution.stick_edges}
             for zone, edges in edges_of_zone.items():

@@ -204,6 +204,7 @@ def compare(
     0.0
     """
     for key in tolerances or {}:
+        # `METRICS`: the table of all metrics, by key
         if key not in METRICS:
             raise InputError(
                 f"tolerances: {key!r} is no metric; the metrics are {', '.join(METRICS)}"
@@ -282,6 +283,7 @@ def _notes_on_pair(pair: Pair) -> Iterator[str]:
     # instants in contact whose load is too light to be judged
     light_count = int((pair.is_in_contact & ~pair.is_judged).sum())
     if light_count:
+        # LEAST_JUDGED_SHARE_OF_LOAD: 0.1 of the reference load
         yield in_template(
             "light", light_count, int(pair.is_in_contact.sum()), LEAST_JUDGED_SHARE_OF_LOAD
         )

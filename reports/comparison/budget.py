@@ -611,6 +611,7 @@ def error_budget(
     budgets = []
     for metric in comparison.metrics:
         has_value = metric.value is not None and math.isfinite(metric.value)
+        # _PARTS_OF_DISSIPATION: keys of the two metrics that are parts of the dissipation
         if not has_value or metric.key in _PARTS_OF_DISSIPATION:
             continue
         terms = (
@@ -791,6 +792,7 @@ def _uncertainty_of_edge(metric: Metric, comparison: Comparison) -> float:
     # (n_instants, 2), left and right edge [length], as `contact_edge_uncertainty`
     edge_uncertainties = getattr(result, f"{metric.key}_uncertainty", None)
     # pressure peaks have an attribute of such a name too, and are no edges
+    # _PEAK_METRICS: keys of the metrics of the largest pressure
     if metric.key in _PEAK_METRICS or edge_uncertainties is None or metric.time is None:
         return 0.0
     instant = int(abs(result.time - metric.time).argmin())

@@ -162,6 +162,7 @@ def run_values_of_content(content: Mapping[str, Any], source: str) -> ValuesOfRu
     "format" is "halfplane KIND VERSION". Version 2 is read; 1 is that of halfplane 0.1.
     """
     format_name = content.get("format")
+    # _FORMAT: pattern of "halfplane KIND VERSION"
     match = _FORMAT.fullmatch(format_name) if isinstance(format_name, str) else None
     if match is None:
         kinds = "baseline, comparison, solution"
@@ -436,6 +437,7 @@ def difference_of_runs(
                 f"--tolerance {pattern}: no figure is called so; there are {', '.join(keys)}"
             )
     # (pattern of keys, tolerance): the first pattern that fits a key counts
+    # _DEFAULT_TOLERANCES: such pairs, for values that no other pattern fits
     patterns_and_tolerances = [
         *(tolerances or {}).items(),
         *b.tolerances.items(),

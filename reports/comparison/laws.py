@@ -101,6 +101,7 @@ def certificates(solution: ContactSolution) -> tuple[Certificate, ...]:
         violations_in_fields["slip"] = _violation_in_slip(solution)
     if "normal_load" not in derived_fields:
         violations_in_fields["loads"] = _difference_of_loads(solution)
+    # limits: 1e-9 for double precision, 1e-3 for printed digits, 1e-6 for straight steps
     limit = _LIMIT_OF_DOUBLES
     if derived_fields:
         limit = _LIMIT_OF_PRINTED_DIGITS

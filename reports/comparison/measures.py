@@ -377,10 +377,10 @@ def _with_stated_uncertainties(
     """
     if metric_value.amounts is None:
         return metric_value
-    reference_value, result_value = metric_value.amounts
+    reference_amount, result_amount = metric_value.amounts
     stated_uncertainties = (
-        _stated_uncertainty(pair.plain_reference, reference_value, name, name_of_error),
-        _stated_uncertainty(pair.result, result_value, name, name_of_error),
+        _stated_uncertainty(pair.plain_reference, reference_amount, name, name_of_error),
+        _stated_uncertainty(pair.result, result_amount, name, name_of_error),
     )
     return replace(metric_value, stated=stated_uncertainties)
 
@@ -420,20 +420,20 @@ def _place_of_largest_value(pair: Pair, values: Array) -> float:
 
 def largest_pressure(pair: Pair) -> MetricValue:
     """Largest pressure p of the cycle, (result − reference)/reference."""
-    reference_value = float(pair.reference_cycle.pressure.max())
-    result_value = float(pair.result_cycle.pressure.max())
+    reference_amount = float(pair.reference_cycle.pressure.max())
+    result_amount = float(pair.result_cycle.pressure.max())
     metric_value = _difference_of_largest_values(
-        pair, "pressure", reference_value, result_value, pair.scales.pressure
+        pair, "pressure", reference_amount, result_amount, pair.scales.pressure
     )
     return _with_stated_uncertainties(pair, metric_value, "largest_pressure", "pressure")
 
 
 def largest_half_width(pair: Pair) -> MetricValue:
     """Largest half distance of the contact edges in the cycle, (result − reference)/reference."""
-    reference_value = _largest_half_distance(pair.reference_cycle)
-    result_value = _largest_half_distance(pair.result_cycle)
+    reference_amount = _largest_half_distance(pair.reference_cycle)
+    result_amount = _largest_half_distance(pair.result_cycle)
     metric_value = _difference_of_largest_values(
-        pair, "half_width", reference_value, result_value, pair.scales.half_width
+        pair, "half_width", reference_amount, result_amount, pair.scales.half_width
     )
     return _with_stated_uncertainties(pair, metric_value, "largest_half_width")
 
@@ -481,23 +481,23 @@ def _difference_of_stick_zones(
     note then names them.
     `pair.scales.half_width` is a_ref, the half-width of contact at the reference load.
     """
-    reference_value = float(length_of(pair.reference))
-    result_value = float(length_of(pair.result))
+    reference_length = float(length_of(pair.reference))
+    result_length = float(length_of(pair.result))
     # the quantity itself in reference and result, which a table shows
-    amounts = (float(length_of(pair.plain_reference)), result_value)
-    if math.isnan(reference_value) and math.isnan(result_value):
+    amounts = (float(length_of(pair.plain_reference)), result_length)
+    if math.isnan(reference_length) and math.isnan(result_length):
         engines = (
             f"{engine_in_words(pair.reference.engine)} and {engine_in_words(pair.result.engine)}"
         )
         return _metric_without_value(f"none in {engines}")
-    if math.isnan(reference_value):
+    if math.isnan(reference_length):
         return MetricValue(
             note=f"none in {engine_in_words(pair.reference.engine)}", amounts=amounts
         )
-    if math.isnan(result_value):
+    if math.isnan(result_length):
         return MetricValue(note=f"none in {engine_in_words(pair.result.engine)}", amounts=amounts)
     return MetricValue(
-        value=(result_value - reference_value) / pair.scales.half_width,
+        value=(result_length - reference_length) / pair.scales.half_width,
         amounts=amounts,
         denominator=pair.scales.half_width,
     )
@@ -522,21 +522,22 @@ def largest_slip(pair: Pair) -> MetricValue:
     is_closed_in_result = result_cycle.state != OPEN
     is_closed_in_reference = reference_cycle.state != OPEN
     if not is_closed_in_result.any():
+        # _REASON_...: texts that become the note of a metric without a value
         return _metric_without_value(_REASON_NO_CONTACT)
     # largest minus least s of each point over its instants in contact, (n,)
     ranges_in_reference = range_of_slip(reference_cycle.slip, is_closed_in_reference)
     ranges_in_result = range_of_slip(result_cycle.slip, is_closed_in_result)
-    reference_value = float(ranges_in_reference.max())
-    result_value = float(ranges_in_result.max())
+    reference_amount = float(ranges_in_reference.max())
+    result_amount = float(ranges_in_result.max())
     # `amounts` of the metric: the largest slip itself, in reference and result
     metric_value = _difference_of_largest_values(
-        pair, "slip", reference_value, result_value, pair.scales.slip
+        pair, "slip", reference_amount, result_amount, pair.scales.slip
     )
     metric_value = _with_stated_uncertainties(pair, metric_value, "largest_slip", "slip")
     if pair.result.engine == "halfplane_fe" and metric_value.amounts is not None:
         # Where all slip is round-off the slip zone is narrower than an element.
         round_off = _ROUND_OFF_OF_SLIP * float(np.max(np.abs(result_cycle.slip)))
-        if result_value <= round_off < metric_value.amounts[0]:
+        if result_amount <= round_off < metric_value.amounts[0]:
             return replace(metric_value, value=None, note=_REASON_NO_SLIP_RESOLVED)
     return replace(metric_value, place=_place_of_largest_value(pair, ranges_in_result))
 
@@ -604,13 +605,13 @@ def largest_dissipation_density(pair: Pair) -> MetricValue:
     # last cycles: `dissipation_density` is w at the common points, (n,)
     reference_cycle = pair.reference_cycle
     result_cycle = pair.result_cycle
-    reference_value = float(reference_cycle.dissipation_density.max())
-    result_value = float(result_cycle.dissipation_density.max())
+    reference_amount = float(reference_cycle.dissipation_density.max())
+    result_amount = float(result_cycle.dissipation_density.max())
     metric_value = _difference_of_largest_values(
         pair,
         "dissipation_density",
-        reference_value,
-        result_value,
+        reference_amount,
+        result_amount,
         pair.scales.dissipation_density,
     )
     metric_value = _with_stated_uncertainties(
@@ -638,11 +639,11 @@ def edge_tension(pair: Pair) -> MetricValue:
     if tension_of_reference is None or tension_of_result is None:
         return _metric_without_tension(pair, tension_of_reference, tension_of_result)
 
-    reference_value, reference_uncertainty = tension_of_reference
-    result_value, result_uncertainty = tension_of_result
+    reference_amount, reference_uncertainty = tension_of_reference
+    result_amount, result_uncertainty = tension_of_result
     # (result − reference)/reference; `absolute`: over f p_ref
-    metric_value = _difference_of_amounts(reference_value, result_value, pair.scales.shear)
-    scale = pair.scales.shear if metric_value.absolute else abs(reference_value)
+    metric_value = _difference_of_amounts(reference_amount, result_amount, pair.scales.shear)
+    scale = pair.scales.shear if metric_value.absolute else abs(reference_amount)
     relative_uncertainty = (reference_uncertainty + result_uncertainty) / scale
     stated_uncertainties = (reference_uncertainty, result_uncertainty)
     return replace(metric_value, uncertainty=relative_uncertainty, stated=stated_uncertainties)
@@ -659,8 +660,8 @@ def _metric_without_tension(
     from halfplane_fe.body_fields import why_tension_is_unknown
 
     unknown_tension = (math.nan, math.nan)
-    reference_value, reference_uncertainty = tension_of_reference or unknown_tension
-    result_value, result_uncertainty = tension_of_result or unknown_tension
+    reference_amount, reference_uncertainty = tension_of_reference or unknown_tension
+    result_amount, result_uncertainty = tension_of_result or unknown_tension
     engines_without_value = []
     if tension_of_reference is None:
         engines_without_value.append(engine_in_words(pair.reference.engine))
@@ -673,7 +674,7 @@ def _metric_without_tension(
         note = f"{note}: {reason}" if reason else note
     return replace(
         _metric_without_value(note),
-        amounts=(reference_value, result_value),
+        amounts=(reference_amount, result_amount),
         stated=(reference_uncertainty, result_uncertainty),
     )
 
@@ -711,9 +712,9 @@ def peak_pressure(pair: Pair) -> MetricValue:
     cancels. With the reference's true peak every result would look too low, by up to (h/a)^2/8,
     h the spacing of the points, a the half-width of contact.
     """
-    reference_value = pair.reference_cycle.pressure.max(axis=1)
-    result_value = pair.result_cycle.pressure.max(axis=1)
-    return _value_at_worst_instant(pair, quotient(result_value - reference_value, reference_value))
+    reference_peak = pair.reference_cycle.pressure.max(axis=1)
+    result_peak = pair.result_cycle.pressure.max(axis=1)
+    return _value_at_worst_instant(pair, quotient(result_peak - reference_peak, reference_peak))
 
 
 def pressure(pair: Pair) -> MetricValue:
@@ -1062,11 +1063,11 @@ def _difference_of_series(pair: Pair, name: str, scale: float) -> MetricValue:
     """Difference, result − reference over `scale`, of a series over time at the worst instant; no
     value where a solution does not state the series.
     """
-    reference_values = getattr(pair.reference_cycle, name)
-    result_values = getattr(pair.result_cycle, name)
-    if reference_values is None or result_values is None:
+    reference_series = getattr(pair.reference_cycle, name)
+    result_series = getattr(pair.result_cycle, name)
+    if reference_series is None or result_series is None:
         return _metric_without_value("a solution states none")
-    return _value_at_worst_instant(pair, (result_values - reference_values) / scale)
+    return _value_at_worst_instant(pair, (result_series - reference_series) / scale)
 
 
 # ---------------------------------------------------------------------------------- work and energy
@@ -1086,18 +1087,18 @@ def tangential_displacement(pair: Pair) -> MetricValue:
     """
     if pair.lacks_common_datum:
         return _metric_without_value(_REASON_NO_DATUM)
-    reference_values = pair.reference_cycle.tangential_displacement
-    result_values = pair.result_cycle.tangential_displacement
-    stroke = float(np.ptp(reference_values))
+    reference_displacement = pair.reference_cycle.tangential_displacement
+    result_displacement = pair.result_cycle.tangential_displacement
+    stroke = float(np.ptp(reference_displacement))
     least_stroke = _NEGLIGIBLE_SHARE * pair.scales.displacement
     if stroke <= least_stroke:
-        no_values = np.full_like(reference_values, np.nan)
+        series_without_values = np.full_like(reference_displacement, np.nan)
         note = "the reference does not move sideways"
-        return MetricValue(value=None, series=no_values, note=note)
+        return MetricValue(value=None, series=series_without_values, note=note)
     # A stroke that is NaN must not pass for a stroke of 0: its series is NaN, which fails.
-    series = np.full_like(reference_values, np.nan)
+    series = np.full_like(reference_displacement, np.nan)
     if stroke > least_stroke:
-        series = (result_values - reference_values) / stroke
+        series = (result_displacement - reference_displacement) / stroke
     note = "" if pair.effects is None else _NOTE_ON_COMPLIANCES
     if not pair.is_judged.any():
         note = _REASON_TOO_LIGHT
@@ -1201,6 +1202,7 @@ def bulk_term(pair: Pair) -> MetricValue:
     reference_cycle = pair.reference_cycle
     result_cycle = pair.result_cycle
     if not pair.is_periodic:
+        # _REASON_NO_LOOP: the text of the note, on a path that is not periodic
         return _metric_without_value(_REASON_NO_LOOP)
     for cycle, solution in ((reference_cycle, pair.reference), (result_cycle, pair.result)):
         if cycle.shear_moment is None:
@@ -1251,13 +1253,13 @@ def dissipation_density(pair: Pair) -> MetricValue:
     # last cycles: `dissipation_density` is w at the common points, (n,)
     reference_cycle = pair.reference_cycle
     result_cycle = pair.result_cycle
-    reference_values = reference_cycle.dissipation_density
-    largest_reference = np.max(np.abs(reference_values))
+    reference_density = reference_cycle.dissipation_density
+    largest_reference = np.max(np.abs(reference_density))
     is_absolute = bool(
         largest_reference <= _NEGLIGIBLE_SHARE_OF_WORK * pair.scales.dissipation_density
     )
     scale = pair.scales.dissipation_density if is_absolute else largest_reference
-    difference = (result_cycle.dissipation_density - reference_values) / scale
+    difference = (result_cycle.dissipation_density - reference_density) / scale
     value, x = _worst_value_and_place(difference, np.ones(len(difference), bool), result_cycle.x)
     place = None if x is None else x / pair.scales.half_width
     return MetricValue(value=value, absolute=is_absolute, place=place)

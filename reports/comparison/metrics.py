@@ -217,6 +217,7 @@ def tolerances_of(
     A metric whose tolerance is infinite is not judged, and is left out. `is_theory_exact`: whether
     the bodies are half-planes whose normal and shear tractions are not coupled.
     """
+    # OWN_TOLERANCES: those of the project's own engines, by key
     engine_tolerances = OWN_TOLERANCES if is_theory_exact else {}
     scene_tolerances = {
         key: value for key, value in scene.tolerances.model_dump().items() if value is not None

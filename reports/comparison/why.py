@@ -121,6 +121,7 @@ class Why(PythonNumbers):
         """
         if not self.parts:
             return []
+        # UNEXPLAINED, MESH_AND_STEPS: causes in words, "what is left" and "mesh and steps"
         change_by_cause = {
             **self.parts,
             UNEXPLAINED: self.unexplained_part,

@@ -302,6 +302,7 @@ def _frame_of_sketch(outlines: dict[str, Array]) -> Frame:
     right_x, largest_y = points.max(axis=0)
     # lengths for which a pixel stands where the width, or the height, fills the sketch; room for
     # arrows and supports is left free
+    # _SKETCH_WIDTH, ...: size of the sketch and room in it [pixels]
     pixel_by_width = (right_x - left_x) / (_SKETCH_WIDTH - 2 * _ROOM_AT_SIDES)
     pixel_by_height = (largest_y - least_y) / (
         _LARGEST_SKETCH_HEIGHT - _ROOM_ABOVE - _ROOM_AT_SIDES

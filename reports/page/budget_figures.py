@@ -89,6 +89,7 @@ def budget_bars(budget: ErrorBudget) -> Plate | None:
         label = f"{metric.label}: {value_in_words(metric)}{cut_in_words}"
         marks.append(Note(-axis_end, lower_edge + 0.7, label, "tick over", shift=(6.0, 0.0)))
 
+    # _BAR_HEIGHT: height of the row of a bar [pixels]
     panel = broad_panel(
         "budget",
         Axis(-axis_end, axis_end, _axis_of_bars(is_judged), count=8),
@@ -105,8 +106,10 @@ def budget_bars(budget: ErrorBudget) -> Plate | None:
         for index, name in enumerate(block_names)
         if is_drawn[index]
     ]
-    table = _budget_table(budgets, term_names, rest_name)
-    return figure_with_texts("budget", [panel], table, keys, columns=1, judged=is_judged)
+    numbers_by_column = _budget_table(budgets, term_names, rest_name)
+    return figure_with_texts(
+        "budget", [panel], numbers_by_column, keys, columns=1, judged=is_judged
+    )
 
 
 def _axis_of_bars(is_judged: bool) -> str:
@@ -151,6 +154,7 @@ def waterfall(why: Why) -> Plate | None:
     label_of_total = f"finite elements/theory − 1: {percent_of(why.difference)}"
     labels.append(Note(axis.low, 0.7, label_of_total, "tick over", shift=(6.0, 0.0)))
     marks += labels
+    # _BAR_HEIGHT: height of the row of a bar [pixels]
     panel = broad_panel(
         "waterfall",
         axis,
@@ -460,6 +464,7 @@ def _figure_of_convergence(
             Curve(sizes, largest_distance * (sizes / sizes[-1]) ** order, key.css, key.text)
         )
     keys = []
+    # LINE_LOOKS: classes of lines in the style sheet, one for each metric
     for (label, points), css in zip(curves.items(), LINE_LOOKS, strict=False):
         curve_sizes = [size for size, _ in points]
         curve_distances = [distance for _, distance in points]

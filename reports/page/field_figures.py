@@ -341,6 +341,7 @@ def state_map(view: CycleView) -> Plate:
     instant_count = min(len(view.time), max(_MOST_STATES // len(point_indices), 2))
     instant_indices = np.linspace(0, len(view.time) - 1, instant_count).round().astype(int)
     grid = np.ix_(instant_indices, point_indices)
+    # STATE_NAMES: code of a state -> its name, such as 1 -> "stick"
     codes = ", ".join(f"{int(state)} {state_name}" for state, state_name in STATE_NAMES.items())
     table = {
         "time": np.repeat(view.result_cycle.time[instant_indices], len(point_indices)),

@@ -77,6 +77,7 @@ def half_widths(view: CycleView) -> Plate:
             half_widths_of[kind].append((right_edge - left_edge) / 2 / a_ref)
             table[f"left_{kind}_edges_{role}"] = left_edge
             table[f"right_{kind}_edges_{role}"] = right_edge
+    # X_OVER_A: words of the axis, "x / a_ref"
     upper_panel = Panel(
         "edges",
         view.over_time(),
@@ -336,6 +337,7 @@ def load_path(view: CycleView) -> Plate:
         Curve(part.normal_load, part.tangential_load, part.line_css, part.name) for part in parts
     ]
     start_of_q_axis = min(-0.3 * end_of_q_axis, 1.25 * float(tangential_load.min()))
+    # _LOOP_HEIGHT: 220 pixels
     panel = Panel(
         "load-path",
         Axis(0.0, end_of_p_axis, f"normal load P  [{unit}]"),
@@ -546,6 +548,7 @@ def _shift_into_box(
         left, top, right and bottom end of the box
     """
     left_x, top_y, right_x, bottom_y = box
+    # _HALF_LABEL: half the width and half the height of a label
     least_place = np.array([left_x, top_y]) + _HALF_LABEL
     largest_place = np.array([right_x, bottom_y]) - _HALF_LABEL
     for signs in ([1, 1], [1, -1], [-1, 1], [-1, -1]):
@@ -680,6 +683,7 @@ def _loop_panel(
         view.keys, (reference_values, result_values), loads, strict=True
     ):
         marks.append(Curve(values, loads_of_engine, key.css, key.text))
+    # _LOOP_HEIGHT: 220 pixels
     panel = Panel(
         name,
         Axis(*axis_limits(reference_values, result_values, margin=0.12), title, count=4),

@@ -341,6 +341,7 @@ def _over_time(rig_motion: RigMotion) -> Plate:
 
     def panel_of(name: str, y_axis: Axis, marks: Sequence[Mark], alt: str) -> Panel:
         """A panel over time; `alt` says what it shows, for readers who can't see it."""
+        # _WIDTH: 900 pixels
         return Panel(name, time_axis, y_axis, marks, alt, _WIDTH, 300.0, css="broad", time="x")
 
     panels = [
@@ -415,6 +416,7 @@ def rows_of(rig_motion: RigMotion) -> list[tuple[str, str]]:
         time_in_words = f"{100 * time_fraction:.3g} % of the time"
         if motion in (Motion.FORWARD, Motion.BACK):
             time_in_words += f", over {rig_motion.slide_distance(motion):.6g} {unit_of_length}"
+        # _CSS_AND_WORDS: for each motion the class of the style sheet, and words
         rows.append((_CSS_AND_WORDS[motion][1], time_in_words))
     if rig_motion.motion_by_elements is not None:
         rows += _rows_of_elements(rig_motion, rig_motion.motion_by_elements)

@@ -124,6 +124,7 @@ def write(
         inputs = input_effects(comparison.scene, comparison.effects)
         report = replace(report, inputs=inputs)
     # a temporary folder, whose files move to `out` at the end; after an error the solutions alone
+    # SOLUTIONS: names of the files, reference.nc and result.nc
     with results_folder(out, solutions=SOLUTIONS) as folder:
         # before the page: one that fails must not cost what took long to solve
         comparison.reference.save(folder / SOLUTIONS[0])
