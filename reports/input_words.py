@@ -104,14 +104,14 @@ def sentences(
         finite elements compared with theory; without it the difference is that of theory corrected
         by responses of the bodies
     """
-    sliding = sliding_in_words(effects.sliding)
+    sentence_on_sliding = sliding_in_words(effects.sliding)
     if effects.reason_unknown:
         reason = _with_full_stop(effects.reason_unknown)
         reason_in_words = f"What the inputs make of the answer is not known: {reason}"
-        return [*filter(None, [sliding]), reason_in_words]
+        return [*filter(None, [sentence_on_sliding]), reason_in_words]
 
     # A warning of gross sliding, "" without one; then the other sentences.
-    all_sentences = [sliding]
+    all_sentences = [sentence_on_sliding]
     all_sentences += [
         *_sentence_on_difference(effects, comparison),
         *_sentence_on_measurement(effects, comparison),
@@ -168,22 +168,23 @@ def sentences_of_report(report: Report) -> list[str]:
     return [sentence for sentence in all_sentences if sentence]
 
 
-def sliding_in_words(sliding: NearSliding | None) -> str:
+def sliding_in_words(nearness: NearSliding | None) -> str:
     """A sentence that warns where two standard uncertainties of the inputs may make the bodies
     slide as a whole; else empty.
 
-    `sliding.ratio` is the largest |Q|/(f P), `uncertainty` its standard uncertainty, and
+    `nearness.ratio` is the largest |Q|/(f P), `uncertainty` its standard uncertainty, and
     `is_in_reach` whether 1 is within two of them.
 
     >>> sliding_in_words(NearSliding(0.979, 0.05))
     'Within two standard uncertainties of the inputs |Q| reaches f P, and the bodies slide as a
     whole: the largest |Q|/(f P) is 0.98 ± 0.05.'
     """
-    if sliding is None or not sliding.is_in_reach:
+    if nearness is None or not nearness.is_in_reach:
         return ""
     return (
         "Within two standard uncertainties of the inputs |Q| reaches f P, and the bodies slide as a"
-        f" whole: the largest |Q|/(f P) is {with_uncertainty(sliding.ratio, sliding.uncertainty)}."
+        " whole: the largest |Q|/(f P) is"
+        f" {with_uncertainty(nearness.ratio, nearness.uncertainty)}."
     )
 
 
@@ -390,17 +391,17 @@ def rows_of_difference(effects: InputEffects) -> list[tuple[str, ...]]:
         uncertain_input.key: uncertain_input.words for uncertain_input in effects.inputs
     }
     table: list[tuple[str, ...]] = []
-    for value in effects.difference.values():
+    for difference in effects.difference.values():
         changes_in_words = [
-            f"{input_in_words[key]} {significant(100 * abs(value.changes[key].value), 2)}"
-            for key in value.keys_by_size_of_change[:3]
+            f"{input_in_words[key]} {significant(100 * abs(difference.changes[key].value), 2)}"
+            for key in difference.keys_by_size_of_change[:3]
         ]
         # as many decimals as the uncertainty leaves
-        difference_in_words = with_uncertainty(100 * value.value, 100 * value.uncertainty)
+        difference_in_words = with_uncertainty(100 * difference.value, 100 * difference.uncertainty)
         percent_in_words = difference_in_words.partition(" ±")[0]
-        uncertainty_in_words = significant(100 * value.uncertainty, 2)
+        uncertainty_in_words = significant(100 * difference.uncertainty, 2)
         inputs_in_words = ", ".join(changes_in_words) or "–"
-        table.append((value.words, percent_in_words, uncertainty_in_words, inputs_in_words))
+        table.append((difference.words, percent_in_words, uncertainty_in_words, inputs_in_words))
     return table
 
 

@@ -1242,11 +1242,11 @@ def _composite_moduli(scene: Scene, drawn_changes: Mapping[str, Array]) -> Array
     of both bodies (material.young_modulus) or of one body (material.lower.young_modulus).
     """
     compliance: Array = np.zeros(len(next(iter(drawn_changes.values()))))
-    for body in ("lower", "upper"):
-        material = getattr(scene.material, body)
+    for body_name in ("lower", "upper"):
+        material = getattr(scene.material, body_name)
         constants: dict[str, Array] = {}
         for name in ("young_modulus", "poisson_ratio"):
-            change_of_body = drawn_changes.get(f"material.{body}.{name}", np.zeros(()))
+            change_of_body = drawn_changes.get(f"material.{body_name}.{name}", np.zeros(()))
             change = drawn_changes.get(f"material.{name}", change_of_body)
             constants[name] = getattr(material, name) * (1 + change)
         poisson_ratio = np.where(
@@ -1423,7 +1423,7 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
 
     # How near the loads come to gross sliding: the largest |Q|/(f P), RATIO where it is one of the
     # values.
-    sliding = None if scene.load.is_driven else nearness_to_sliding(scene)
+    nearness = None if scene.load.is_driven else nearness_to_sliding(scene)
     if RATIO in uncertain_values:
         # Near sliding the larger of the changes up and down counts.
         changes_of_ratio = _changes_towards_sliding(changes_by_inputs)
@@ -1432,16 +1432,18 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
         )
         uncertain_values[RATIO] = ratio
         # NearSliding: the ratio with its standard uncertainty
-        sliding = NearSliding(ratio.value, ratio.uncertainty)
+        nearness = NearSliding(ratio.value, ratio.uncertainty)
 
     # Random draws where derivatives are not enough; "" for no reason.
-    reason_by_sliding = reason_for_draws or _reason_by_sliding(sliding)
+    reason_by_sliding = reason_for_draws or _reason_by_sliding(nearness)
     reason_by_second_order = _reason_by_second_order(uncertain_values)
     draws = None
     if reason_by_sliding or reason_by_second_order:
         draws = draws_of_work(scene, reason_by_sliding or reason_by_second_order)
         if draws is None:
-            notes.append(_note_on_missing_draws(reason_by_sliding, reason_by_second_order, sliding))
+            notes.append(
+                _note_on_missing_draws(reason_by_sliding, reason_by_second_order, nearness)
+            )
 
     # The difference of finite bodies from half-planes, or why it is not known.
     difference, reason_without_difference = _difference_or_reason(scene, effects, correlation)
@@ -1452,13 +1454,13 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
         difference=difference,
         reason_without_difference=reason_without_difference,
         draws=draws,
-        sliding=sliding,
+        sliding=nearness,
         notes=tuple(notes),
     )
 
 
 def _note_on_missing_draws(
-    reason_by_sliding: str, reason_by_second_order: str, sliding: NearSliding | None
+    reason_by_sliding: str, reason_by_second_order: str, nearness: NearSliding | None
 ) -> str:
     """A note that random draws are needed and not taken; what other sentences of the report say is
     left out.
@@ -1467,12 +1469,12 @@ def _note_on_missing_draws(
     ----------
     reason_by_sliding, reason_by_second_order
         why draws are needed, "" where not
-    sliding
+    nearness
         how near the loads come to gross sliding; `is_in_reach`: within two standard uncertainties,
         which the report says elsewhere; None where it is not known
     """
     note = "draws of this load take too long"
-    if reason_by_sliding and not (sliding is not None and sliding.is_in_reach):
+    if reason_by_sliding and not (nearness is not None and nearness.is_in_reach):
         note = f"{reason_by_sliding}; {note}"
     # A large second order stands in the list of rough values.
     return note if reason_by_second_order else f"derivatives may not be enough: {note}"

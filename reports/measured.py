@@ -592,10 +592,16 @@ def _times_and_work_since_first_row(
     from the first of these times to each, (m,). None where the solution does not hold the work of
     each instant.
 
-    Parameters ---------- solution by half-plane theory ("semi_analytic") or finite elements: `time`
-    of its instants, and the work of the load step up to each under `record.energy` rows of the
-    first period, where the rows repeat shift_to_last time from that period to the last one solved,
-    whose work counts; 0 for rows that do not repeat
+    Parameters
+    ----------
+    solution
+        by half-plane theory ("semi_analytic") or finite elements: `time` of its instants, and the
+        work of the load step up to each under `record.energy`
+    rows
+        of the first period, where the rows repeat
+    shift_to_last
+        time from that period to the last one solved, whose work counts; 0 for rows that do not
+        repeat
     """
     if solution.engine == "semi_analytic":
         # Theory is solved again at the rows and at the ends of their load cycles.

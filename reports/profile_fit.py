@@ -143,6 +143,7 @@ def fit_uncertainty(scene: Scene, resamples: int = _N_RESAMPLES, seed: int = 0) 
     # `weight` is that of the smoothing of a spline, 0 for other kinds.
     was_smoothed = bool(fit.weight)
     if was_smoothed:
+        # Keys of the profile fitted again; None where there is no such fit.
         less_smoothed_profile = fitted_again(scene.profile, smoothing=0.1)
         values_less_smoothed = _values_under_other_fit(scene, less_smoothed_profile, work_method)
         if values_less_smoothed is not None:
@@ -454,7 +455,8 @@ def fit_warnings(scene: Scene, half_width: float) -> list[str]:
 
     n_rows = len(fit.used_rows())
     # Variance of the residuals over that of the noise. With `freedom` degrees of freedom it is 1
-    # with standard deviation sqrt(2/freedom).
+    # with standard deviation sqrt(2/freedom). `residual` is the root mean square of the residuals,
+    # `noise` a standard deviation.
     variance_ratio = (fit.residual / fit.noise) ** 2 * n_rows / fit.freedom
     # _MOST_SIGMAS_BY_CHANCE: 3.3 standard deviations
     largest_by_chance = _MOST_SIGMAS_BY_CHANCE * np.sqrt(2 / fit.freedom)

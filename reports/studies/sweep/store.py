@@ -152,8 +152,12 @@ class Store:
         (the name of its result's file) and coordinates of each of its points.
         """
         rows = [
-            {"number": p.number, "address": p.address, "coordinates": dict(p.coordinates)}
-            for p in points
+            {
+                "number": point.number,
+                "address": point.address,
+                "coordinates": dict(point.coordinates),
+            }
+            for point in points
         ]
         # _FORMAT: name and version of the format
         self.write_text(

@@ -641,6 +641,7 @@ def amplitudes(deck: Deck) -> dict[str, Array]:
         histories["TILT"] = deck.tilt * half_width
     if deck.moment is not None:
         histories["MOMENT"] = deck.moment / half_width
+    # `deck_time`: total time in the deck
     return {
         name: np.stack([deck.deck_time, history], axis=1) for name, history in histories.items()
     }
