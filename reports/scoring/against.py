@@ -130,7 +130,7 @@ def score_file(
     names of columns, units and signs. The reference is half-plane theory for `against` = "exact",
     finite elements for "fe". `tolerances` holds the largest |E| that passes, by key of the metric.
     """
-    # suffix .nc
+    # a NetCDF file, .nc
     is_of_this_program = path.suffix.lower() == SOLUTION_SUFFIX and path.is_file()
     if is_of_this_program:
         return score_solution(
@@ -249,7 +249,7 @@ def score_solution(
     reference_by_rule = reference
     notes_on_rule: tuple[str, ...] = ()
     if theory_of_path is not None:
-        # a_ref
+        # a_ref, the half-width that lengths are divided by
         half_width = scales_of_reference(theory_of_path).half_width
         reference_by_rule, notes_on_rule = reference_by_same_rule(reference, solution, half_width)
     # Without a rule that both follow the reference stands for itself.

@@ -136,9 +136,9 @@ def _origin_of_stiffness_factor(discrepancy: Discrepancy, factor: float) -> str:
     if material.alike and abs(factor / (1 - nu**2) - 1) < 0.2 * nu**2:
         return f"it is near 1 - nu^2 = {1 - nu**2:.3g}: plane stress"
     # known factors of E*/R, with a cause and how near one must be
-    for quotient in WORDS["stiffness"]:
-        if abs(factor / quotient["factor"] - 1) < quotient["within"]:
-            return str(quotient["cause"])
+    for known_factor in WORDS["stiffness"]:
+        if abs(factor / known_factor["factor"] - 1) < known_factor["within"]:
+            return str(known_factor["cause"])
     return "contact widths go as the square root of its inverse for a Hertz contact"
 
 

@@ -241,8 +241,10 @@ def _finding_of_scene_bodies(judgement: Judgement) -> Iterator[Diagnosis]:
     difference and the fits of causes to it.
     """
     discrepancy = judgement.discrepancy
+    # whether its reference_tractions are theory corrected for the bodies, in place of plain theory
     if not discrepancy.has_bodies:
         return
+    # plain half-plane theory at the instants compared
     reference_cycle = discrepancy.comparison.reference_cycle
     theory_tractions = np.array(
         [

@@ -121,14 +121,15 @@ class Discrepancy:
 
     @cached_property
     def resultant_ratio(self) -> float:
-        """Integral of the result's pressure over x, divided by the load P: about 1 where the result
-        is in equilibrium. It is the median over the loaded instants; NaN where there is none.
+        """Integral of the result's pressure over x, divided by what it should be: about 1 where the
+        result is in equilibrium. NaN where no instant is loaded by more than a hundredth of the
+        largest P.
 
-        It is compared with P and with the same integral over the reference's pressure, and the
-        ratio nearer to 1 counts: nodal forces over element lengths add up to P on any mesh,
-        pressures at points to the integral of theory's. Where the points end within the contact of
-        the reference, and not within that of the result, only P counts. An instant is loaded with
-        more than a hundredth of the largest P.
+        Of two ratios the one nearer to 1 counts: to P, as the median over the loaded instants; and
+        to the same integral of the reference's pressure, both summed over these instants. Nodal
+        forces over element lengths add up to P on any mesh, pressures at points to the integral of
+        theory's. Where the points end within the contact of the reference, and not within that of
+        the result, only P counts.
 
         # notation: P normal load
         """
@@ -139,7 +140,7 @@ class Discrepancy:
         result_sums = np.trapezoid(result_pressure, self.x, axis=1)
         reference_sums = np.trapezoid(reference_pressure, self.x, axis=1)
         ratio_to_load = float(np.median(result_sums / self.normal_load[self.is_loaded]))
-        # whether the first or the last point carries pressure
+        # whether the first or the last point carries pressure of the reference
         reference_is_cut_off = self._ends_in_contact(self.reference_tractions)
         if reference_is_cut_off and not self._ends_in_contact(self.result_tractions):
             return ratio_to_load

@@ -530,7 +530,7 @@ class Judgement:
         # _LARGEST_SHARE_LEFT_OF_PRESSURE: a tenth, here of the shear
         if share_of_difference_left(fit, fit_before, (SHEAR,)) > _LARGEST_SHARE_LEFT_OF_PRESSURE:
             return False
-        # (k, n) of each instant and point in the integrals
+        # (k, n) weight of each of k instants and n points in the integrals
         weight_of_points = self.discrepancy.weight
         # integrals of the shear over x, one for each instant
         shear_integrals = np.sum(
@@ -542,7 +542,7 @@ class Judgement:
         square_of_predicted = float(predicted_shear_integrals @ predicted_shear_integrals)
         if not square_of_predicted:
             return False
-        # the size of a factor is its logarithm
+        # the size of a factor is its logarithm; the ratio is that of least squares
         factor = float(np.exp(fit.sizes[fit.causes.index(SHEAR_FACTOR)]))
         ratio = float(shear_integrals @ predicted_shear_integrals) / square_of_predicted
         return abs(ratio - 1) <= _SHARE_OF_FACTOR_IN_SUM * abs(factor - 1)
@@ -569,7 +569,7 @@ class Judgement:
         # integral of the result's pressure over P
         measured_ratio = self.discrepancy.resultant_ratio
         reason = f"the sum of the pressures is {measured_ratio:.4g} P"
-        # by more than 5 %
+        # the sum differs from P by more than 5 %
         is_sum_wrong = abs(measured_ratio - 1) > _LARGEST_ERROR_OF_SUM
         if "coarse_edge" in fit.keys and not predicted_ratios and is_sum_wrong:
             self.reason_by_cause["coarse_edge"] = reason

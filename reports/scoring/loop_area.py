@@ -300,10 +300,10 @@ def _error_by_scatter(loop: MasingLoop, fit: MasingFit, area_per_sigma: Array) -
     """
     from scipy.stats import t as student
 
-    # (7,) by the parameters of the loop
+    # derivatives of the area by the seven parameters of the loop, (7,)
     area_by_parameters = loop.area_by_parameters + area_per_sigma @ fit.distances.derivatives
-    # (m,) by the residuals of the fit, of which those of the n rows come first: `influence` (7, m)
-    # is the change of the parameters by each residual
+    # derivatives (m,) of the area by the residuals of the fit, of which those of the n rows come
+    # first: `influence` (7, m) is the change of the parameters by each residual
     area_by_residuals = area_by_parameters @ fit.influence
     area_by_residuals[: len(area_per_sigma)] += area_per_sigma
     # The scatter is at least what the digits of the rows leave: sigma is no smaller.
@@ -316,9 +316,9 @@ def _error_by_scatter(loop: MasingLoop, fit: MasingFit, area_per_sigma: Array) -
     widening = max(fit.misfit.widening, 1.0)
     sum_of_squares = float(area_by_residuals @ area_by_residuals)
     sigma_of_area = math.sqrt(variance * sum_of_squares) * widening
-    # 1.96 of many rows
+    # 97.5 % quantile of Student's t distribution: 1.96 for many rows
     student_factor = float(student.ppf(0.975, fit.degrees_of_freedom))
-    # 1.12, fitted on 1,156 loops
+    # _FACTOR_ON_SCATTER: 1.12, fitted on 1,156 loops
     error_by_scatter = _FACTOR_ON_SCATTER * student_factor * sigma_of_area
     # W of a thin loop is no straight function of the rows: over the interval of f it changes more.
     # A loop without an upper limit of f may be a line, which has no area.

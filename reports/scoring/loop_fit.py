@@ -261,7 +261,7 @@ class LoopsOverFriction:
         """U (m,) of the scene with the friction coefficient f [length]: interpolated by a cubic
         between loops of theory at steps of sqrt(ln(f/f of gross sliding)).
         """
-        # that root, in steps
+        # the root for this f, in steps of 0.02
         root = self._root_in_steps(friction)
         step = round(root)
         if abs(root - step) < 1e-9:

@@ -353,7 +353,7 @@ class MasingLoop:
         gradient = np.zeros(7)
         for k in (LOG_F, RANGE, COMPLIANCE, SLIDE):
             parameter_step = np.zeros(7)
-            # _RELATIVE_STEP: 1e-4
+            # 1e-4 of the parameter
             parameter_step[k] = _RELATIVE_STEP * max(abs(float(self.parameters[k])), _RELATIVE_STEP)
             area_above = MasingLoop(self.curve, self.parameters + parameter_step).area
             area_below = MasingLoop(self.curve, self.parameters - parameter_step).area

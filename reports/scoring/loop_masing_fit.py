@@ -1111,10 +1111,11 @@ def _parameter_changes_by_residuals(search: _Search, parameters: Array, is_gross
     # derivatives (m, 7) by the parameters over their typical sizes
     scaled_derivatives = _scaled_derivatives(search, parameters, derivatives, is_gross)
     pseudo_inverse = np.linalg.pinv(scaled_derivatives[:, fitted_indices])
-    sizes = search.parameter_sizes[fitted_indices]
+    typical_sizes = search.parameter_sizes[fitted_indices]
     influence = np.zeros((7, len(derivatives)))
-    influence[fitted_indices] = -pseudo_inverse * sizes[:, None]
-    if is_gross:  # the range R of Q follows from ln f: R = 2 f P
+    influence[fitted_indices] = -pseudo_inverse * typical_sizes[:, None]
+    # the range R of Q follows from ln f: R = 2 f P; RANGE, LOG_F: indices of R and of ln f
+    if is_gross:
         influence[RANGE] = parameters[RANGE] * influence[LOG_F]
     return influence
 

@@ -105,18 +105,18 @@ def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
     trials_above = trials_outside[trials_outside > log_friction]
     log_at_lower_end = search.log_friction_at_limit(limit, log_friction, trials_below, alignment)
     log_at_upper_end = search.log_friction_at_limit(limit, log_friction, trials_above, alignment)
-    distance_down = abs(scale * math.exp(log_at_lower_end) - friction)
-    distance_up = abs(scale * math.exp(log_at_upper_end) - friction)
+    distance_to_lower_end = abs(scale * math.exp(log_at_lower_end) - friction)
+    distance_to_upper_end = abs(scale * math.exp(log_at_upper_end) - friction)
 
     # error of f, since noise of Q leaves the place and the size of the rows' loads uncertain
     noise_of_load, changes_of_friction = _friction_changes_by_load_noise(
         search, alignment, neighbours_of_best, friction
     )
     errors_beside_scatter = (friction * _RELATIVE_ERROR_OF_THEORY, *changes_of_friction)
-    lowest_friction = friction - math.hypot(distance_down, *errors_beside_scatter)
+    lowest_friction = friction - math.hypot(distance_to_lower_end, *errors_beside_scatter)
     highest_friction = None
-    if not math.isinf(distance_up):
-        highest_friction = friction + math.hypot(distance_up, *errors_beside_scatter)
+    if not math.isinf(distance_to_upper_end):
+        highest_friction = friction + math.hypot(distance_to_upper_end, *errors_beside_scatter)
     n_cycles = float(loop.time[-1] / alignment.period)
     sentences = [
         (

@@ -192,7 +192,7 @@ def _figure_of_loop(score: LoopScore, means: _Means, caption_numbers: dict[str, 
         380.0,
         css="broad",
     )
-    # of the CSV file
+    # columns of the CSV file
     columns = {
         "tau": score.share_of_cycle,
         f"Q [{unit_of_load}]": score.load,

@@ -289,7 +289,7 @@ def trend_of_sizes(values: Array, load: Array, time: Array, noise: float) -> Tre
 
     # notation: Q tangential load, U relative tangential displacement
     """
-    # (k,) of all cycles
+    # size of each cycle, (k,)
     sizes = sizes_of_cycles(values, load, time, noise)
     if len(sizes) < 2:
         return None
@@ -407,7 +407,7 @@ def _growth_through_noise(displacement: Array, load: Array, time: Array, noise: 
     largest_trend = max(known_trends, key=lambda trend: abs(trend.rate))
     sum_of_squared_ratios = sum((trend.rate / trend.error) ** 2 for trend in known_trends)
     n_cycles = len(sizes_of_cycles(load, load, time, noise)) / 2
-    # 11, which chance exceeds in 0.4 %
+    # the limit 11, which chance exceeds in 0.4 % of loops
     if sum_of_squared_ratios < _SQUARES_OF_CERTAIN_TRENDS:
         return ""
     # growth over all cycles by less than 3 %

@@ -125,7 +125,7 @@ def fit_steady_rows(
         # (its area over the range of Q)
         share_of_opening = _share_of_opening(loop, fit.misfit, fit.phase)
         if (
-            # 2 %
+            # more than 2 % of the opening
             share_of_opening > _LARGEST_SHARE_OF_OPENING_WHERE_LOAD_VARIES
             or _differences_of_cycles_in_words(loop)
         ):
@@ -466,17 +466,17 @@ def _fit_with_interval_for_change(fit: FittedLoop, candidate: _Candidate) -> Fit
 
     # notation: f coefficient of friction, Q tangential load, U relative tangential displacement
     """
-    # 5 %
+    # scatter alone shows such a growth with a chance of more than 5 %
     if candidate.change_of_size.chance > _LARGEST_CHANCE_TO_WIDEN and not candidate.had_run_in:
         return fit
     # change of ln f: a change by more than a factor e counts as one by e
     log_change = candidate.log_friction_change
     friction_change = fit.friction * math.expm1(min(abs(log_change), 1.0))
-    distance_down = math.hypot(fit.friction - fit.lowest_friction, friction_change)
+    distance_to_lower_end = math.hypot(fit.friction - fit.lowest_friction, friction_change)
     highest_friction = None
     if fit.highest_friction is not None:
-        distance_up = math.hypot(fit.highest_friction - fit.friction, friction_change)
-        highest_friction = fit.friction + distance_up
+        distance_to_upper_end = math.hypot(fit.highest_friction - fit.friction, friction_change)
+        highest_friction = fit.friction + distance_to_upper_end
     sentence = (
         "The loop still changes over the rows that are left, f by"
         f" {100 * math.expm1(min(log_change, 1.0)):+.2g} % to the last one: the interval"
@@ -484,7 +484,7 @@ def _fit_with_interval_for_change(fit: FittedLoop, candidate: _Candidate) -> Fit
     )
     return replace(
         _fit_with_sentence(fit, sentence),
-        lowest_friction=max(fit.friction - distance_down, 0.0),
+        lowest_friction=max(fit.friction - distance_to_lower_end, 0.0),
         highest_friction=highest_friction,
     )
 

@@ -431,6 +431,7 @@ def _loop_with_rig(
     # notation: C compliance of the rig, f coefficient of friction, Q tangential load, U relative
     #           tangential displacement
     """
+    # Q of the scene through a cycle
     load_of_scene = cycle_loads(fit.scene)[1]
     load = fit.scale * load_of_scene
     # C and U0 by least squares over the rows

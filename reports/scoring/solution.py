@@ -455,12 +455,12 @@ def _missing_fields(
     Parameters
     ----------
     time
-        (k,) instants of the result
+        (k,) times of the result's instants
     instants_of_cycle
         how many of them make up the last whole cycle, 0 where they hold none
     """
     missing_names = ("tangential_displacement", "normal_approach", "loop_work")
-    # _NOT_IN_RESULT: "not in the result"
+    # missing from every external result; _NOT_IN_RESULT: "not in the result"
     reason_by_name = dict.fromkeys(missing_names, _NOT_IN_RESULT)
     if surface.slip is None:
         reason_by_name["slip"] = _NOT_IN_RESULT

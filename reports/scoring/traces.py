@@ -287,7 +287,7 @@ def _changes_in_stick(discrepancy: Discrepancy, shear_sign: float) -> _ChangesIn
     is_touching = (result_cycle.pressure[1:] > 0) & (result_cycle.pressure[:-1] > 0)
     # largest slip between two instants of points in contact
     largest_change = float(np.max(np.abs(slip_change), where=is_touching, initial=0.0))
-    # a thousandth of it
+    # the slip of the reference changes by less than a thousandth of it
     is_at_rest = np.abs(slip_change_of_reference) <= _LARGEST_STEP_AT_REST * largest_change
     is_sticking = is_well_inside[1:] & is_well_inside[:-1] & is_at_rest
     return _ChangesInStick(slip_change, shear_change, is_sticking, largest_change)
@@ -378,7 +378,7 @@ def find_scatter(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
         excess = np.abs(result_cycle.shear) / scales.shear - result_cycle.pressure / scales.pressure
         n_beyond_limit = int(np.sum(excess[is_touching] > 0))
         largest_excess = float(np.max(excess[is_touching]))
-        # five standard deviations
+        # what noise alone may make: five standard deviations
         excess_by_noise = _DEVIATIONS_BY_NOISE * square_of_noise**0.5
         size_in_words = "more than noise alone makes"
         if largest_excess <= excess_by_noise:
@@ -482,7 +482,7 @@ def tractions_of_coarse_mesh(
     """
     is_near_edge = points_near_edges(discrepancy)
     is_in_contact = discrepancy.mask_in_contact(discrepancy.reference_tractions)
-    # 60 % of the points in contact
+    # more than 60 % of the points in contact
     if not is_near_edge.any() or np.mean(is_near_edge[is_in_contact]) > _LARGEST_SHARE_NEAR_EDGES:
         return None
     # (n,) wider spacing beside each point
