@@ -1,26 +1,27 @@
 """Linear systems of the active set: what loads do to the interface while its nodes keep their
 states, for many sets of states.
 
-Unknowns z = (p, q, delta, U); each node has two rows (equations), by its state:
+Unknowns z = (p, q, delta, U); each node has two equations, by its state:
 
     open    p = 0,             q = 0
     stick   gap = 0,           slip = known
     slip    gap = 0,           q - (+-f) p = 0
 
-and two rows for the loads; U = 0 is the second where Q is zero by symmetry, or where there is no
-shear. Where the movement of an actuator stands in the place of a load, its row is that of
-`actuators`. A state of a node is a choice of rows, so that the matrix of a set differs from that of
-a base set in a few rows alone (Sherman-Morrison-Woodbury).
+and two equations for the loads; U = 0 is the second where Q is zero by symmetry, or where there is
+no shear. Where the movement of an actuator stands in the place of a load, its equation is that of
+`actuators`. A state of a node is a choice of equations, so that the matrix of a set differs from
+that of a base set in a few rows alone (Sherman-Morrison-Woodbury).
 
-A row pairs a displacement with the force in its direction: gap with pressure, slip with shear. It
-is *held* where the states prescribe the displacement, and *free* where they prescribe the force;
-the other of the two is its response. Where a node slides the force of its tangential row is
+An equation pairs a displacement with the force in its direction: gap with pressure, slip with
+shear. It is *held* where the states prescribe the displacement, and *free* where they prescribe the
+force; the other of the two is its response. Where a node slides the force of its tangential
+equation is
 q - (+-f) p.
 
-Of a base the responses to unit cases are cached: to 1 in what it prescribes in one row, and to each
-unit load. A set is reached from the base by amplitudes of its unit cases. With v the responses to a
-load, c_r those to the unit case of row r, and R what the set prescribes in the rows in which it
-differs from the base,
+Of a base the responses to unit cases are cached: to 1 in what it prescribes in one equation, and to
+each unit load. A set is reached from the base by amplitudes of its unit cases. With v the responses
+to a load, c_r those to the unit case of equation r, and R what the set prescribes in the equations
+in which it differs from the base,
 
     responses = v + sum_r y_r c_r,    R(v) + sum_r y_r R(c_r) = given:
 
@@ -58,18 +59,18 @@ LuFactors = tuple[Array, NDArray[np.int32]]
 # 136.
 _MOST_BASE_BYTES = 80_000_000
 _FEWEST_BASES = 4
-# Rows in which a set may differ from its base: beyond that the set becomes a base itself.
+# Equations in which a set may differ from its base: beyond that the set becomes a base itself.
 _MOST_UPDATED_ROWS = 110
 # Bits of `_equation_bits` by state: OPEN, STICK, SLIP_FORWARD, SLIP_REVERSE.
 _NORMAL_EQUATION_BITS = np.array([1, 2, 2, 2], dtype=np.int8)
 _TANGENTIAL_EQUATION_BITS = np.array([2 + 4, 1, 2, 4], dtype=np.int8)
-# Rows in which a base may differ from one with factors for its values to be updates of those: of
-# 700 nodes updates cost less than factors up to there.
+# Equations in which a base may differ from one with factors for its values to be updates of those:
+# of 700 nodes updates cost less than factors up to there.
 _MOST_ROWS_FROM_ORIGIN = 300
 # Sets of which `newton_correction` keeps the factors: the iterations of an increment go to and fro
 # between few of them.
 _MOST_FACTORISED_SETS = 8
-# Rows on either side of one that is needed whose values are found along with it: edges of contact
+# Nodes on either side of one that is needed whose values are found along with it: edges of contact
 # and stick travel from node to node.
 _N_NEIGHBOURS = 16
 # Room for responses of a base over what is needed when it is made.
@@ -124,14 +125,14 @@ class Layer:
 
 class _HeldEquations(NamedTuple):
     """Compliance of the contact for one set of node states: displacements by forces in the k held
-    rows, those that prescribe a gap, a slip, or the load P or Q.
+    equations, those that prescribe a gap, a slip, or the load P or Q.
 
     Attributes
     ----------
     held_by_held
-        factors of (k, k) displacements of held rows by forces of held rows
+        factors of (k, k) displacements of held equations by forces of held equations
     free_by_held
-        (n_free, k) displacements of free rows by forces of held rows
+        (n_free, k) displacements of free equations by forces of held equations
     """
 
     held_by_held: LuFactors
@@ -149,36 +150,37 @@ class _Base:
 
     Attributes
     ----------
-    row_states
-        (2 n,) states of the nodes for their normal rows, then for their tangential ones: there
+    equation_states
+        (2 n,) states of the nodes for their normal equations, then for their tangential ones: there
         open nodes may count as sliding
     equation_bits
-        (2 n,) which equation each row holds, see `_equation_bits`
+        (2 n,) type of each equation, see `_equation_bits`
     signed_friction
         (n,) q over p: +f or -f of the nodes that slide, open ones that count as sliding among
         them; else 0
     is_held
-        (2 n,) whether the displacement of each row is prescribed
-    held_rows
-        (k,) rows whose displacement is prescribed, then P and Q: what responds to these is
+        (2 n,) whether the displacement of each equation is prescribed
+    held_equations
+        (k,) equations whose displacement is prescribed, then P and Q: what responds to these is
         solved for
-    free_rows
-        (n_free,) rows whose force is prescribed
+    free_equations
+        (n_free,) equations whose force is prescribed
     position_in_held
-        (2 n + 5,) of each row and load, -1 of those that are not among `held_rows`
+        (2 n + 5,) of each equation and load, -1 of those that are not among `held_equations`
     value_sources
         (3 + 4 n,) where each value of an interface state comes from: the 2 n + 3 responses, or
-        the 2 n prescribed values of the rows, which follow them. Shear is the force of its row
+        the 2 n prescribed values of the equations, which follow them. Shear is the force of its
+        equation
     equations
         of its own, factorised; None where it has an origin
     origin
         the base from whose responses its own are found
     response_row_of_case
-        (2 n + 5,) row of `responses` for the unit case of each row and load, -1 where that is
+        (2 n + 5,) row of `responses` for the unit case of each equation and load, -1 where that is
         not solved yet
     responses
-        (m, 2 n + 3) to unit cases, of which `n_cases` are solved: of each row, then approach, U
-        and tilt
+        (m, 2 n + 3) to unit cases, of which `n_cases` are solved: of each equation, then approach,
+        U and tilt
     n_cases
         unit cases that are solved
     sets_served
@@ -186,12 +188,12 @@ class _Base:
         computed from it again, to the same last digit
     """
 
-    row_states: States
+    equation_states: States
     equation_bits: States
     signed_friction: Array
     is_held: Mask
-    held_rows: Indices
-    free_rows: Indices
+    held_equations: Indices
+    free_equations: Indices
     position_in_held: Indices
     value_sources: Indices
     equations: _HeldEquations | None
@@ -216,29 +218,32 @@ class _Update(NamedTuple):
     ----------
     responses
         (c, 2 n + 3) of each case: what the base does not prescribe
-    rows
+    equation_numbers
         (m,) in which the set differs from the base
     amplitudes
-        (c, m) factors of the base's responses to unit right sides in these rows: what the base
+        (c, m) factors of the base's responses to unit right sides in these: what the base
         would prescribe there
     """
 
     responses: Array
-    rows: Indices
+    equation_numbers: Indices
     amplitudes: Array
 
 
-def _equation_bits(row_states: States) -> NDArray[np.int8]:
-    """Type of the equation in each row of a set of node states, as bits (2 n,): normal rows, then
-    tangential ones. Two sets differ in a row where their bits have none in common.
+def _equation_bits(equation_states: States) -> NDArray[np.int8]:
+    """Type of each equation of a set of node states, as bits (2 n,): normal equations, then
+    tangential ones. Two sets differ in an equation where their bits have none in common.
 
     Normal: 1 where p = 0 (open), 2 where the gap is 0. Tangential: 1 for stick, 2 and 4 for slip in
     either sense. An open node has both bits of slip: with p = 0, q = (+-f) p is q = 0.
     """
-    n = len(row_states) // 2
+    n = len(equation_states) // 2
     # _NORMAL_EQUATION_BITS: bits by the number of a state
     return np.concatenate(
-        [_NORMAL_EQUATION_BITS.take(row_states[:n]), _TANGENTIAL_EQUATION_BITS.take(row_states[n:])]
+        [
+            _NORMAL_EQUATION_BITS.take(equation_states[:n]),
+            _TANGENTIAL_EQUATION_BITS.take(equation_states[n:]),
+        ]
     )
 
 
@@ -523,7 +528,7 @@ class Systems:
         self,
         states: States,
         n_loads: int,
-        rows: Indices | None = None,
+        equation_numbers: Indices | None = None,
         changes: Array | None = None,
     ) -> Array:
         """Derivatives of the contact's values by its loads while the n nodes keep their states, and
@@ -538,11 +543,11 @@ class Systems:
             (n,) open, stick or slip
         n_loads
             2 (P and Q) or 5 (bulk stresses and tilt too)
-        rows
+        equation_numbers
             numbers of equations whose right side changes: i is the normal one of node i, n + i the
             tangential one
         changes
-            (len(rows),) these changes, at constant loads
+            (len(equation_numbers),) these changes, at constant loads
 
         Returns
         -------
@@ -571,9 +576,9 @@ class Systems:
         self.work_counts["linear solves"] += 1
         # By ascending x first stick, then slip, then open: Cholesky factors made once serve all.
         if self._is_nested(states):
-            return self._values_of_nested(states, n_loads, rows, changes)
+            return self._values_of_nested(states, n_loads, equation_numbers, changes)
         # Else by an update of low rank from cached responses for similar states.
-        return self._values_from_base(states, n_loads, rows, changes)
+        return self._values_from_base(states, n_loads, equation_numbers, changes)
 
     def _is_nested(self, states: States) -> bool:
         """Whether, by ascending x, the first nodes stick, the next ones slide and the last are
@@ -591,7 +596,7 @@ class Systems:
         )
 
     def _values_of_nested(
-        self, states: States, n_loads: int, rows: Indices | None, changes: Array | None
+        self, states: States, n_loads: int, equation_numbers: Indices | None, changes: Array | None
     ) -> Array:
         """Derivatives of the contact's values by its loads, (n_loads, 3 + 4 n), where by ascending
         x the first nodes stick, the next slide, the last are open, and p does not depend on q.
@@ -606,19 +611,19 @@ class Systems:
             (n,) open, stick or slip
         n_loads
             2, of P and Q
-        rows, changes
+        equation_numbers, changes
             equations whose right side changes at constant loads (i normal, n + i tangential), and
             by how much: one more row of what is returned; None for none
         """
         n = len(states)
         n_touching_nodes = int(np.count_nonzero(states))
         n_sticking_nodes = int(np.count_nonzero(states == STICK))
-        n_cases = n_loads + (rows is not None)
+        n_cases = n_loads + (equation_numbers is not None)
 
         # Right sides of the equations, normal and tangential: 0 but for the changes.
         right_sides = np.zeros((2, n, n_cases))
-        if rows is not None:
-            right_sides[rows // n, rows % n, n_loads] = changes
+        if equation_numbers is not None:
+            right_sides[equation_numbers // n, equation_numbers % n, n_loads] = changes
         normal_right_sides, tangential_right_sides = right_sides
         # (n_cases,) P and Q in each case: 1 in its own, 0 in the others.
         normal_load, tangential_load, *_ = np.eye(n_loads, n_cases)
@@ -656,7 +661,7 @@ class Systems:
         return values
 
     def _values_from_base(
-        self, states: States, n_loads: int, rows: Indices | None, changes: Array | None
+        self, states: States, n_loads: int, equation_numbers: Indices | None, changes: Array | None
     ) -> Array:
         """Derivatives of the contact's values by its loads, (n_loads, 3 + 4 n), for any states of
         the nodes, by an update of low rank from cached responses for similar states (the base).
@@ -669,45 +674,49 @@ class Systems:
             (n,) open, stick or slip
         n_loads
             2 (P and Q) or 5 (bulk stresses and tilt too)
-        rows, changes
+        equation_numbers, changes
             equations whose right side changes at constant loads (i normal, n + i tangential), and
             by how much: one more row of what is returned; None for none
         """
         n = len(states)
-        # The base, and (2 n,) whether its equation differs from that of these states in each row.
+        # The base, and (2 n,) whether each of its equations differs from that of these states.
         base, needs_update = self._base_for(states)
         right_sides = np.zeros((0, 2 * n))
-        if rows is not None:
-            needs_update[rows] = True
+        if equation_numbers is not None:
+            needs_update[equation_numbers] = True
             # An open node with a given p has q = 0, not q = (+-f) p.
-            needs_update[n + rows[rows < n]] = True
+            needs_update[n + equation_numbers[equation_numbers < n]] = True
             right_sides = np.zeros((1, 2 * n))
-            right_sides[0, rows] = changes
+            right_sides[0, equation_numbers] = changes
 
         # Responses: of each equation the displacement or force that the base does not prescribe,
         # then approach, U and tilt. Amplitudes: what it would prescribe in the updated equations.
-        updated_rows = needs_update.nonzero()[0]
-        row_states = np.concatenate([states, states])
+        updated_equations = needs_update.nonzero()[0]
+        equation_states = np.concatenate([states, states])
         load_numbers = np.arange(2 * n, 2 * n + n_loads)
         update = self._updated_responses(
-            base, row_states, updated_rows, load_numbers, right_sides[:, updated_rows]
+            base,
+            equation_states,
+            updated_equations,
+            load_numbers,
+            right_sides[:, updated_equations],
         )
 
         # Values are picked from the responses and, after them, what the base prescribes.
         n_responses = 2 * n + 3
         responses_and_prescribed = np.zeros((len(update.responses), n_responses + 2 * n))
         responses_and_prescribed[:, :n_responses] = update.responses
-        responses_and_prescribed[:, n_responses + updated_rows] = update.amplitudes
+        responses_and_prescribed[:, n_responses + updated_equations] = update.amplitudes
         values = responses_and_prescribed.take(base.value_sources, axis=1)
         _, pressure, shear, _ = values[:, 3:].reshape(-1, 4, n).transpose(1, 0, 2)
-        shear += base.signed_friction * pressure  # so far q - (+-f) p, the force of its row
+        shear += base.signed_friction * pressure  # so far q - (+-f) p, the force of its equation
         return values
 
     def _updated_responses(
         self,
         base: _Base,
-        row_states: States,
-        rows: Indices,
+        equation_states: States,
+        equation_numbers: Indices,
         unit_cases: Indices,
         right_sides: Array,
     ) -> _Update:
@@ -719,53 +728,60 @@ class Systems:
         right side of 0 but for a 1 in one equation or load. A response is a row of what the base
         does not prescribe: 2 n forces or displacements, then approach, U and tilt.
 
-        The base's response to a 1 in each of `rows` is added with an amplitude, so that the new
-        set's equations in these rows are met. With their left sides in the responses,
+        The base's response to a 1 in each of `equation_numbers` is added with an amplitude, so that
+        the new set's equations of these numbers are met. With their left sides in the responses,
 
-            left sides in unit_cases + amplitudes @ left sides in cases of rows = right sides
-            responses = responses to unit_cases + amplitudes @ responses to rows
+            left sides in unit_cases + amplitudes @ left sides in responses to a 1 = right sides
+            responses = responses to unit_cases + amplitudes @ responses to a 1
 
-        The right sides are 0 in the unit cases. The answer has a row for each of `unit_cases`, then
-        one for each further right side.
+        The right sides are 0 in the unit cases. What is returned has a row for each of
+        `unit_cases`, then one for each further right side.
 
         Parameters
         ----------
         base
             the set whose responses are cached
-        row_states
+        equation_states
             (2 n,) state in the new set of the node of each equation: those in the normal direction,
             then those in the tangential one
-        rows
+        equation_numbers
             (m,) numbers of the equations in which the sets differ, or whose right side is given
         unit_cases
             (k,) numbers of the loads, or of equations common to both sets, that are 1 in the first
-            k rows of the answer
+            k rows of what is returned
         right_sides
-            (c, m) of the equations `rows`, in c further rows of the answer
+            (c, m) of the equations `equation_numbers`, in c further rows of what is returned
         """
         # Responses of the base to the unit cases and to a 1 in each of the m equations, cached or
         # solved here: `base.response_row_of_case` says in which row of `base.responses` each is.
         n_units = len(unit_cases)
-        base_cases = np.concatenate([unit_cases, rows])
+        base_cases = np.concatenate([unit_cases, equation_numbers])
         self._solve_cases(base, base_cases)
         base_responses = base.responses.take(base.response_row_of_case[base_cases], axis=0)
         responses = np.zeros((n_units + len(right_sides), base_responses.shape[1]))
         responses[:n_units] = base_responses[:n_units]
-        if not len(rows):
-            return _Update(responses, rows, np.zeros((len(responses), 0)))
+        if not len(equation_numbers):
+            return _Update(responses, equation_numbers, np.zeros((len(responses), 0)))
 
         # The m equations for the amplitudes.
         self.work_counts["factor updates"] += 1
         # (k + m, m) left sides of the new set's equations in the base's responses
-        left_sides = self._left_sides(base, row_states, rows, base_cases, base_responses)
+        left_sides = self._left_sides(
+            base, equation_states, equation_numbers, base_cases, base_responses
+        )
         left_sides_by_amplitudes = left_sides[n_units:].T
         residuals = np.concatenate([-left_sides[:n_units], right_sides])
         amplitudes = _lu_solve(_lu(left_sides_by_amplitudes), residuals.T).T
         responses += _few_rows_times(amplitudes, base_responses[n_units:])
-        return _Update(responses, rows, amplitudes)
+        return _Update(responses, equation_numbers, amplitudes)
 
     def _left_sides(
-        self, base: _Base, row_states: States, rows: Indices, cases: Indices, responses: Array
+        self,
+        base: _Base,
+        equation_states: States,
+        equation_numbers: Indices,
+        cases: Indices,
+        responses: Array,
     ) -> Array:
         """Left sides (c, m) of m equations of one set of node states, evaluated in c responses of
         another set, the base.
@@ -779,10 +795,10 @@ class Systems:
             the set of states for which the responses were computed: its `is_held` (2 n,) are the
             equations that prescribe a displacement, its `signed_friction` (n,) is +-f of the nodes
             that slide in it, else 0
-        row_states
+        equation_states
             (2 n,) states of the n nodes in the other set, whose equations are evaluated: for normal
             equations, then for tangential ones
-        rows
+        equation_numbers
             (m,) numbers of the equations: i normal, n + i tangential
         cases
             (c,) equation or load whose right side is 1 in each response of the base
@@ -792,36 +808,36 @@ class Systems:
         """
         n = len(self.normal_compliance)
 
-        def values_in_rows(rows_read: Indices, is_response: Mask) -> Array:
-            """(c, len(rows_read)) displacements or forces: a response where `is_response`, else
-            what the base prescribes, 1 in the case of that row and 0 in the others.
+        def values_in_equations(equations_read: Indices, is_response: Mask) -> Array:
+            """Displacements or forces (c, m) in m equations: a response where `is_response`, else
+            what the base prescribes, 1 in the case of that equation and 0 in the others.
             """
-            values = responses.take(rows_read, axis=1)
+            values = responses.take(equations_read, axis=1)
             if not is_response.all():
-                prescribed_rows = rows_read[~is_response]
-                values[:, ~is_response] = np.equal.outer(cases, prescribed_rows)
+                prescribed_equations = equations_read[~is_response]
+                values[:, ~is_response] = np.equal.outer(cases, prescribed_equations)
             return values
 
         # In each equation: does the other set prescribe a displacement, or a force?
-        node_of_row = rows % n
-        state_of_row = row_states[rows]
-        is_normal = rows < n
+        node_of_equation = equation_numbers % n
+        state_of_equation = equation_states[equation_numbers]
+        is_normal = equation_numbers < n
         prescribes_displacement = np.where(
-            is_normal, state_of_row != OPEN, (state_of_row == STICK) & self.has_shear
+            is_normal, state_of_equation != OPEN, (state_of_equation == STICK) & self.has_shear
         )
         # Where the base prescribes the displacement its response is the force, and vice versa.
-        is_response = base.is_held[rows] != prescribes_displacement
-        left_sides = values_in_rows(rows, is_response)
+        is_response = base.is_held[equation_numbers] != prescribes_displacement
+        left_sides = values_in_equations(equation_numbers, is_response)
 
-        # The base's force in a tangential row is q minus its own (+-f) p; the left side is q minus
-        # that of the other set.
-        friction_difference = base.signed_friction[node_of_row] - self.friction * slip_sign(
-            state_of_row
+        # The base's force in a tangential equation is q minus its own (+-f) p; the left side is q
+        # minus that of the other set.
+        friction_difference = base.signed_friction[node_of_equation] - self.friction * slip_sign(
+            state_of_equation
         )
         needs_pressure = ~is_normal & ~prescribes_displacement & (friction_difference != 0)
         columns_with_pressure = needs_pressure.nonzero()[0]
-        pressure_rows = node_of_row[columns_with_pressure]
-        pressure = values_in_rows(pressure_rows, base.is_held[pressure_rows])
+        pressure_equations = node_of_equation[columns_with_pressure]
+        pressure = values_in_equations(pressure_equations, base.is_held[pressure_equations])
         left_sides[:, columns_with_pressure] += (
             friction_difference[columns_with_pressure] * pressure
         )
@@ -863,8 +879,8 @@ class Systems:
         if not (self._displacement_needs_no_stick or STICK in states):
             raise SingularSet("no node sticks: the bodies slide on each other")
 
-        # Factorised equations of these states (`base`). Its held rows are the equations that
-        # prescribe a displacement, then P and Q; its free rows are those that prescribe a force.
+        # Factorised equations of these states (`base`). Its held equations are those that prescribe
+        # a displacement, then P and Q; its free ones prescribe a force.
         key = states.tobytes()
         base = self._factorised_sets.pop(key, None)
         if base is None:
@@ -874,20 +890,21 @@ class Systems:
             del self._factorised_sets[next(iter(self._factorised_sets))]
 
         # Columns: one case a load, then the changes. Rows, as the columns of the contact matrix: p,
-        # q, approach, U, bulk stresses, tilt. First what is known: forces of free rows, bulk, tilt.
+        # q, approach, U, bulk stresses, tilt. First what is known: forces of free equations, bulk
+        # stresses, tilt.
         load_numbers = np.arange(2 * n, 2 * n + n_loads)
         case_of_changes = n_loads
         forces_and_motions = np.zeros((2 * n + 5, n_loads + 1))
         forces_and_motions[load_numbers[2:], np.arange(2, n_loads)] = 1.0
-        forces_and_motions[base.free_rows, case_of_changes] = changes[base.free_rows]
+        forces_and_motions[base.free_equations, case_of_changes] = changes[base.free_equations]
 
-        # Then the forces of the held rows, approach and U: from the prescribed displacements.
-        right_side = -self.contact_matrix[base.held_rows] @ forces_and_motions
+        # Then the forces of the held equations, approach and U: from the prescribed displacements.
+        right_side = -self.contact_matrix[base.held_equations] @ forces_and_motions
         right_side[base.position_in_held[load_numbers[:2]], np.arange(2)] += 1.0
-        is_of_node = base.held_rows < 2 * n
-        right_side[is_of_node, case_of_changes] += changes[base.held_rows[is_of_node]]
+        is_of_node = base.held_equations < 2 * n
+        right_side[is_of_node, case_of_changes] += changes[base.held_equations[is_of_node]]
         assert base.equations is not None  # for the type checker: it has no origin
-        forces_and_motions[base.held_rows] = _lu_solve(base.equations.held_by_held, right_side)
+        forces_and_motions[base.held_equations] = _lu_solve(base.equations.held_by_held, right_side)
         # So far q - (+-f) p stands where a node slides.
         forces_and_motions[n : 2 * n] += base.signed_friction[:, None] * forces_and_motions[:n]
         displacements = self.contact_matrix[: 2 * n] @ forces_and_motions  # gaps, slips
@@ -919,7 +936,7 @@ class Systems:
             raise SingularSet("no node sticks: the bodies slide on each other")
 
         # A cached base, that of these states before or the nearest one. Equation bits: type of the
-        # equation in each row; two differ if they have no bit in common.
+        # each equation; two differ if they have no bit in common.
         key = states.tobytes()
         equation_bits = _equation_bits(np.concatenate([states, states]))
         base = next(
@@ -930,14 +947,14 @@ class Systems:
 
         # A new base; open nodes count as sliding like their neighbours in it.
         if base is None:
-            row_states = np.concatenate([states, _sliding_where_open(states)])
+            equation_states = np.concatenate([states, _sliding_where_open(states)])
             factorised_bases = [
                 cached_base for cached_base in self._bases if cached_base.origin is None
             ]
             origin = self._nearest_base(
-                factorised_bases, _equation_bits(row_states), _MOST_ROWS_FROM_ORIGIN
+                factorised_bases, _equation_bits(equation_states), _MOST_ROWS_FROM_ORIGIN
             )
-            base = self._new_base(row_states, origin)
+            base = self._new_base(equation_states, origin)
 
         # The list is in order of use, as bases are dropped from its front. The origin, from which
         # this base's responses are computed, comes last.
@@ -951,43 +968,49 @@ class Systems:
 
     @staticmethod
     def _nearest_base(
-        bases: Sequence[_Base], equation_bits: NDArray[np.int8], most_rows_apart: int
+        bases: Sequence[_Base], equation_bits: NDArray[np.int8], most_equations_apart: int
     ) -> _Base | None:
         """Of several sets of node states, the one that differs in the fewest equations from a new
-        set, if these are `most_rows_apart` or fewer; else None.
+        set, if these are `most_equations_apart` or fewer; else None.
 
         `equation_bits` (2 n,) are the types of equation of the new set, normal then tangential, as
         bits: two equations differ if they have no bit in common.
         """
         if not bases:
             return None
-        n_rows_apart = [
+        n_equations_apart = [
             len(equation_bits) - np.count_nonzero(base.equation_bits & equation_bits)
             for base in bases
         ]
-        fewest_rows = min(n_rows_apart)
-        return bases[n_rows_apart.index(fewest_rows)] if fewest_rows <= most_rows_apart else None
+        fewest_equations = min(n_equations_apart)
+        return (
+            bases[n_equations_apart.index(fewest_equations)]
+            if fewest_equations <= most_equations_apart
+            else None
+        )
 
-    def _new_base(self, row_states: States, origin: _Base | None) -> _Base:
+    def _new_base(self, equation_states: States, origin: _Base | None) -> _Base:
         """Prepare a base, a set of node states whose responses are to be cached: which
         displacements and forces it prescribes, and which values are prescribed or responses.
 
         Its equations are factorised, unless its responses are to be computed from those of another
-        base, its `origin`. `row_states` (2 n,) are the states of the n nodes for their normal
+        base, its `origin`. `equation_states` (2 n,) are the states of the n nodes for their normal
         equations, then for their tangential ones. Equations 0 to n - 1 are normal, n to 2 n - 1
         tangential; 2 n and 2 n + 1 are the loads P and Q.
         """
         n = len(self.normal_compliance)
-        states = row_states[:n]
+        states = equation_states[:n]
 
         # Held equations prescribe a gap or a slip, free ones a force.
         has_given_slip = (states == STICK) & self.has_shear
         is_held = np.concatenate([states != OPEN, has_given_slip])
-        held_rows = np.concatenate([is_held.nonzero()[0], [2 * n, 2 * n + 1]])
-        free_rows = (~is_held).nonzero()[0]
-        signed_friction = np.asarray(slip_sign(row_states[n:]) * self.friction, dtype=np.float64)
+        held_equations = np.concatenate([is_held.nonzero()[0], [2 * n, 2 * n + 1]])
+        free_equations = (~is_held).nonzero()[0]
+        signed_friction = np.asarray(
+            slip_sign(equation_states[n:]) * self.friction, dtype=np.float64
+        )
         position_in_held = np.full(2 * n + 5, -1)
-        position_in_held[held_rows] = np.arange(len(held_rows))
+        position_in_held[held_equations] = np.arange(len(held_equations))
 
         # Values are picked by number from the 2 n + 3 responses followed by the 2 n prescribed
         # values. Where the displacement is prescribed (held) the response is the force.
@@ -1004,21 +1027,25 @@ class Systems:
 
         # No response is cached yet: -1 in `response_row_of_case`.
         return _Base(
-            row_states=row_states,
-            equation_bits=_equation_bits(row_states),
+            equation_states=equation_states,
+            equation_bits=_equation_bits(equation_states),
             signed_friction=signed_friction,
             is_held=is_held,
-            held_rows=held_rows,
-            free_rows=free_rows,
+            held_equations=held_equations,
+            free_equations=free_equations,
             position_in_held=position_in_held,
             value_sources=np.concatenate(sources_in_order),
-            equations=self._factorised(states, held_rows, free_rows) if origin is None else None,
+            equations=self._factorised(states, held_equations, free_equations)
+            if origin is None
+            else None,
             origin=origin,
             response_row_of_case=np.full(2 * n + 5, -1),
             responses=np.empty((0, 2 * n + 3)),
         )
 
-    def _factorised(self, states: States, held_rows: Indices, free_rows: Indices) -> _HeldEquations:
+    def _factorised(
+        self, states: States, held_equations: Indices, free_equations: Indices
+    ) -> _HeldEquations:
         """Compliance of the contact for one set of node states: displacements in its equations by
         unit forces at the k equations that prescribe a displacement; that square block as LU
         factors.
@@ -1030,9 +1057,9 @@ class Systems:
         ----------
         states
             (n,) open, stick or slip
-        held_rows
+        held_equations
             (k,) equations that prescribe a displacement (gap or slip), then P and Q
-        free_rows
+        free_equations
             (n_free,) equations that prescribe a force
         """
         self.work_counts["factorisations"] += 1
@@ -1040,18 +1067,19 @@ class Systems:
         # Where a node slides q = (+-f) p is no unknown: what it displaces is added to that of p.
         sliding_nodes = slip_sign(states).nonzero()[0]
         signed_friction = slip_sign(states[sliding_nodes]) * self.friction
-        places_of_pressure = np.searchsorted(held_rows, sliding_nodes)
+        places_of_pressure = np.searchsorted(held_equations, sliding_nodes)
         columns_of_shear = len(states) + sliding_nodes
 
-        def displacements_by_held_forces(rows: Indices) -> Array:
-            """(len(rows), k) displacements in some rows by unit forces in the k held ones."""
-            displacements = self.contact_matrix[np.ix_(rows, held_rows)]
-            displacements_by_shear = self.contact_matrix[np.ix_(rows, columns_of_shear)]
+        def displacements_by_held_forces(equation_numbers: Indices) -> Array:
+            """Displacements of some equations by unit forces of the k held ones, (m, k)."""
+            displacements = self.contact_matrix[np.ix_(equation_numbers, held_equations)]
+            displacements_by_shear = self.contact_matrix[np.ix_(equation_numbers, columns_of_shear)]
             displacements[:, places_of_pressure] += displacements_by_shear * signed_friction
             return displacements
 
         return _HeldEquations(
-            _lu(displacements_by_held_forces(held_rows)), displacements_by_held_forces(free_rows)
+            _lu(displacements_by_held_forces(held_equations)),
+            displacements_by_held_forces(free_equations),
         )
 
     def _solve_cases(self, base: _Base, required_cases: Indices) -> None:
@@ -1071,11 +1099,15 @@ class Systems:
         if not len(missing_cases):
             return
         n = len(base.signed_friction)
-        missing_rows = missing_cases[missing_cases < 2 * n]
+        missing_equations = missing_cases[missing_cases < 2 * n]
         offsets_of_neighbours = np.arange(-_N_NEIGHBOURS, _N_NEIGHBOURS + 1)
-        neighbouring_rows = np.add.outer(missing_rows, offsets_of_neighbours).clip(0, 2 * n - 1)
-        unsolved_rows = neighbouring_rows[base.response_row_of_case[neighbouring_rows] < 0]
-        cases = np.union1d(unsolved_rows, missing_cases)
+        neighbouring_equations = np.add.outer(missing_equations, offsets_of_neighbours).clip(
+            0, 2 * n - 1
+        )
+        unsolved_equations = neighbouring_equations[
+            base.response_row_of_case[neighbouring_equations] < 0
+        ]
+        cases = np.union1d(unsolved_equations, missing_cases)
 
         # Solve them, by factors of this base or by an update from those of its origin.
         if base.equations is not None:
@@ -1112,8 +1144,8 @@ class Systems:
         A unit force that a free one prescribes displaces all nodes (`displacements_by_force`).
         Forces in the held ones follow from their displacements, then the free displacements:
 
-            held_by_held @ forces = prescribed displacements - displacements_by_force[held_rows]
-            free displacements = free_by_held @ forces + displacements_by_force[free_rows]
+            held_by_held @ forces = prescribed displacements - held displacements_by_force
+            free displacements = free_by_held @ forces + free displacements_by_force
 
         `cases` are numbers of equations (i normal, n + i tangential) and, from 2 n on, loads.
         `base.signed_friction` (n,) is +-f of the nodes that slide in the base, else 0.
@@ -1135,16 +1167,16 @@ class Systems:
         )
 
         # Forces in the held equations, then the displacements of the free ones.
-        held_displacements = -displacements_by_force[base.held_rows]
+        held_displacements = -displacements_by_force[base.held_equations]
         held_displacements[position_in_held[is_held_case], is_held_case.nonzero()[0]] += 1.0
         forces = _lu_solve(equations.held_by_held, held_displacements)
         free_displacements = (
-            equations.free_by_held @ forces + displacements_by_force[base.free_rows]
+            equations.free_by_held @ forces + displacements_by_force[base.free_equations]
         )
 
         responses = np.empty((len(cases), 2 * n + 3))
-        responses[:, base.held_rows] = forces.T  # approach and U come last in both
-        responses[:, base.free_rows] = free_displacements.T
+        responses[:, base.held_equations] = forces.T  # approach and U come last in both
+        responses[:, base.free_equations] = free_displacements.T
         responses[:, 2 * n + 2] = cases == 2 * n + 4  # the tilt
         return responses
 
@@ -1159,37 +1191,43 @@ class Systems:
         Parameters
         ----------
         base, origin
-            the two sets: type of the equation in each row as bits, of which two that differ have
-            none in common (`equation_bits`); rows that prescribe a displacement (`is_held`); +-f of
+            the two sets: type of each equation as bits, of which two that differ have none in
+            common (`equation_bits`); which ones prescribe a displacement (`is_held`); +-f of
             sliding nodes (`signed_friction`)
         cases
             numbers of equations (i normal, n + i tangential) and, from 2 n on, loads
         """
         n = len(self.normal_compliance)
 
-        # Update from the origin in the rows in which the sets differ.
-        differing_rows = ((origin.equation_bits & base.equation_bits) == 0).nonzero()[0]
-        is_in_differing_row = np.isin(cases, differing_rows)
-        right_sides = np.equal.outer(cases[is_in_differing_row], differing_rows).astype(np.float64)
+        # Update from the origin in the equations in which the sets differ.
+        differing_equations = ((origin.equation_bits & base.equation_bits) == 0).nonzero()[0]
+        is_of_differing_equation = np.isin(cases, differing_equations)
+        right_sides = np.equal.outer(cases[is_of_differing_equation], differing_equations).astype(
+            np.float64
+        )
         update = self._updated_responses(
-            origin, base.row_states, differing_rows, cases[~is_in_differing_row], right_sides
+            origin,
+            base.equation_states,
+            differing_equations,
+            cases[~is_of_differing_equation],
+            right_sides,
         )
 
         # Its rows in the order of `cases`: it returns the cases common to both sets first.
         order_of_update = np.concatenate(
-            [(~is_in_differing_row).nonzero()[0], is_in_differing_row.nonzero()[0]]
+            [(~is_of_differing_equation).nonzero()[0], is_of_differing_equation.nonzero()[0]]
         )
         responses = np.empty_like(update.responses)
         responses[order_of_update] = update.responses
 
         # Where the sets prescribe different ones of displacement and force.
-        is_swapped = origin.is_held[differing_rows] != base.is_held[differing_rows]
-        swapped_rows = differing_rows[is_swapped]
-        responses[np.ix_(order_of_update, swapped_rows)] = update.amplitudes[:, is_swapped]
+        is_swapped = origin.is_held[differing_equations] != base.is_held[differing_equations]
+        swapped_equations = differing_equations[is_swapped]
+        responses[np.ix_(order_of_update, swapped_equations)] = update.amplitudes[:, is_swapped]
 
-        # The force that the origin prescribes in a tangential row is q - (+-f) p; where it slides
-        # and the base sticks, q is the response.
-        sticking_nodes = swapped_rows[swapped_rows >= n] - n
+        # The force that the origin prescribes in a tangential equation is q - (+-f) p; where it
+        # slides and the base sticks, q is the response.
+        sticking_nodes = swapped_equations[swapped_equations >= n] - n
         sticking_nodes = sticking_nodes[base.is_held[n + sticking_nodes]]
         pressure = responses[:, sticking_nodes]
         responses[:, n + sticking_nodes] += origin.signed_friction[sticking_nodes] * pressure
