@@ -63,6 +63,8 @@ def fields(job: Job) -> Answer:
     A job has the scene, the options of the command line, the output folder, and the stages whose
     progress is shown. Options: `at` are instants, `every` and `frames` ask for a series of instants
     over the last cycle, `pictures` for drawings at the instants of `at`.
+
+    An `Answer` holds the exit code, lines and tables for the terminal, and the content for --json.
     """
     from reports.field_output import files
 

@@ -151,6 +151,8 @@ def _score_tractions(
     `mapping` names columns and units of the file, `tolerances` are relative, by metric, and
     `command` is the command line that the page states. `options.against` chooses the reference:
     half-plane theory or finite elements. `folder` is that of the page.
+
+    An `Answer` holds the exit code, lines and tables for the terminal, and the content for --json.
     """
     stages = Stages(options.quiet)
     with stages.stage("loading"):
@@ -216,6 +218,8 @@ def _score_loop(
     `mapping` names columns and units of the table; `command` is the command line that the page
     states. Options: the compliance of the rig (fitted where it is not given), and whether loops of
     theory or of finite elements are fitted (`against`).
+
+    An `Answer` holds the exit code, lines and tables for the terminal, and the content for --json.
     """
     stages = Stages(options.quiet)
     with stages.stage("loading"):
@@ -332,6 +336,8 @@ def diff(a: str, b: str, options: Options) -> Answer:
     """The command `diff`: compare the values of two runs, A and B, value by value. `a` and `b` are
     their files or folders. With --accept the values of A are written to B as a baseline, the file
     that later runs are compared with.
+
+    An `Answer` holds the exit code, lines and tables for the terminal, and the content for --json.
     """
     from reports.comparison.findings import (
         difference_of_runs,

@@ -35,6 +35,8 @@ def init(file: Path, options: Options) -> Answer:
     `file` is the new file. Options: `library_scene` (--from) is the scene to copy, `bodies` and
     `profile` choose the example. InputError where a file is there already, for another ending than
     .toml, and for --from with an option of the example.
+
+    An `Answer` holds the exit code, lines and tables for the terminal, and the content for --json.
     """
     from scenes import InputError, scene_companions, scene_text
 
@@ -144,6 +146,8 @@ def check(source: str, options: Options) -> Answer:
 
     Options: `picture` is a file for a figure of a fitted profile, `loop` a measured loop whose
     columns are stated. InputError where the scene, the loop or the picture is refused.
+
+    An `Answer` holds the exit code, lines and tables for the terminal, and the content for --json.
     """
     from reports.checking import (
         bulk_and_tilt,
@@ -316,6 +320,8 @@ def _draw_fit(scene: Scene, file: Path) -> None:
 def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
     """What the command `check` reports on a scene that prescribes displacements (a rig): the loads,
     sliding and dissipation that follow from them by half-plane theory, and remarks.
+
+    An `Answer` holds the exit code, lines and tables for the terminal, and the content for --json.
 
     Parameters
     ----------

@@ -289,6 +289,8 @@ def run(job: Job) -> Answer:
 
     A job has the scene, its name as the user gave it (`source`), the command-line options, the
     output folder, and the stages whose progress is shown.
+
+    An `Answer` holds the exit code, lines and tables for the terminal, and the content for --json.
     """
     from reports.checking import engine_refusals
 
@@ -925,6 +927,8 @@ def _answer_of_rig(job: Job, refusals: EngineRefusals, no_comparison: str) -> An
 
     Theory is solved and saved first, or finite elements where theory refuses the bodies. Then
     finite elements are solved beside theory, and the page of both is written.
+
+    An `Answer` holds the exit code, lines and tables for the terminal, and the content for --json.
 
     Parameters
     ----------

@@ -57,7 +57,8 @@ _MOST_DOTS = 400
 def sketch(scene: Scene, half_width: float) -> Plate:
     """A figure of both bodies to scale, with their supports, their loads and the contact.
 
-    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV. `Note`
+    is a text.
 
     Parameters
     ----------
@@ -257,6 +258,8 @@ def _panel_of_residuals(
     """A panel of the residuals of a fitted profile, height of the row minus fitted curve, with a
     band of ± twice the noise and lines at the edges of the largest contact.
 
+    `Rule` is a line across the panel and `Band` the area between two curves.
+
     Parameters
     ----------
     trace
@@ -438,6 +441,8 @@ def _marks_of_plane(
     """What is drawn for a rigid plane along a side of a body: a line with hatches, and rollers
     between body and line where `has_rollers`.
 
+    `Segments` are straight lines.
+
     Parameters
     ----------
     start, end
@@ -490,6 +495,8 @@ def _marks_of_loads(frame: Frame, scene: Scene, outlines: dict[str, Array]) -> I
     """What is drawn for the loads: arrows of P and Q at the top of the upper body, a turning arrow
     for its tilt or moment, and arrows of bulk stress at both ends of a body that has one. A line
     shows where P acts, if the scene states it.
+
+    `Note` is a text.
 
     Parameters
     ----------

@@ -56,7 +56,8 @@ def budget_bars(budget: ErrorBudget) -> Plate | None:
     An entry of `budget.budgets` is the budget of one metric: its terms, and whether the bodies are
     the half-planes of theory. Then the rest of E is unexplained, else it is the idealisation error.
 
-    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV. `Note`
+    is a text and `Key` an entry of the legend.
     """
     budgets_with_tolerance = [
         budget_of_metric for budget_of_metric in budget.budgets if budget_of_metric.metric.tolerance
@@ -125,7 +126,8 @@ def waterfall(why: Why) -> Plate | None:
     A part of `why` has its cause in words, its change of W (a value with uncertainty, both over
     theory's W), and the sum of the changes before it. `why.difference` is the sum of all.
 
-    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV. `Note`
+    is a text and `Segments` straight lines.
     """
     parts = why.all_parts
     if not parts:
@@ -177,6 +179,8 @@ def _bar_of_cause(
 ) -> Iterator[Mark]:
     """What is drawn for one cause in a waterfall figure: a piece of the zero line, a line down to
     the next bar, and the bar itself where it has a length.
+
+    `Block` is a rectangle and `Segments` straight lines.
 
     Parameters
     ----------
@@ -274,6 +278,8 @@ def _blocks_of_bar(
 ) -> Iterator[Mark]:
     """The blocks of a stacked bar, one for each source of error: to the right of zero those that
     add, to the left those that subtract. A block without length is left out.
+
+    `Block` is a rectangle.
 
     Parameters
     ----------
@@ -430,7 +436,8 @@ def _figure_of_convergence(
 
     None for fewer than three meshes, or where all distances are 0.
 
-    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV. `Key` is
+    an entry of the legend.
 
     Parameters
     ----------

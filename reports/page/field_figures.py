@@ -65,7 +65,8 @@ def tractions(view: CycleView) -> Plate:
     `view` holds the last cycles of both solutions, with tractions (k instants, n points), points
     `x` over a_ref, and the numbered instants (`chosen_events`, each with index and label).
 
-    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV. A
+    `Cell` is a stack of panels.
     """
     instant_indices = [event.index for event in view.chosen_events]
     cells = []
@@ -269,6 +270,9 @@ def _strip_of_states(view: CycleView, engine: EngineView, strip_number: int) -> 
     `strip_number` counts from 0 at the top. `view` holds the instant that is shown, and the largest
     x/a_ref that is drawn; `engine` its last cycle, with states (k, n) as codes 0 to 3. Heights are
     in pixels.
+
+    `Block` is a rectangle, `Note` a text and `Group` marks that the page's script replaces
+    together.
     """
     top_y = 20.0 + 40.0 * strip_number
     bottom_y = top_y + 16
@@ -296,7 +300,8 @@ def state_map(view: CycleView) -> Plate:
     `view` holds the last cycles of both solutions, with states (k instants, n points) as codes 0 to
     3, the instants `time` (k,), the points `x` over a_ref, and the largest of them that is drawn.
 
-    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV. `Bitmap`
+    is an image over the panel.
     """
     states_of_reference = view.reference_cycle.state
     states_of_result = view.result_cycle.state
@@ -383,7 +388,8 @@ def dissipation_density(view: CycleView) -> Plate | None:
     scale of w is A f^2 P_ref^2/a_ref: A = 2/E* the compliance of the materials, f the friction
     coefficient, P_ref and a_ref load and half-width of the reference.
 
-    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV. `Rule`
+    is a line across the panel, `Key` an entry of the legend and `ZERO` a line at 0.
     """
     x = view.x
     scales = view.scales

@@ -59,7 +59,8 @@ def half_widths(view: CycleView) -> Plate:
     `view` holds the last cycles of both solutions: `engines` (cycle, name, class of lines in the
     style sheet) of reference and result, the axis of time, and words for the part of the path.
 
-    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV. `Key` is
+    an entry of the legend and `ZERO` a line at 0.
     """
     a_ref = view.scales.half_width
     curves: list[Curve] = []
@@ -149,7 +150,8 @@ def discrepancies(view: CycleView) -> Plate:
     instant, (k,); `is_judged` (k,) is True at instants in contact with a normal load of at least a
     tenth of the reference load.
 
-    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV. `Rule`
+    is a line across the panel, `Note` a text and `Key` an entry of the legend.
     """
     metrics = [metric for metric in view.comparison.metrics if metric.series is not None]
     metrics_with_tolerance = [metric for metric in metrics if metric.tolerance is not None]
@@ -217,7 +219,8 @@ def slip_histories(view: CycleView) -> Plate:
     `view` holds the last cycles of both solutions: `engines` (cycle with slip (k, n), name) of
     reference and result, points `x` over a_ref (n,), and the axis of time.
 
-    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV. `Key` is
+    an entry of the legend.
     """
     # indices of up to four points between the stick zone and the edge of contact
     points = slip_points(view.comparison)
@@ -314,7 +317,8 @@ def load_path(view: CycleView) -> Plate:
     (`chosen_events`) and the index of the one that is shown first (`shown_instant`). A class of a
     line in the style sheet is called css.
 
-    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV. `Key` is
+    an entry of the legend.
     """
     cycle = view.result_cycle
     scene = view.comparison.result.scene
@@ -385,6 +389,8 @@ def _panel_beneath_path(view: CycleView, name: str, title: str, lines: Sequence[
     """A low panel with lines over time (bulk stress, tilt or moment), beneath the load path. `name`
     is that of the panel, `title` that of its vertical axis. `view` holds the axis of time. A line
     has values (k,) at the instants, its text, and its class in the style sheet (`css`).
+
+    `ZERO` is a line at 0.
     """
     marks: list[Mark] = [ZERO]
     marks += [Curve(view.time, line.values, line.css, line.text) for line in lines]
@@ -476,6 +482,8 @@ def _numbered_dots(
 ) -> Iterator[Mark]:
     """Dots on a closed loop at chosen instants, each with its number beside it, outside the loop. A
     number that would lie on another one is left out.
+
+    `Note` is a text.
 
     Parameters
     ----------

@@ -142,6 +142,7 @@ def _draw_states(axes: Axes, solution: ContactSolution) -> None:
     from matplotlib.patches import Patch
 
     indices = solution.last_cycle  # of the instants
+    # _STATE_COLOURS: of the codes 0 to 3
     axes.pcolormesh(
         solution.x,
         solution.time[indices],
@@ -152,6 +153,7 @@ def _draw_states(axes: Axes, solution: ContactSolution) -> None:
         shading="nearest",
         rasterized=True,
     )
+    # SurfaceState: the four states with their names
     state_names = [state.name.lower().replace("_", " ") for state in SurfaceState]
     patches = [
         Patch(facecolor=colour, edgecolor="0.5", label=name)

@@ -262,6 +262,8 @@ def _loop_panel(
     spring is between. Finite elements are drawn too where they were solved. `width` and `height`
     are in pixels; `name` is that of the panel on the page. `rig_motion` holds loads and
     displacements (k,) at the shown instants.
+
+    `Rule` is a line across the panel.
     """
     key_of_contact, key_of_actuator = _KEYS_OF_LOOP  # entries of the legend
     tangential_load = rig_motion.tangential_load
@@ -316,7 +318,8 @@ def _over_time(rig_motion: RigMotion) -> Plate:
     `rig_motion` holds time, loads, displacements and slip of the middle (k,) at the shown instants,
     and what the contact does (stick, partial slip, ...) with the times between which it does so.
 
-    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV. `Rule`
+    is a line across the panel, `Block` a rectangle and `Key` an entry of the legend.
     """
     unit_of_length = units(rig_motion.scene)[1]
     unit_of_load = load_unit(rig_motion.scene)
