@@ -813,7 +813,7 @@ def _empty_loop_integral(series: LoadSeries, request: Request) -> LoopWorkOfSeri
 
 
 def _increments_of_work(
-    path_sums: _SeriesSums, instants: _InstantsOnPath, work_beyond: Array
+    path_sums: _SeriesSums, instants: _InstantsOnPath, work_of_later_cycles: Array
 ) -> Array:
     """Friction work between successive instants of a request, (n,), 0 for the first one [energy per
     thickness]. All instants are ends of load steps, or the start of the path.
@@ -825,7 +825,7 @@ def _increments_of_work(
     instants
         in the order of the path: the load step that each instant ends, and, for each instant of the
         request, its place in that order
-    work_beyond
+    work_of_later_cycles
         (n,) work of the whole cycles by which instants lie beyond the path that was followed
     """
     # An instant that is not at the end of its step is the start of the path, before any step.
@@ -833,7 +833,7 @@ def _increments_of_work(
     n_steps_done = (instants.step + is_at_end_of_step)[instants.place_in_path]
     # up to each instant
     work_so_far = np.cumsum(path_sums.step_works)[n_steps_done]
-    work_so_far += work_beyond
+    work_so_far += work_of_later_cycles
     return np.diff(work_so_far, prepend=work_so_far[:1])
 
 

@@ -799,7 +799,7 @@ def dissipation(
         notes.extend(notes_of_batch(effects))
     # the first four come times pi E*/(2 f^2)
     rows_of_results, reason = _results_of_members(
-        profile, material, loads, works_of_members, n_results=5, n_normalised=4
+        profile, material, loads, works_of_members, n_results=5, n_normalised_results=4
     )
     work, forward_work, reverse_work, work_error, permanent_stick_load = rows_of_results
     return DissipationBatch(
@@ -1006,7 +1006,7 @@ def peak_dissipation(
     material = _materials_of_both_bodies(material)
     # six rows; the first three, W(x), come times pi E*/(2 f^2)
     rows_of_results, reason = _results_of_members(
-        profile, material, loads, _maxima_of_members, n_results=6, n_normalised=3
+        profile, material, loads, _maxima_of_members, n_results=6, n_normalised_results=3
     )
     largest_work, second_work, work_error, place, second_place, place_fraction = rows_of_results
     return PeakBatch(
@@ -1187,7 +1187,7 @@ def _results_of_members(
     loads: EllipseLoads,
     results_of: Callable[[Members], Array],
     n_results: int,
-    n_normalised: int,
+    n_normalised_results: int,
 ) -> tuple[list[Array], NDArray[np.int8]]:
     """The `n_results` values of each member of a batch of steady load ellipses, computed block by
     block, and the code of the `Reason` why a member has none, 0 else.
@@ -1202,7 +1202,7 @@ def _results_of_members(
     results_of
         results (n_results, m) of m members with admissible loads; where the first one is not
         finite the quadrature did not converge
-    n_normalised
+    n_normalised_results
         how many results, from the first on, `results_of` gives times pi E*/(2 f^2), E* the
         composite modulus, f the friction
 
@@ -1243,7 +1243,7 @@ def _results_of_members(
         if len(admissible_numbers):
             rows_of_block = results_of(members)
             friction = members.loads.friction
-            rows_of_block[:n_normalised] *= 2 / (math.pi * batch.modulus) * friction**2
+            rows_of_block[:n_normalised_results] *= 2 / (math.pi * batch.modulus) * friction**2
             rows_of_results[:, first_member + admissible_numbers] = rows_of_block
             unsettled_numbers = admissible_numbers[~np.isfinite(rows_of_block[0])]
             reasons_of_block[unsettled_numbers] = Reason.UNSETTLED

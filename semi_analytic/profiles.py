@@ -867,23 +867,26 @@ class _TableLaw(NamedTuple):
         )
 
     def _load_or_stiffness(
-        self, d: Array, series_behind: SeriesAsPowers, closed_form_before: Callable[[Array], Array]
+        self,
+        d: Array,
+        series_behind_knot: SeriesAsPowers,
+        closed_form_before_knot: Callable[[Array], Array],
     ) -> Array:
         """P or dP/da at advances d of the edge of contact beyond `least_half_width`, the half-width
         without load. A knot is a half-width at which the curvature of the profile jumps.
 
         Parameters
         ----------
-        series_behind
+        series_behind_knot
             the series of P or of dP/da, for half-widths behind the second knot; without a third
             knot `has_series` is False
-        closed_form_before
+        closed_form_before_knot
             closed form of it in d, for half-widths before that knot
         """
         # P and dP/da by Chebyshev series on intervals of half-width behind the knots
         table_series = self.table_series
         if not self.has_series:
-            return closed_form_before(d)
+            return closed_form_before_knot(d)
         half_widths = d + self.least_half_width
         # intervals of half-width behind the knots, each with a series in u = sqrt(a - knot); -1
         # before the second knot
@@ -892,12 +895,14 @@ class _TableLaw(NamedTuple):
         )
         distance_from_knot = np.maximum(half_widths - table_series.knots[interval_number], 0.0)
         load_or_stiffness = table_series.load_or_stiffness_at(
-            np.maximum(interval_number, 0), np.sqrt(distance_from_knot), series_behind
+            np.maximum(interval_number, 0), np.sqrt(distance_from_knot), series_behind_knot
         )
         is_before_second_knot = interval_number < 0
         if np.any(is_before_second_knot):
             # of d itself, which keeps its digits beside a flat
-            load_or_stiffness[is_before_second_knot] = closed_form_before(d[is_before_second_knot])
+            load_or_stiffness[is_before_second_knot] = closed_form_before_knot(
+                d[is_before_second_knot]
+            )
         return load_or_stiffness
 
 

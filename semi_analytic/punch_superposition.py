@@ -411,13 +411,13 @@ class PunchSuperposition:
         return 1 / np.sqrt(np.where(difference_of_squares > 0, difference_of_squares, np.inf))
 
     def _difference_of_squares(
-        self, inner_advance: Array, outer_advance: Array, load_between: Array
+        self, inner_advance: Array, outer_advance: Array, load_difference: Array
     ) -> Array:
         """Difference of the squares of two contact half-widths, outer minus inner, (n,) [length^2],
         without loss of digits where they are close.
 
         Close are those within 1 % of the outer square, or 1e-6 across several corners. They are
-        compared by `load_between`, the rise of the load P from the inner to the outer, over the
+        compared by `load_difference`, the rise of the load P from the inner to the outer, over the
         mean of dP/d(a^2). With several corners of the profile in between, the plain difference of
         squares has more digits, unless the corners are next to each other. It is taken also where
         the inner advance is negative, that of a point within a flat.
@@ -426,7 +426,7 @@ class PunchSuperposition:
         ----------
         inner_advance, outer_advance
             a - a_0 of both, a_0 the half-width without load, `least_half_width` [length]
-        load_between
+        load_difference
             P at the outer half-width minus P at the inner one [force per thickness]
         """
         # advances at which the edge of contact is at a corner, where dP/da is not smooth, ascending
@@ -449,7 +449,7 @@ class PunchSuperposition:
         if np.any(are_close):
             # mean of dP/d(a^2) between the two
             mean_rate = self._mean_rate(inner_advance[are_close], outer_advance[are_close])
-            difference_of_squares[are_close] = load_between[are_close] / np.where(
+            difference_of_squares[are_close] = load_difference[are_close] / np.where(
                 mean_rate > 0, mean_rate, np.inf
             )
         return difference_of_squares
@@ -640,7 +640,7 @@ class PunchSuperposition:
         return kernel
 
     def _integrals_of_parts(
-        self, load: Array, load_above_stick: Array, corner_below: Indices
+        self, load: Array, load_above_stick: Array, number_of_corner_below: Indices
     ) -> Array:
         """Integrals of (P - eta) d ln(a(eta)) over loads eta between two corners of the profile,
         (n,) [force per thickness]: the parts of the kernel Lam(P, P_c) of the friction work.
@@ -658,22 +658,24 @@ class PunchSuperposition:
             P [force per thickness]
         load_above_stick
             P - P_c, which has more digits than the difference of both
-        corner_below
+        number_of_corner_below
             number of the part's corner in `_corner_loads`, the loads P at which the edge of contact
             is at a corner, 0 first
         """
         corner_loads = np.append(self._corner_loads, np.inf)
         stick_edge_load = load - load_above_stick
-        begin_load = np.maximum(stick_edge_load, corner_loads[corner_below])
-        end_load = np.minimum(load, corner_loads[corner_below + 1])
+        begin_load = np.maximum(stick_edge_load, corner_loads[number_of_corner_below])
+        end_load = np.minimum(load, corner_loads[number_of_corner_below + 1])
         # Up to P it is what is left of P - P_c, whose digits a difference of loads would lose.
-        ends_at_load = corner_loads[corner_below + 1] >= load
+        ends_at_load = corner_loads[number_of_corner_below + 1] >= load
         load_above_begin = np.maximum(load_above_stick - (begin_load - stick_edge_load), 0.0)
         load_range = np.where(ends_at_load, load_above_begin, end_load - begin_load)
         integrals = np.zeros(len(load))
 
         # _SHORT_LOAD_RANGE_SHARE: 0.3
-        suits_gauss_rule = (corner_below > 0) | (load_range < _SHORT_LOAD_RANGE_SHARE * begin_load)
+        suits_gauss_rule = (number_of_corner_below > 0) | (
+            load_range < _SHORT_LOAD_RANGE_SHARE * begin_load
+        )
         for takes_gauss_rule in (True, False):
             uses_rule = suits_gauss_rule == takes_gauss_rule
             if not np.any(uses_rule):
@@ -683,7 +685,8 @@ class PunchSuperposition:
             if takes_gauss_rule:
                 # nodes, as eta minus the load at the begin of the part, and weights, (parts, nodes)
                 loads_from_begin, weights = _nodes_in_root(
-                    begin_column - corner_loads[corner_below[uses_rule], None], range_column
+                    begin_column - corner_loads[number_of_corner_below[uses_rule], None],
+                    range_column,
                 )
             else:
                 loads_from_begin, weights = (
@@ -1324,7 +1327,7 @@ def primitive_of(
 
 
 def _sums_of_panels_before(
-    point_number: Indices, values: Array, value_before_first: Array
+    point_number: Indices, values: Array, value_before_first_panel: Array
 ) -> Array:
     """For each panel, the sum of the values of the panels before it at its point, (n,), panels in
     order of their points. A panel is a range of the integration variable v.
@@ -1337,14 +1340,14 @@ def _sums_of_panels_before(
         (n,) number of the point that a panel belongs to
     values
         (n,) one for each panel
-    value_before_first
+    value_before_first_panel
         (k,) value before the first panel of each point
     """
     number_at_point = np.arange(len(point_number)) - np.searchsorted(point_number, point_number)
     # Rows: points; columns: the value before the first panel, then the panels.
     n_columns = int(np.max(number_at_point, initial=0)) + 2
-    values_of_points = np.zeros((len(value_before_first), n_columns))
-    values_of_points[:, 0] = value_before_first
+    values_of_points = np.zeros((len(value_before_first_panel), n_columns))
+    values_of_points[:, 0] = value_before_first_panel
     values_of_points[point_number, number_at_point + 1] = values
     return np.cumsum(values_of_points, axis=1)[point_number, number_at_point]
 

@@ -296,7 +296,7 @@ def _stick_edge_angles(ellipses: Ellipses, loads: Array) -> tuple[Array, Array]:
     return angle_in_e_to_g, angle_in_j_to_m
 
 
-def cut_angles_of_phases(ellipses: Ellipses, corners: Array) -> dict[str, Array]:
+def cut_angles_of_phases(ellipses: Ellipses, corner_loads: Array) -> dict[str, Array]:
     """Angles [rad] in each slip phase between which its integrands are smooth, (cuts, m) ascending,
     by the name of the phase.
 
@@ -307,10 +307,10 @@ def cut_angles_of_phases(ellipses: Ellipses, corners: Array) -> dict[str, Array]
     "E-G" is reverse slip, "I-J" and then "J-M" forward slip. Angles count from the begin of E-G and
     I-J, and back from the end of J-M. Cuts are the ends of a phase, and where the edge of contact
     or of stick passes a corner of the profile. There P or P_c, the load at the stick edge, equals
-    one of the loads `corners` (c, 1). A corner that is not met adds a cut of no consequence.
+    one of the loads `corner_loads` (c, 1). A corner that is not met adds a cut of no consequence.
     `load_moves` is False for constant P.
     """
-    cosine_at_corner = (corners - ellipses.mean_load) / np.where(
+    cosine_at_corner = (corner_loads - ellipses.mean_load) / np.where(
         ellipses.load_moves, ellipses.load_amplitude, np.inf
     )
     # t in [0, pi] at which P is the load of a corner, and pi minus it; a corner that is not met
@@ -318,7 +318,7 @@ def cut_angles_of_phases(ellipses: Ellipses, corners: Array) -> dict[str, Array]
     angle_at_corner = np.arccos(np.clip(cosine_at_corner, -1.0, 1.0))
     angle_from_least_load = np.arccos(np.clip(-cosine_at_corner, -1.0, 1.0))
     # angles at which P_c is that load, counted back from the end: in E-G and in J-M
-    stick_edge_angle_by_v, stick_edge_angle_by_u = _stick_edge_angles(ellipses, corners)
+    stick_edge_angle_by_v, stick_edge_angle_by_u = _stick_edge_angles(ellipses, corner_loads)
     start_angle = ellipses.slip_start
     full_turn = 2 * math.pi
     inner_cuts = {
@@ -1352,24 +1352,26 @@ class LogHalfWidth:
         From the load P_b of each corner it grows by v = sqrt(P - P_b), in which L is smooth, up to
         the load of the next corner.
         """
-        corners = contact.corner_loads
+        profile_corner_loads = contact.corner_loads
         largest_load = 2.0**last_octave
         if contact.extent != math.inf:
             largest_load = min(largest_load, float(contact.load(contact.extent)))
-        corners_inside = corners[(corners > 2.0**first_octave) & (corners < largest_load)]
+        corner_loads_in_range = profile_corner_loads[
+            (profile_corner_loads > 2.0**first_octave) & (profile_corner_loads < largest_load)
+        ]
         # 0, the corners and the largest load; and the coordinate of each
-        corner_loads = np.array([0.0, *corners_inside, largest_load])
+        corner_loads = np.array([0.0, *corner_loads_in_range, largest_load])
         corner_coordinates = np.append(0.0, np.cumsum(np.sqrt(np.diff(corner_loads))))
         # as a function of the load
         log_half_width = _log_half_width_of(contact)
 
-        def corner_below(coordinates: Array) -> Indices:
+        def number_of_corner_below(coordinates: Array) -> Indices:
             """Number of the corner from which v is measured at each coordinate."""
             return np.searchsorted(corner_coordinates[1:-1], coordinates, side="right")
 
         def log_at(coordinates: Array) -> Array:
             """L = ln a at coordinates of any shape."""
-            corner_number = corner_below(coordinates)
+            corner_number = number_of_corner_below(coordinates)
             v = coordinates - corner_coordinates[corner_number]
             return log_half_width(corner_loads[corner_number] + np.square(v))
 
@@ -1385,7 +1387,7 @@ class LogHalfWidth:
             max(contact.relative_roundoff / 4e-14, 1.0),
         )
         # for each polynomial: the load of the corner below it, and its coefficients
-        corner_number = corner_below(series.edges[:-1])
+        corner_number = number_of_corner_below(series.edges[:-1])
         self._corner_load = corner_loads[corner_number]
         # evaluated as powers, which is faster
         self._log_half_width = SeriesAsPowers(series.coefficients)
