@@ -166,7 +166,8 @@ def _edges_put_right(
     edges
         name -> contact or stick edges, or their uncertainty, (k, 2) each [length]
     permanent_stick
-        ends (2,) of the permanent stick zone, and their uncertainty where slip places them [length]
+        ends (2,) of the permanent stick zone, and their uncertainty where slip locates them
+        [length]
     held_back
         (2,) what was added to these ends [length]
     """
@@ -222,7 +223,7 @@ def _edges_of_run(
     """Left and right edges of contact and stick of a run, and of its permanent stick zone; scaled.
 
     The permanent stick zone sticks all through the last cycle. Between like bodies without bulk
-    stress and tilt, the loads at the turning points of slip place its ends. No stick edge of the
+    stress and tilt, the loads at the turning points of slip locate its ends. No stick edge of the
     last cycle then lies inside these ends.
 
     Parameters
@@ -242,7 +243,7 @@ def _edges_of_run(
     edges
         name -> contact or stick edges at the stored instants, or their uncertainty, (k, 2) each
     permanent_stick
-        ends (2,) of the permanent stick zone, NaN without one; their uncertainty where slip places
+        ends (2,) of the permanent stick zone, NaN without one; their uncertainty where slip locates
         them, else NaN
     """
     states = [run.states[index] for index in run.stored_indices]
@@ -255,7 +256,7 @@ def _edges_of_run(
     elif scene.material.alike:
         has_no_slip_zone = np.concatenate(run.sticks_in_full)
 
-    # Edges at the stored instants; EdgesByLoad: places between two nodes by the loads at which
+    # Edges at the stored instants; EdgesByLoad: x between two nodes by the loads at which
     # these touch or slide.
     edges = _edges_in_blocks(
         problem,
@@ -405,7 +406,7 @@ def _edges_in_blocks(
     has_no_slip_zone
         (k,) instants at which the whole contact sticks by half-plane theory
     contact_by_load, stick_by_load
-        edges of these instants that the loads place between two nodes; `at` picks instants
+        edges of these instants that the loads locate between two nodes; `at` picks instants
     scene
         `unsymmetric` with bulk stress, tilt, or a profile that is not its own mirror image
     """
@@ -441,7 +442,7 @@ def _edges_at_instants(
     """Left and right edge of the contact and of the stick zone, between the nodes of the mesh, and
     the uncertainty of each: four arrays by name, (n_steps, 2), scaled.
 
-    The loads at which nodes touch or slide place them, where they can. Elsewhere the tractions
+    The loads at which nodes touch or slide locate them, where they can. Elsewhere the tractions
     near them do. Without normal load they are the outermost nodes that touch, or 0 where none does,
     with the uncertainty 0.
 
@@ -457,7 +458,7 @@ def _edges_at_instants(
     has_no_slip_zone
         (n_steps,) instants at which the whole contact sticks by half-plane theory
     contact_by_load, stick_by_load
-        edges of these instants that the loads place between two nodes
+        edges of these instants that the loads locate between two nodes
     scene
         `unsymmetric` with bulk stress, tilt, or a profile that is not its own mirror image
     """
@@ -590,7 +591,7 @@ def _permanent_stick(
 def _with_creeping_ends(
     x: Array, slip_ends: Edges, creeping_edges: Array, common_zone: Array
 ) -> Edges:
-    """Ends (2,) of the permanent stick zone by slip. Where slip does not place one, and the nodes
+    """Ends (2,) of the permanent stick zone by slip. Where slip does not locate one, and the nodes
     creep far beyond the intersection of all stick zones, it is half-way between the last node that
     creeps and the next one: single increments label as slip what moves by next to nothing.
 
@@ -599,7 +600,7 @@ def _with_creeping_ends(
     x
         (n,) nodes in ascending order
     slip_ends
-        ends that slip places, NaN of others
+        ends that slip locates, NaN of others
     creeping_edges, common_zone
         (2,) ends of the zone that creeps, and of the intersection of all stick zones
 
@@ -634,7 +635,7 @@ def _hold_permanent_stick(
     """Make the stick edges (k, 2) of the last cycle agree with the permanent stick zone, in place.
 
     At the turning points of slip the stick zone is smallest: its edges become the ends of the
-    permanent zone, where slip or the loads place these. At other instants the edges are moved
+    permanent zone, where slip or the loads locate these. At other instants the edges are moved
     outwards to these ends if they lie inside. Right after a turning point all of the contact
     sticks, though nodes may still be at the Coulomb limit. Such an instant has its stick edges at
     the contact edges, and does not count as a turning point.
@@ -647,7 +648,7 @@ def _hold_permanent_stick(
         ends (2,) of the permanent stick zone (`places`), and their uncertainty
     zone
         the permanent stick zone by its nodes and by the loads: `places_by_load` (2,), NaN where no
-        load places an end; `turn_times`, instants at which slip turns at the left and right end
+        load locates an end; `turn_times`, instants at which slip turns at the left and right end
     time, is_in_cycle
         (k,) instants, and whether they are in the last cycle
     """

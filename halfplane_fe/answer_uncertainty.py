@@ -51,7 +51,7 @@ from scenes.solution import range_of_slip
 _BENT = 0.2
 # The same in records, whose increments are longer.
 _BENT_IN_RECORDS = 0.3
-# Share of the bound of `energy.step_errors` of bodies of two shapes whose edges are placed: of
+# Share of the bound of `energy.step_errors` of bodies of two shapes whose edges are located: of
 # blocks, pads and cylinders at constant P less than a tenth is left.
 _OF_BOUND = 0.5
 # Loads beside P and Q, and the least share of a second direction of their path: less is round-off.
@@ -117,7 +117,7 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
         and not task.has_errors_of_low_order
         and not scene.unsymmetric
     )
-    # Slip of real bodies ends node by node: an edge without a place may stand all the same.
+    # Slip of real bodies ends node by node: an edge that is not located may exist all the same.
     if edges_are_known and run.edge_excess_by_cycle[-1].is_unplaced:
         edges_are_known = scene.bodies.half_planes
     # rms of W over the places of edges between their nodes, over A f^2 P^2
@@ -135,7 +135,7 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
         # _BENT: share of the work by kinks that counts as uncertain
         step_uncertainty = _BENT * run.values_of_increments("kink_work")[first_increment:].sum()
     else:
-        # _OF_BOUND: share of the bound that counts where edges are placed
+        # _OF_BOUND: share of the bound that counts where edges are located
         share = _OF_BOUND if edges_are_known else 1.0
         step_uncertainty = share * run.values_of_increments("step_error")[first_increment:].sum()
 
@@ -504,9 +504,9 @@ def _of_permanent_stick(
     """Uncertainty of the permanent stick half-width by the mesh [length], the mean over both ends;
     NaN where nothing sticks through the whole cycle, or the path does not repeat.
 
-    Where the slip beyond the zone places an end, its own uncertainty counts. Elsewhere the zone
+    Where the slip beyond the zone locates an end, its own uncertainty counts. Elsewhere the zone
     ends at the innermost stick edge of the last cycle. With edges e +- u, that edge is between the
-    innermost e - u and the innermost e + u. Where loads place an end between two nodes, or these
+    innermost e - u and the innermost e + u. Where loads locate an end between two nodes, or these
     nodes bound it more closely, their uncertainty counts.
 
     Between unlike bodies, and under bulk stress or tilt, nodes that slip by next to nothing (creep)

@@ -83,7 +83,7 @@ _OFF_MID_SIDE = 0.13
 # Beyond this share it is no error of the elements, and nothing is put right: the pressure at the
 # edge of a bonded rigid body swings, and its nodes ask for 0.8.
 _MOST_OFF_MID_SIDE = 0.5
-# Closed nodes on its side of x = 0 below which no load places a contact edge.
+# Closed nodes on its side of x = 0 below which no load locates a contact edge.
 _CLOSED = 6
 # Load since an edge met each of three nodes behind the last one, less that of the last one, over
 # the load between two nodes, by whether the last one is a corner: medians of 60,000 edges of
@@ -110,12 +110,12 @@ _ZONE = 3
 
 @dataclass(frozen=True, eq=False)
 class Edge:
-    """An edge of contact or of stick between two nodes, placed by the load that moves it: P the
+    """An edge of contact or of stick between two nodes, located by the load that moves it: P the
     edge of contact, Q that of stick. All is scaled.
 
-    Forces, gap and slip of both nodes place it to a fiftieth of their distance. Which of them slips
-    or touches places it to half of that. It takes the rates by the load, which only states of the
-    run have. An increment has no sides: it lands on the first of all nodes
+    Forces, gap and slip of both nodes locate it to a fiftieth of their distance. Which of them
+    slips or touches locates it to half of that. It takes the rates by the load, which only states
+    of the run have. An increment has no sides: it lands on the first of all nodes
     (`stepping.next_event`).
 
     Attributes
@@ -348,7 +348,7 @@ class EdgesByLoad(NamedTuple):
     Attributes
     ----------
     last_node
-        (k, 2) last node that touches, or sticks; -1 where no load places an edge
+        (k, 2) last node that touches, or sticks; -1 where no load locates an edge
     places
         (k, 2) of the edge between it and the next one, scaled
     uncertainty
@@ -361,7 +361,7 @@ class EdgesByLoad(NamedTuple):
 
     @classmethod
     def nowhere(cls, n_instants: int) -> EdgesByLoad:
-        """A record of k instants at which no load places an edge: -1 for nodes, NaN for places and
+        """A record of k instants at which no load locates an edge: -1 for nodes, NaN for places and
         their uncertainty.
         """
         shape = (n_instants, 2)
@@ -399,7 +399,7 @@ class EdgesByLoad(NamedTuple):
         last_node
             last node of the zone that ends at the edge
         edge
-            between this node and the next, placed by the load
+            between this node and the next, located by the load
         unevenness
             (3,) how unevenly the load takes it on, by nodes behind it: beyond a mid-side node its
             place is corrected by that
@@ -413,7 +413,7 @@ class EdgesByLoad(NamedTuple):
 
 
 def contact_by_load(problem: ContactProblem, states: Sequence[InterfaceState]) -> EdgesByLoad:
-    """Left and right edge of contact at k instants, placed between two nodes by the load P that
+    """Left and right edge of contact at k instants, located between two nodes by the load P that
     moves it, with an uncertainty; none where P is not positive, where fewer than six nodes touch on
     a side, and where elements are not quadratic.
 
@@ -455,11 +455,11 @@ def contact_by_load(problem: ContactProblem, states: Sequence[InterfaceState]) -
 def stick_by_load(
     problem: ContactProblem, states: Sequence[InterfaceState], travels: Array
 ) -> EdgesByLoad:
-    """Left and right edge of the stick zone at k instants, placed between two nodes by the load Q
+    """Left and right edge of the stick zone at k instants, located between two nodes by the load Q
     that takes it inwards, with an uncertainty; none where no load does.
 
     Where shear moves away from the Coulomb limit the edge goes outwards, as between unlike bodies
-    that are pressed: there no load places it.
+    that are pressed: there no load locates it.
 
     Parameters
     ----------
@@ -763,7 +763,7 @@ class StickZone(NamedTuple):
 
         `place_at_last_stuck` and `place_at_first_sliding` (2,) are the places of each end when it
         meets the last node that sticks, and the first one that slides. `places_by_load` are NaN
-        where no load places an end.
+        where no load locates an end.
         """
         middle_of_nodes = (self.place_at_last_stuck + self.place_at_first_sliding) / 2
         is_same = np.abs(edges - middle_of_nodes) <= _SAME_EDGE * self.spacing
@@ -776,7 +776,7 @@ class StickZone(NamedTuple):
     def uncertainty(self, edges: Array, uncertainty_of_stick_edges: Array) -> Array:
         """Uncertainty (2,) of the ends `edges` (2,) of the permanent stick zone, by the mesh.
 
-        Where the loads place an end (`places_by_load`), it is by the loads. Elsewhere it is
+        Where the loads locate an end (`places_by_load`), it is by the loads. Elsewhere it is
         `uncertainty_of_stick_edges` (2,), that at single instants. An end that lies between its
         places at the two nodes around it (`holds`) is uncertain by its larger distance from them at
         most.
@@ -824,7 +824,7 @@ class Excess(NamedTuple):
     edges
         number of edges that it is of
     is_unplaced
-        whether there is a permanent stick zone, and none of its edges could be placed
+        whether there is a permanent stick zone, and none of its edges could be located
     stick_zone
         the permanent stick zone
     """
@@ -916,7 +916,7 @@ def _stick_zone(
     is_always_stuck
         (n,) nodes that stick through the whole cycle
     stick_edges
-        side, 1 for right and -1 for left -> the edge placed by the loads, if it could be
+        side, 1 for right and -1 for left -> the edge located by the loads, if it could be
     """
     places_at_last_stuck = np.full(2, np.nan)
     places_at_first_sliding = np.full(2, np.nan)
@@ -972,7 +972,7 @@ def _at_stick_edge(
     side: int,
 ) -> _StickEdgeAtTurns | None:
     """The edge of permanent stick on one side of x = 0 at the two turning points of slip: its place
-    between two nodes, and the excess friction work by that; None where it cannot be placed.
+    between two nodes, and the excess friction work by that; None where it cannot be located.
 
     On a mesh the edge moves from node to node, so that its slip follows chords of a smooth curve,
     which they exceed by a known function of its place between the nodes. The excess work of a
@@ -1096,7 +1096,7 @@ def _at_contact_edge(
     problem: ContactProblem, states: Sequence[InterfaceState], slip: Array, side: int
 ) -> _ExcessWork | None:
     """Excess friction work of a load cycle by the place of the contact edge between two nodes, on
-    one side of x = 0; None where the edge cannot be placed at some increment.
+    one side of x = 0; None where the edge cannot be located at some increment.
 
     Along each increment the pressure is linear in P, and no node touches or separates. From node to
     node it follows chords of a smooth curve, which they exceed by a known function of the edge's

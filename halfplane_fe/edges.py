@@ -1,7 +1,7 @@
 """Contact and stick edges of many instants at once, from nodal answers.
 
-Contact edges, and stick edges that slip takes inwards, are placed by the load between two nodes:
-`between_nodes.Edge`. Where it places none, the form of pressure and gap tells at contact edges. At
+Contact edges, and stick edges that slip takes inwards, are located by the load between two nodes:
+`between_nodes.Edge`. Where it locates none, the form of pressure and gap tells at contact edges. At
 stick edges the square of what the shear lacks of the Coulomb limit goes to zero as the distance.
 Where that is not seen, the states of the nodes tell.
 
@@ -146,7 +146,7 @@ def contact_with_uncertainty(answer: NodalAnswer, edges_by_load: EdgesByLoad) ->
     answer
         places of the n nodes; pressure, gap and whether they touch, (k, n)
     edges_by_load
-        edges that a load places between two nodes (`last_node` (k, 2) is -1 where none does), with
+        edges that a load locates between two nodes (`last_node` (k, 2) is -1 where none does), with
         their uncertainty
     """
     edges_by_form = contact_edges(answer.x, answer.pressure, answer.gap, answer.is_closed, 1.0)
@@ -181,8 +181,8 @@ def stick_with_uncertainty(
     sticks_in_full
         (k,) instants at which theory has no slip zone
     edges_by_load
-        edges that a load places beyond the last node that sticks (`last_node` (k, 2), -1 where none
-        does); they count where the reported states end the stick zone at the same nodes
+        edges that a load locates beyond the last node that sticks (`last_node` (k, 2), -1 where
+        none does); they count where the reported states end the stick zone at the same nodes
     """
     fitted_edges = fitted_stick_edges(answer, contact.places, friction)
     uncertainty = _stick_uncertainty(answer, contact, fitted_edges, sticks_in_full)

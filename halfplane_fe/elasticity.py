@@ -290,11 +290,11 @@ def _stiffness(system: System, elements: Indices) -> sparse.csr_matrix:
     if lambda_1:
         corners = cells[:, : mesh.refdom.nfacets]
         linear_element = scalar_element(mesh, 1)
-        pressure_shapes = np.stack(
+        pressure_functions = np.stack(
             [linear_element.lbasis(points, i)[0] for i in range(corners.shape[1])]
         )
-        divergence = G * (pressure_shapes * point_areas) @ gradients.transpose(0, 2, 1)
-        mass = -(G**2) / lambda_1 * (pressure_shapes * point_areas) @ pressure_shapes.T
+        divergence = G * (pressure_functions * point_areas) @ gradients.transpose(0, 2, 1)
+        mass = -(G**2) / lambda_1 * (pressure_functions * point_areas) @ pressure_functions.T
         dofs = np.hstack([dofs, 2 * mesh.p.shape[1] + corners])
         element_matrices = np.block(
             [[element_matrices, divergence.transpose(0, 2, 1)], [divergence, mass]]
@@ -1030,8 +1030,8 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
 
     # Places of the contact nodes (2, n), displacement by bulk stress, and lengths of face.
     places = system.mesh.p[:, system.node_of_dof[system.contact_dofs[0]]]
-    dof_shape = system.contact_dofs.shape
-    displacement_by_stress = response_to_stress.reshape(dof_shape)
+    dof_dimensions = system.contact_dofs.shape
+    displacement_by_stress = response_to_stress.reshape(dof_dimensions)
     if system.half_plane_arcs:
         displacement_by_stress = displacement_by_unit_stress(material, *places)
     # of each surface element: nodes, shape functions, and tangents times weights at Gauss points
@@ -1043,7 +1043,7 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
         x=read_only_copy(places[0]),
         y=read_only_copy(places[1]),
         face_lengths=read_only_copy(face_lengths),
-        compliance=read_only_copy(compliance.reshape(*dof_shape, *dof_shape)),
+        compliance=read_only_copy(compliance.reshape(*dof_dimensions, *dof_dimensions)),
         displacement_by_stress=read_only_copy(displacement_by_stress),
         diagnostics={
             "asymmetry": asymmetry,

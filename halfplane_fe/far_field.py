@@ -183,10 +183,10 @@ def curve_elements(points: Array, nodes: Indices, n_gauss_points: int) -> LineEl
     gauss_points, weights = np.polynomial.legendre.leggauss(n_gauss_points)
     if nodes.shape[1] == 2:
         half_slopes = np.full_like(gauss_points, 0.5)
-        shapes = np.array([(1 - gauss_points) / 2, (1 + gauss_points) / 2])
+        shape_functions = np.array([(1 - gauss_points) / 2, (1 + gauss_points) / 2])
         slopes = np.array([-half_slopes, half_slopes])
     else:
-        shapes = np.array(
+        shape_functions = np.array(
             [
                 gauss_points * (gauss_points - 1) / 2,
                 1 - gauss_points**2,
@@ -196,8 +196,8 @@ def curve_elements(points: Array, nodes: Indices, n_gauss_points: int) -> LineEl
         slopes = np.array([gauss_points - 0.5, -2 * gauss_points, gauss_points + 0.5])
     return LineElements(
         nodes=nodes,
-        shapes=shapes,
-        places=points[:, nodes] @ shapes,
+        shapes=shape_functions,
+        places=points[:, nodes] @ shape_functions,
         tangents=points[:, nodes] @ slopes * weights,
     )
 

@@ -526,9 +526,13 @@ def body_forces(
     # Transposed, the mortar operators take forces along the normal and the tangent to nodal forces.
     operators = _mortar_operators(lower_body, upper_body)
     contact_forces = np.concatenate([-pressure, shear])
-    case_shape = pressure.shape[1:]
-    force_on_lower = (_flattened(operators.lower).T @ contact_forces).reshape(2, -1, *case_shape)
-    force_x, force_y = (_flattened(operators.upper).T @ contact_forces).reshape(2, -1, *case_shape)
+    case_dimensions = pressure.shape[1:]
+    force_on_lower = (_flattened(operators.lower).T @ contact_forces).reshape(
+        2, -1, *case_dimensions
+    )
+    force_x, force_y = (_flattened(operators.upper).T @ contact_forces).reshape(
+        2, -1, *case_dimensions
+    )
     # The upper body takes the opposite forces, and its y is reflected.
     return {"lower": force_on_lower, "upper": np.stack([-force_x, force_y])}
 

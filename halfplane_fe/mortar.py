@@ -89,7 +89,7 @@ def mortar(lower_face: Side, upper_face: Side) -> Mortar:
 
     # notation: X places, u displacements, subscripts u, l of the upper and the lower face; in
     # subscripts of einsum s segments of the common refinement, m Gauss points of each, k, l nodes
-    # of an element; s, m in shapes of arrays are their numbers
+    # of an element; s, m in sizes of arrays are their numbers
 
     Parameters
     ----------
@@ -243,17 +243,19 @@ def _side_at_points(side: Side, x: Array) -> _SideAtPoints:
     element = np.clip(np.searchsorted(element_ends, x.mean(axis=1)) - 1, 0, len(element_ends) - 2)
     nodes = element[:, None] * side.order + np.arange(side.order + 1)
     x_of_nodes = side.x[nodes][:, :, None]
-    shapes = np.ones((*nodes.shape, x.shape[1]))
-    shape_slopes = np.zeros((*nodes.shape, x.shape[1]))
+    shape_functions = np.ones((*nodes.shape, x.shape[1]))
+    slopes_of_functions = np.zeros((*nodes.shape, x.shape[1]))
     # Lagrange polynomials and their derivatives, by the product rule for each further factor.
     for j in range(side.order + 1):
         for k in range(side.order + 1):
             if k == j:
                 continue
             distance = x_of_nodes[:, j] - x_of_nodes[:, k]
-            slope_before = shape_slopes[:, j]
-            shape_slopes[:, j] = (slope_before * (x - x_of_nodes[:, k]) + shapes[:, j]) / distance
-            shapes[:, j] *= (x - x_of_nodes[:, k]) / distance
-    y = np.einsum("sk,skm->sm", side.y[nodes], shapes)
-    slope = np.einsum("sk,skm->sm", side.y[nodes], shape_slopes)
-    return _SideAtPoints(nodes, shapes, y, slope)
+            slope_before = slopes_of_functions[:, j]
+            slopes_of_functions[:, j] = (
+                slope_before * (x - x_of_nodes[:, k]) + shape_functions[:, j]
+            ) / distance
+            shape_functions[:, j] *= (x - x_of_nodes[:, k]) / distance
+    y = np.einsum("sk,skm->sm", side.y[nodes], shape_functions)
+    slope = np.einsum("sk,skm->sm", side.y[nodes], slopes_of_functions)
+    return _SideAtPoints(nodes, shape_functions, y, slope)

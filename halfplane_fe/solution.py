@@ -445,9 +445,9 @@ def _solve_path(
 
     # Units of the loads, and how finely the path is stepped. The tolerated step error of the first
     # revolution is a share of the expected friction work. At 0 a small least work takes its place,
-    # and increments are shorter. Coupled bodies, whose increments are costly, and records, which
-    # have many, are spared that. Elsewhere short increments also place the fitted edges more
-    # accurately.
+    # and increments are shorter. Coupled bodies, whose increments are costly, and records of
+    # measured loads, which have many, are spared that. Elsewhere short increments also make the
+    # fitted edges more accurate.
     expected_dissipation = 0.0
     if faces.interface_as_meshed.coupling is not None or is_record(scene):
         expected_dissipation = float(np.nan_to_num(task.scales.dissipation)) / task.work_unit

@@ -824,19 +824,21 @@ def peak_uncertainty(
     power = tip_power(profile, coarse_size)  # n
     share_within_tip = 0.0
     if power >= SMOOTH_TIP:  # no tip
-        place = Place(coarse_size / fine_sizes.edge_size, 1.0 if math.isfinite(depth) else 2.0)
+        place_of_error = Place(
+            coarse_size / fine_sizes.edge_size, 1.0 if math.isfinite(depth) else 2.0
+        )
     elif tip_power(profile, fine_sizes.tip_size) < SMOOTH_TIP:
-        place = Place(coarse_size / fine_sizes.tip_size, power - 1)
+        place_of_error = Place(coarse_size / fine_sizes.tip_size, power - 1)
     else:
-        place = Place(coarse_size / fine_sizes.tip_size, 2.0)
+        place_of_error = Place(coarse_size / fine_sizes.tip_size, 2.0)
         # _PEAK_WITHIN_TIP: fitted share of p0
         share_within_tip = _PEAK_WITHIN_TIP
     # _LEAST_REFINEMENT: least ratio of the element sizes of both meshes
-    if 1 / _LEAST_REFINEMENT < place.refinement < _LEAST_REFINEMENT:
+    if 1 / _LEAST_REFINEMENT < place_of_error.refinement < _LEAST_REFINEMENT:
         return math.nan
 
     # Error of the run over the difference, 1/|r^m - 1|; further terms by edges and growth, over p0.
-    share = max(place.share_left(), 1.0 if has_low_order else 0.0)
+    share = max(place_of_error.share_left(), 1.0 if has_low_order else 0.0)
     relative_size = fine_sizes.edge_size / peak.half_width
     # _PEAK_BY_EDGES: fitted share
     share_by_edges = _PEAK_BY_EDGES * relative_size**1.5 * peak.half_width / peak.distance_to_edge

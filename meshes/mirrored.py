@@ -140,7 +140,7 @@ def mirrored_mesh(
     Parameters
     ----------
     draw
-        function that draws the half into gmsh's current model (geo kernel, lengths of order one).
+        function that draws the half into gmsh's current model (geo kernel, lengths near 1).
         It returns boundary name -> tags of its curves; curves without a name lie on the axis
     size_formula
         element size at a point (x, y), as a formula of gmsh's field MathEval. For quadrilaterals
@@ -241,7 +241,7 @@ def _mesh_of_half(
     cells
         shape of the elements: "triangles" or "quadrilaterals"
     """
-    # Ctrl-C waits, since gmsh's one global state has to be left in order.
+    # Ctrl-C waits, since gmsh's one global state has to be closed properly.
     with interrupts_wait(), _gmsh_model(cells):
         curves_by_name = draw()
         gmsh.model.geo.synchronize()
@@ -289,7 +289,7 @@ def _with_mirror_image(half_mesh: _MeshArrays) -> _MeshArrays:
 
     The nodes of mirrored elements are listed in another order (`_NODES_OF_MIRRORED`, by their
     number), so that their area stays positive. Nodes nearer to x = 0 than 1e-9 lie on the axis;
-    lengths are of order one.
+    the half-width of the finely meshed face is 1.
     """
     points = half_mesh.points.copy()
     is_on_axis = np.abs(points[:, 0]) < _AXIS_DISTANCE
