@@ -744,9 +744,9 @@ def follow(
     """Friction history of an initial loading and of the cycles after it, up to the first cycle that
     ends in the state in which it began, else of all of them; `friction` is f.
 
-    States agree where the memory curves do. A cycle holds its load segments and how much later than
-    their own time it is. A memory curve M(eta) is the tangential force of the flat punches up to
-    the load eta. The less slips in a cycle, the closer they must agree.
+    States agree where the memory curves do; the less slips in a cycle, the closer these must agree.
+    A memory curve M(eta) is the tangential force of the flat punches up to the load eta. A cycle
+    holds its load segments and how much later than their own time it is.
 
     Raises
     ------
@@ -969,10 +969,11 @@ def corner_times(contact: Contact, span: Span) -> Array:
     """Times within a time span at which an edge of contact or of stick passes a corner of the
     profile, (n,) ascending, no two the same but for round-off.
 
-    Integrands over time have a kink there. `sticking_piece` is the piece of the memory curve M(eta)
-    that still sticks, from `bottom_load` to `top_load`; its `anchor` is the instant from which it
-    is measured. A span is a time in full stick or with slip in one direction. At a corner P, or the
-    load P_c at the stick edge, is one of `contact.corner_loads`.
+    Integrands over time have a kink there. The memory curve M(eta) is the tangential force of the
+    flat punches up to the load eta. `sticking_piece` is the piece of it that still sticks, from
+    `bottom_load` to `top_load`; its `anchor` is the instant from which it is measured. A span is a
+    time in full stick or with slip in one direction. At a corner P, or the load P_c at the stick
+    edge, is one of `contact.corner_loads`.
     """
     corner_loads = contact.corner_loads
     if not len(corner_loads):

@@ -790,7 +790,8 @@ def follow(
 
 def _knots_of(curve: Line | None) -> Array:
     """eta and M(eta) at the knots of a memory curve, the ends of its lines, (2, n), ascending from
-    (0, 0), the one knot of None, bodies out of contact.
+    (0, 0), the one knot of None, bodies out of contact. M(eta) is the tangential force of the flat
+    punches up to the load eta.
     """
     knots = []
     while curve is not None:

@@ -360,7 +360,8 @@ def slip_combination_on_piece(
     piece: Piece, direction: int, friction: float, eta: ArrayLike
 ) -> Array:
     """Change of s M(eta) - f eta on a piece from its anchor to loads eta, any shape [force per
-    thickness]; s is the `direction` of slip, f `friction`, M(eta) the memory curve.
+    thickness]; s is the `direction` of slip, f `friction`, M(eta) the memory curve, the tangential
+    force of the flat punches up to the load eta.
 
     `anchor` is the instant of the load path at which the piece was made. There dM/d eta is `slope`,
     `bend` half of d2M/d eta2. An `arc` is a curved part of the load path, passed in full stick;

@@ -224,8 +224,8 @@ def _convex_power(profile: PowerLaw) -> ConvexProfile:
             * (relative_distance > 0)
         )
 
-    # A high power is a peak at the end: with the steps of GRADED_RULE |x|^20 would lose 2e-10 of
-    # the load, with these 1e-13.
+    # A high power is a peak at the end of the contact: with the steps of GRADED_RULE |x|^20 would
+    # lose 2e-10 of the load, with these 1e-13.
     quadrature_rule = (
         GRADED_RULE if exponent <= 4 else logistic_rule(-36.0, 36.0, 0.45 / exponent**0.2)
     )
@@ -532,9 +532,9 @@ def law_of_power(modulus: float, exponent: float, length: float, rise: float) ->
 
 def law_of_even_polynomial(modulus: float, length: float, rises: tuple[float, ...]) -> ContactLaw:
     """Contact law P(a) of the profile h = sum c_k (x/length)^(2 k), k from 1, c_k = `rises`
-    [length]: P is the sum of the loads that each power alone would carry. `modulus` is E*, a the
-    contact half-width; for a = length they are E* n c_k times the integral of sin(theta)^n from 0
-    to pi/2, n = 2 k.
+    [length]: P is the sum of the loads that each term alone would carry. `modulus` is E*, a the
+    contact half-width; for a = length these loads are E* n c_k times the integral of sin(theta)^n
+    from 0 to pi/2, n = 2 k.
 
     Raises
     ------
@@ -550,7 +550,11 @@ def law_of_even_polynomial(modulus: float, length: float, rises: tuple[float, ..
     k = np.arange(1.0, len(rises) + 1)
     # at a = length
     loads_of_terms = (
-        modulus * 2 * k * np.array(rises) * np.array([abel_load_factor(2 * power) for power in k])
+        modulus
+        * 2
+        * k
+        * np.array(rises)
+        * np.array([abel_load_factor(2 * half_power) for half_power in k])
     )
     # dP/da over a is a polynomial in a^2.
     # (a/length)^2 at which dP/da is negative, None where it never is

@@ -1396,9 +1396,9 @@ def _resolved_series(
         panels = panels.take(np.flatnonzero(~is_finished)).halved()
         former_last_coefficients = np.tile(last_coefficients[~is_finished], 2)
     return _PanelSeries(
-        Panels.joined([group.panels for group in finished_series]),
-        np.concatenate([group.coefficients for group in finished_series]),
-        np.concatenate([group.truncation_errors for group in finished_series]),
+        Panels.joined([series_of_pass.panels for series_of_pass in finished_series]),
+        np.concatenate([series_of_pass.coefficients for series_of_pass in finished_series]),
+        np.concatenate([series_of_pass.truncation_errors for series_of_pass in finished_series]),
     )
 
 

@@ -172,9 +172,11 @@ def panel_nodes(
     panel_length = panel_end - panel_begin
     distance_to_panel_begin = panel_length * GRADED_RULE.distance_from_begin
     distance_to_panel_end = panel_length * GRADED_RULE.distance_from_end
-    from_begin = (panel_begin - begin_places[..., None, None]) + distance_to_panel_begin
-    from_end = (end_places[..., None, None] - panel_end) + distance_to_panel_end
+    distance_from_begin = (panel_begin - begin_places[..., None, None]) + distance_to_panel_begin
+    distance_from_end = (end_places[..., None, None] - panel_end) + distance_to_panel_end
     places = np.where(
         _IN_LOWER_HALF, panel_begin + distance_to_panel_begin, panel_end - distance_to_panel_end
     )
-    return PanelNodes(places, from_begin, from_end, panel_length * GRADED_RULE.weight)
+    return PanelNodes(
+        places, distance_from_begin, distance_from_end, panel_length * GRADED_RULE.weight
+    )

@@ -534,8 +534,9 @@ class PieceRule(NamedTuple):
 
 
 def _graded_piece_rule() -> PieceRule:
-    """The graded rule on [0, 1]. Its error check takes every second node alone: weights -w and w in
-    turn, whose sum over an integrand is 0 but for the error.
+    """The graded quadrature rule on [0, 1], for integrands singular at the ends, with its error
+    check. That takes every second node alone: weights -w and w in turn, whose sum over an integrand
+    is 0 but for the error.
     """
     # GRADED_RULE holds the nodes as distances from both ends
     weights = graded_nodes(0.0, 1.0)[1]
@@ -1674,7 +1675,8 @@ def _phase_parameters(ellipses: Ellipses, least_share: float) -> Array:
     # notation: h half the angle from E to G, g half of that from I to J; P_T permanent stick load,
     #           P_min least load, P1 amplitude of P; u, v forward and reverse amplitude, of (Q -+ f
     #           P)/f; alpha = sqrt(2 P1) sin(t_E/2), beta = sqrt(2 P1) cos(t_E/2), t_E time of E,
-    #           with its sine and cosine `sine_of_start`, `cosine_of_start`; k = 4 alpha beta
+    #           the begin of reverse slip, with its sine and cosine `sine_of_start`,
+    #           `cosine_of_start`; k = 4 alpha beta
 
     E-G is reverse slip, I-J the first part of forward slip. Loads below `least_share` of the mean
     load count as that.
