@@ -368,7 +368,8 @@ def memory_at(scene: Scene, time: Array) -> tuple[SymmetricContact, Snapshot]:
     Raises
     ------
     InputError, InadmissibleLoadError
-        For what half-plane theory cannot solve: gross sliding, separation, a profile that splits.
+        For what half-plane theory cannot solve: gross sliding, separation, a profile under which
+        the contact splits.
     """
     contact = contact_of(scene.profile, scene.material)
     path = _path_of(scene, time)

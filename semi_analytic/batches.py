@@ -814,7 +814,7 @@ def dissipation(
 
 
 def _works_of_members(members: Members) -> Array:
-    """Friction work of one steady cycle of each member, times pi E*/(2 f^2) [(force per
+    """Friction work of one steady cycle of each member of a batch, times pi E*/(2 f^2) [(force per
     thickness)^2], and its permanent stick load P_T [force per thickness]: (5, m).
 
     Rows: the work, its parts by forward and by reverse slip, the error of the work from above, and

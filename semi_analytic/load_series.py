@@ -917,9 +917,8 @@ class LoadSeries:
         #           `first_steps` number of the first step of each part; `times` of all rows
 
         About 400 a cycle and 100 of the initial loading, evenly spread over each record, a portion
-        of a load step, with both its ends. Of a measured path of more than 1,000 rows
-        they are all rows, or about 400 of them if `thinned`. With `last_cycle_only` only the last
-        part counts.
+        of a load step, with both its ends. Of a measured path of more than 1,000 rows they are all
+        rows, or about 400 of them if `thinned`. With `last_cycle_only` only the last part counts.
         """
         first_part = len(self.parts) - 1 if last_cycle_only else 0
         if self.is_long_record:

@@ -523,7 +523,7 @@ def _friction_batch(
 
 def _sampled_work(work: Work, least_friction: Array, load_amplitude_ratio: Array) -> _WorkCurve:
     """Friction work W of m members of a batch at samples of the coefficient f, from f_min up to 1e6
-    times the larger of f_min and Q1/P1.
+    times the larger of f_min and Q1/P1, the amplitudes of Q over P.
 
     f_min = `least_friction` (m,) is the least f without gross sliding,
     Q1/P1 = `load_amplitude_ratio` (m,). Samples are dense next to f_min and sparse beyond 100 times

@@ -141,7 +141,8 @@ def _depths_by_newton(loads: Array) -> Array:
 
 def _newton_step(depth: Array, residual: Array) -> Array:
     """Newton's step of the slip depths (2, n) at both ends of the contact, to be subtracted;
-    `residual` (2, n) is that of the two loads, e and Q/(f P), as functions of the depths.
+    `residual` (2, n) is that of the two loads, dimensionless bulk strain e and Q/(f P), as
+    functions of the depths.
 
     Derivatives are central differences of 1e-6 of the depths; the two equations are solved by
     Cramer's rule. `loads_of_slip_depths` gives both loads from the depths.

@@ -365,7 +365,7 @@ def edge_advance_function(
         P and dP/dd as functions of arrays d [length]
     unit
         a length of the profile; from 1e-22 to 1e15 of it, `extent` at most, the cubic is
-        tabulated, beyond P is a power of d
+        tabulated, beyond this range P is a power of d
     corner
         an advance at which P is less smooth
     extent
@@ -382,8 +382,8 @@ def edge_advance_function(
         return _log_table(load, stiffness, unit, corner, extent)
 
     def edge_advance(loads: Array) -> Array:
-        """Advance d of the contact edge beyond the half-width without load, under each of the
-        `loads` P [length], 0 where a load is not positive.
+        """Advance d [length] of the contact edge beyond the half-width without load, under each of
+        the `loads` P, 0 where a load is not positive.
 
         Newton's rule in logarithms of load and d, from a first guess and its bounds by a table.
         Where a step leaves the bracket [least_d, largest_d] the bracket is halved instead.

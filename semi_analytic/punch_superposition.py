@@ -1129,8 +1129,8 @@ class Primitive:
     error: Array
 
     def __call__(self, point_number: Indices, advance: Array) -> tuple[Array, Array]:
-        """The integral from no load up to `advance` of the edge of contact at the points with these
-        numbers, arrays of one shape, and its error.
+        """The integral over flat punches from no load up to `advance` of the edge of contact, at
+        the points with these numbers, arrays of one shape, and its error.
 
         The panel that holds the advance is looked up: a range of the variable v with one Chebyshev
         series of the integral. The series is then evaluated at v. `panels` holds (n,) the point
@@ -1612,7 +1612,7 @@ def _integrand(
     scale = panels.scale[:, None]
     advance_beyond_v0 = panels.advance_beyond_v0(kind, v)
     advance = advance_at_v0 + advance_beyond_v0
-    # sqrt(d - d0), which da/dv has as a factor
+    # root of the advance beyond that at v = 0, which da/dv has as a factor
     root_of_distance = np.sqrt(advance_beyond_v0)
     half_width = law.least_half_width + advance
     if kind == "pressure":
@@ -1633,7 +1633,7 @@ def _integrand(
     load_integral_over_width = np.where(
         half_width > 0, load_integral / np.where(half_width > 0, half_width, 1.0), 0.0
     )
-    # sqrt(x - a) of the root of squares cancels against da/dv
+    # the factor sqrt(x - a) of sqrt(x^2 - a^2) cancels against that of da/dv
     outside_factor = x / np.sqrt(x + half_width) if kind == "outside" else 1.0
     return load_integral_over_width * 2 * root_of_distance * outside_factor
 

@@ -670,10 +670,10 @@ def roundoff_error(ellipses: Ellipses, work: Array) -> Array:
     (m,) [force^2 per thickness^2], by the last digits of loads and angles.
 
     # notation: u and v (`forward_amplitude`, `reverse_amplitude`) amplitudes of (Q -+ f P)/f; D
-    #           (`slip_angle`) length of the phases E-G and J-M [rad], pi - D of I-J; P1 amplitude
-    #           of P
+    #           (`slip_angle`) length of the phases E-G and J-M [rad], pi - D of I-J; P1, Q1
+    #           amplitudes of P and Q
 
-    u and v, the amplitudes of (Q -+ f P)/f, are differences of Q1/f and P1. Digits are lost where
+    u and v are differences of Q1/f and P1. Digits are lost where
     u, v are small against the loads, or D and pi - D against pi. The relative error is 2e-12 and a
     last digit, 1e-15, for each such ratio.
     """
