@@ -578,7 +578,7 @@ def _parts_by_curvatures(
     from semi_analytic.next_order import CURVATURES, with_one_group_alone
 
     parts = {}
-    change_left = corrected_solution.dissipation / theory.dissipation - 1
+    remaining_change = corrected_solution.dissipation / theory.dissipation - 1
     # CURVATURES: "curvature under P" and "curvature under Q", with the responses of each
     for curvature in CURVATURES:
         # The responses of the bodies with this curvature alone.
@@ -592,9 +592,9 @@ def _parts_by_curvatures(
         parts[curvature] = Estimate(
             change, abs(change) * uncertain_fraction_by_curvature[curvature]
         )
-        change_left -= change
+        remaining_change -= change
     parts["both together"] = Estimate(
-        change_left, abs(change_left) * sum(uncertain_fraction_by_curvature.values())
+        remaining_change, abs(remaining_change) * sum(uncertain_fraction_by_curvature.values())
     )
     return parts
 

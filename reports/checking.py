@@ -321,14 +321,16 @@ def _highest_value_and_time(
     times = sampled_times(segment, _N_SAMPLES)
     for _ in range(3):
         values = value_at(times)
-        index_of_highest = int(np.argmax(values))
-        highest_value = float(values[index_of_highest])
-        time_of_highest = float(times[index_of_highest])
+        index_of_highest_value = int(np.argmax(values))
+        highest_value = float(values[index_of_highest_value])
+        time_of_highest_value = float(times[index_of_highest_value])
         # At an end of the samples, or infinite: closer samples add nothing.
-        if not np.isfinite(highest_value) or index_of_highest in (0, len(times) - 1):
+        if not np.isfinite(highest_value) or index_of_highest_value in (0, len(times) - 1):
             break
-        times = np.linspace(times[index_of_highest - 1], times[index_of_highest + 1], _N_SAMPLES)
-    return highest_value, time_of_highest
+        times = np.linspace(
+            times[index_of_highest_value - 1], times[index_of_highest_value + 1], _N_SAMPLES
+        )
+    return highest_value, time_of_highest_value
 
 
 _NO_THEORY_OF_CURVED_FACES = (

@@ -60,14 +60,14 @@ class TimeLeft:
             self._start = present_time
         self._count = count
         self._total = total or 0
-        elapsed = present_time - self._start
-        if not count or not total or elapsed <= 0:
+        elapsed_seconds = present_time - self._start
+        if not count or not total or elapsed_seconds <= 0:
             return ""
         # The first steps are slower: in a stage of one minute they gave an estimate of 23 minutes.
         # _SECONDS_OF_SLOW_START: 60 s
-        if 20 * count < total and elapsed < _SECONDS_OF_SLOW_START:
+        if 20 * count < total and elapsed_seconds < _SECONDS_OF_SLOW_START:
             return ""
-        seconds_left = elapsed / count * (total - count)
+        seconds_left = elapsed_seconds / count * (total - count)
         if seconds_left < 100:
             return f"{seconds_left:.0f} s left"
         return f"{seconds_left / 60:.0f} min left"

@@ -246,10 +246,10 @@ def usable_folder(out: str | Path, names: Iterable[str] = NAMES_OF_RESULTS) -> P
 
 def add_to_log(folder: Path, text: str) -> Path:
     """Append `text` to run.log in `folder`, whose other files stay; returns the path of run.log."""
-    with results_folder(folder, stale_prefixes=()) as staging:
+    with results_folder(folder, stale_prefixes=()) as staging_folder:
         log_file = folder / "run.log"
         text_before = log_file.read_text("utf-8", errors="replace") if log_file.is_file() else ""
-        (staging / "run.log").write_text(text_before + text, encoding="utf-8")
+        (staging_folder / "run.log").write_text(text_before + text, encoding="utf-8")
     return log_file
 
 
@@ -292,45 +292,45 @@ def results_folder(
     folder = usable_folder(out)
     is_moving = False
     try:
-        staging = _new_staging_folder(folder)
+        staging_folder = _new_staging_folder(folder)
     except OSError as reason:
         raise _error_of_unwritable_folder(out, reason) from reason
 
-    new_results_folder = staging / "results"
+    new_results_folder = staging_folder / "results"
     with ExitStack() as cleanup:
-        cleanup.callback(_remove_hidden, staging)
+        cleanup.callback(_remove_hidden, staging_folder)
         try:
             new_results_folder.mkdir(mode=0o700)
             yield new_results_folder
             is_moving = True
-            _move_results(staging, folder, stale_prefixes, out)
+            _move_results(staging_folder, folder, stale_prefixes, out)
         except InputError as fault:
             if not is_moving:
                 raise
             cleanup.pop_all()  # nothing is removed
-            raise InputError(f"{fault}{_place_of_rescued_files(staging)}") from fault
+            raise InputError(f"{fault}{_place_of_rescued_files(staging_folder)}") from fault
         except OSError as fault:
             # An error of the disk: of the results' folder, or of a file somewhere else.
-            is_about_folder = is_moving or not _is_about_another_file(fault, staging)
+            is_about_folder = is_moving or not _is_about_another_file(fault, staging_folder)
             if not is_about_folder:
-                _move_solutions(staging, folder, stale_prefixes, out, solutions, fault)
+                _move_solutions(staging_folder, folder, stale_prefixes, out, solutions, fault)
                 raise
             sentence = ""
             if is_moving or _remove_all_except(new_results_folder, solutions):
                 cleanup.pop_all()  # nothing is removed
-                sentence = _place_of_rescued_files(staging)
+                sentence = _place_of_rescued_files(staging_folder)
             raise InputError(f"{_error_of_unwritable_folder(out, fault)}{sentence}") from fault
         except Exception as fault:
             if not is_moving:
-                _move_solutions(staging, folder, stale_prefixes, out, solutions, fault)
+                _move_solutions(staging_folder, folder, stale_prefixes, out, solutions, fault)
             raise
 
 
-def _place_of_rescued_files(staging: Path) -> str:
+def _place_of_rescued_files(staging_folder: Path) -> str:
     """End of a sentence: the place of the files that could not be moved. The hidden folder
-    `staging` becomes visible.
+    `staging_folder` becomes visible.
     """
-    return f"; what did not get there is kept in {_visible_folder(staging) / 'results'}"
+    return f"; what did not get there is kept in {_visible_folder(staging_folder) / 'results'}"
 
 
 def _remove_all_except(results: Path, names: Iterable[str]) -> list[str]:
@@ -342,7 +342,7 @@ def _remove_all_except(results: Path, names: Iterable[str]) -> list[str]:
 
 
 def _move_solutions(
-    staging: Path,
+    staging_folder: Path,
     folder: Path,
     stale_prefixes: tuple[str, ...],
     out: str | Path,
@@ -350,7 +350,7 @@ def _move_solutions(
     fault: Exception,
 ) -> None:
     """After an error (`fault`) save at least the solutions that were written: move them from the
-    temporary folder `staging` to `folder`, and add a note to the error that names them.
+    temporary folder `staging_folder` to `folder`, and add a note to the error that names them.
 
     Parameters
     ----------
@@ -364,34 +364,38 @@ def _move_solutions(
     # a second error must not hide the first
     with suppress(OSError, InputError):
         # Names of the solutions that exist; all other files are removed.
-        if written_names := _remove_all_except(staging / "results", solutions):
-            _move_results(staging, folder, stale_prefixes, out)
+        if written_names := _remove_all_except(staging_folder / "results", solutions):
+            _move_results(staging_folder, folder, stale_prefixes, out)
             fault.add_note(
                 "the solutions are saved:"
                 f" {' and '.join(str(folder / name) for name in written_names)}"
             )
 
 
-def _is_about_another_file(fault: OSError, staging: Path) -> bool:
-    """Whether an error names a file that does not lie in the temporary folder `staging`."""
-    return isinstance(fault.filename, str) and not Path(fault.filename).is_relative_to(staging)
+def _is_about_another_file(fault: OSError, staging_folder: Path) -> bool:
+    """Whether an error names a file that does not lie in the temporary folder `staging_folder`."""
+    return isinstance(fault.filename, str) and not Path(fault.filename).is_relative_to(
+        staging_folder
+    )
 
 
-def _visible_folder(staging: Path) -> Path:
-    """Rename the hidden temporary folder `staging`, so that users see it and no later run removes
-    it. Manifests and empty folders in it are removed first.
+def _visible_folder(staging_folder: Path) -> Path:
+    """Rename the hidden temporary folder `staging_folder` so that users see it and no later run
+    removes it. Manifests and empty folders in it are removed first.
 
     Returns the new path, or the old one where the folder can't be renamed.
     """
     try:
-        for path in staging.iterdir():
+        for path in staging_folder.iterdir():
             if path.is_file():
                 path.unlink()
             elif not _names_of_files(path):
                 shutil.rmtree(path)
-        return staging.rename(staging.with_name(f"halfplane-kept-{staging.name[-8:]}"))
+        return staging_folder.rename(
+            staging_folder.with_name(f"halfplane-kept-{staging_folder.name[-8:]}")
+        )
     except OSError:
-        return staging
+        return staging_folder
 
 
 def _error_of_unwritable_folder(out: str | Path, reason: OSError) -> InputError:
@@ -483,10 +487,10 @@ def _lies_inside(folder: Path, name: str) -> bool:
 
 
 def _move_results(
-    staging: Path, folder: Path, stale_prefixes: tuple[str, ...], out: str | Path
+    staging_folder: Path, folder: Path, stale_prefixes: tuple[str, ...], out: str | Path
 ) -> None:
-    """Move the results of a run from the hidden folder `staging` to `folder`: the old page leaves
-    first, the new page arrives last. After an error everything is as it was before.
+    """Move the results of a run from the hidden folder `staging_folder` to `folder`. The old page
+    leaves first, the new page arrives last. After an error everything is as it was before.
 
     A manifest in the folder lists the files that this program wrote. The manifest that is moved
     before any file lists old and new files; the one that is moved last lists the new ones. So, if a
@@ -494,7 +498,7 @@ def _move_results(
 
     Parameters
     ----------
-    staging
+    staging_folder
         its folder "results" holds the new files
     folder
         where they go
@@ -510,9 +514,9 @@ def _move_results(
     FilledBefore
         For a Ctrl-C that came while files were moved: all of them have been moved.
     """
-    new_results_folder = staging / "results"
+    new_results_folder = staging_folder / "results"
     # Where replaced files go, to be put back after an error.
-    old_results_folder = staging / "before"
+    old_results_folder = staging_folder / "before"
     # Names of files as paths relative to the folder.
     new_names = _names_of_files(new_results_folder)
     # The folder exists and is locked against other runs; `inner_folders` makes folders in it.
@@ -533,9 +537,9 @@ def _move_results(
         )
 
         # Both manifests, and folders for what is moved away or arrives.
-        first_manifest = _write_manifest(staging / "begun.json", {*new_names, *other_names})
+        first_manifest = _write_manifest(staging_folder / "begun.json", {*new_names, *other_names})
         last_manifest = _write_manifest(
-            staging / "ended.json", {*new_names, *(other_names - stale_names)}
+            staging_folder / "ended.json", {*new_names, *(other_names - stale_names)}
         )
         for name in replaced_names:
             (old_results_folder / name).parent.mkdir(parents=True, exist_ok=True)
@@ -545,7 +549,7 @@ def _move_results(
             # undo_steps: what is called, last first, if one of the moves fails
             with interrupts_wait(), ExitStack() as undo_steps:
                 if os.path.lexists(folder / MANIFEST):
-                    old_manifest = staging / MANIFEST
+                    old_manifest = staging_folder / MANIFEST
                     shutil.copyfile(folder / MANIFEST, old_manifest)
                     undo_steps.callback(os.replace, old_manifest, folder / MANIFEST)
                 else:

@@ -808,10 +808,10 @@ def omissions_in_words(scene: Scene) -> str:
     if not scene.inputs or scene.bodies.half_planes:
         return ""
     # Under a prescribed displacement pads are taken as blocks; else the scene itself.
-    scene_solved = with_blocks(scene)
-    if reason_without_values := _reason_without_values(scene_solved):
+    solved_scene = with_blocks(scene)
+    if reason_without_values := _reason_without_values(solved_scene):
         return f"What the inputs make of the answer will not be known: {reason_without_values}."
-    if scene_solved is not scene:  # the warning then is that pads are taken as blocks
+    if solved_scene is not scene:  # the warning then is that pads are taken as blocks
         # _BLOCKS_FOR_PADS: sentence part that pads are taken as blocks
         return f"What the inputs make of the answer: {_BLOCKS_FOR_PADS}."
     if scene.load.is_driven:
@@ -1352,13 +1352,13 @@ def input_effects(scene: Scene, effects: BodyEffects | None = None) -> InputEffe
         return None
     assert scene.uncertainty is not None
     # Under a prescribed displacement pads are taken as blocks; else the scene itself.
-    scene_solved = with_blocks(scene)
-    if reason := _reason_without_values(scene_solved):
+    solved_scene = with_blocks(scene)
+    if reason := _reason_without_values(solved_scene):
         return InputEffects(scene.inputs, scene.uncertainty.correlations, reason_unknown=reason)
     try:
-        uncertainties_by_inputs = _input_effects(scene_solved, effects)
+        uncertainties_by_inputs = _input_effects(solved_scene, effects)
         # The note `_BLOCKS_FOR_PADS` says that pads were taken as blocks.
-        if scene_solved is scene:
+        if solved_scene is scene:
             return uncertainties_by_inputs
         return replace(
             uncertainties_by_inputs, notes=(*uncertainties_by_inputs.notes, _BLOCKS_FOR_PADS)

@@ -544,15 +544,17 @@ def load_cycles(solution: ContactSolution) -> LoadCycles | None:
 
     # Rows of the first period, its duration, and the time from it to the last period solved.
     period_duration = 0.0
-    shift_to_last = 0.0  # of time, from the first to the last period of a record that repeats
+    shift_to_last_period = (
+        0.0  # of time, from the first to the last period of a record that repeats
+    )
     if load_record.repeats:
         rows = rows[1:]  # without the unloaded row before the first period
         # _TIME: column of the times
         period_duration = float(rows[-1, _TIME] - rows[0, _TIME])
-        shift_to_last = period_duration * (len(solution.cycle_dissipation) - 1)
+        shift_to_last_period = period_duration * (len(solution.cycle_dissipation) - 1)
 
     # Instants within the rows, and the dissipation since the first of them, (m,) each.
-    times_and_work = _times_and_work_since_first_row(solution, rows, shift_to_last)
+    times_and_work = _times_and_work_since_first_row(solution, rows, shift_to_last_period)
     if times_and_work is None:
         return None
     time, work_so_far = times_and_work
@@ -568,16 +570,16 @@ def load_cycles(solution: ContactSolution) -> LoadCycles | None:
     # A cycle may end in the period after that in which it starts: both have the same work.
     time_of_two_periods = np.concatenate([time, time[1:] + period_duration])
     work_of_two_periods = np.concatenate([work_so_far, work_so_far[1:] + work_so_far[-1]])
-    shift_to_last_but_one = max(shift_to_last - period_duration, 0.0)
+    shift_to_last_period_but_one = max(shift_to_last_period - period_duration, 0.0)
     shifted_cycles = [
         replace(
             cycle,
-            start=cycle.start + shift_to_last_but_one,
-            end=cycle.end + shift_to_last_but_one,
+            start=cycle.start + shift_to_last_period_but_one,
+            end=cycle.end + shift_to_last_period_but_one,
         )
         for cycle in cycles_with_work(row_cycles, time_of_two_periods, work_of_two_periods)
     ]
-    return LoadCycles(tuple(shifted_cycles), time + shift_to_last, work_so_far)
+    return LoadCycles(tuple(shifted_cycles), time + shift_to_last_period, work_so_far)
 
 
 def _time_tolerance(rows: Array) -> float:
@@ -586,7 +588,7 @@ def _time_tolerance(rows: Array) -> float:
 
 
 def _times_and_work_since_first_row(
-    solution: ContactSolution, rows: Array, shift_to_last: float
+    solution: ContactSolution, rows: Array, shift_to_last_period: float
 ) -> tuple[Array, Array] | None:
     """Times of a solution within those of the rows (n, 3: time, P, Q), (m,), and the dissipation
     from the first of these times to each, (m,). None where the solution does not hold the work of
@@ -599,15 +601,15 @@ def _times_and_work_since_first_row(
         work of the load step up to each under `record.energy`
     rows
         of the first period, where the rows repeat
-    shift_to_last
+    shift_to_last_period
         time from that period to the last one solved, whose work counts; 0 for rows that do not
         repeat
     """
     if solution.engine == "semi_analytic":
         # Theory is solved again at the rows and at the ends of their load cycles.
-        time, work = _times_and_work_of_steps(solution.scene, rows, shift_to_last)
+        time, work = _times_and_work_of_steps(solution.scene, rows, shift_to_last_period)
     else:
-        time = solution.time - shift_to_last
+        time = solution.time - shift_to_last_period
         work = solution.record.energy.get("dissipation", np.empty(0))
     if len(work) != len(time):
         return None
@@ -637,11 +639,11 @@ def _cycles_of_repeating_rows(rows: Array) -> list[LoadCycle]:
     A cycle has `count` 1, half a cycle 0.5, and `start` and `end` times.
     """
     # _TANGENTIAL, _TIME: columns of Q and of the time
-    row_of_largest = int(np.argmax(rows[:, _TANGENTIAL]))
+    row_of_largest_q = int(np.argmax(rows[:, _TANGENTIAL]))
     period_duration = float(rows[-1, _TIME] - rows[0, _TIME])
     shift_by_period = np.array([period_duration, 0.0, 0.0])
-    rows_of_next_period = rows[1 : row_of_largest + 1] + shift_by_period
-    counted_rows = np.concatenate([rows[row_of_largest:], rows_of_next_period])
+    rows_of_next_period = rows[1 : row_of_largest_q + 1] + shift_by_period
+    counted_rows = np.concatenate([rows[row_of_largest_q:], rows_of_next_period])
     cycles = rainflow_cycles(counted_rows[:, _TIME], counted_rows[:, _TANGENTIAL])
     # Rainflow counts the largest cycle, between two equal peaks, as two half cycles.
     half_cycles = [cycle for cycle in cycles if cycle.count < 1]
@@ -771,16 +773,16 @@ def _time_of_return(time: Array, force: Array, first_row: int, last_row: int) ->
     wanted_force = force[first_row]
     direction = np.sign(wanted_force - force[last_row])
     first_searched_row = last_row + 1
-    rows_searched = 64  # rows that are looked at together
+    n_searched_rows = 64  # rows that are looked at together
     while first_searched_row < len(force):
-        searched_force = force[first_searched_row : first_searched_row + rows_searched]
+        searched_force = force[first_searched_row : first_searched_row + n_searched_rows]
         rows_beyond = np.flatnonzero(direction * (searched_force - wanted_force) >= 0)
         if len(rows_beyond):
             row = first_searched_row + int(rows_beyond[0])
             fraction = (wanted_force - force[row - 1]) / (force[row] - force[row - 1])
             return float(time[row - 1] + fraction * (time[row] - time[row - 1]))
-        first_searched_row += rows_searched
-        rows_searched *= 2
+        first_searched_row += n_searched_rows
+        n_searched_rows *= 2
     return float(time[-1])
 
 

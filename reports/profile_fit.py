@@ -145,9 +145,11 @@ def fit_uncertainty(scene: Scene, resamples: int = _N_RESAMPLES, seed: int = 0) 
     if was_smoothed:
         # Keys of the profile fitted again; None where there is no such fit.
         less_smoothed_profile = fitted_again(scene.profile, smoothing=0.1)
-        values_less_smoothed = _values_under_other_fit(scene, less_smoothed_profile, work_method)
-        if values_less_smoothed is not None:
-            bias = np.maximum(bias, np.abs(values_less_smoothed - values_of_fit))
+        values_of_less_smoothing = _values_under_other_fit(
+            scene, less_smoothed_profile, work_method
+        )
+        if values_of_less_smoothing is not None:
+            bias = np.maximum(bias, np.abs(values_of_less_smoothing - values_of_fit))
 
     uncertainty = 2 * np.std(changes, axis=0) + bias
     if pattern is not None and fit.kind != "smoothing_spline":

@@ -144,7 +144,7 @@ class AgainstMeasurement:
 
 
 def result_against_theory(
-    comparison: JudgedPair, effects: InputEffects | None, measured: Measured
+    comparison: JudgedPair, effects: InputEffects | None, measured_uncertainties: Measured
 ) -> tuple[AgainstMeasurement, ...]:
     """Compare the values of an external result, taken as a measurement, with those of half-plane
     theory: W, peak pressure and half-width, where both have them.
@@ -157,7 +157,7 @@ def result_against_theory(
     effects
         uncertainties of theory's values by the scene's inputs. Nothing is compared where it is
         None, for none are stated, or where it is not known
-    measured
+    measured_uncertainties
         relative standard uncertainties of the result, as the mapping file states them; those that
         it does not state count as 0
 
@@ -185,7 +185,7 @@ def result_against_theory(
             effects.work_uncertainty if name == WORK else theory_value.relative_uncertainty
         )
         measured_value = theory_value.value * (1 + float(metric.value or 0.0))
-        u_of_result = measured.relative_uncertainty(key)
+        u_of_result = measured_uncertainties.relative_uncertainty(key)
         entries.append(
             AgainstMeasurement(
                 words=words,
@@ -202,7 +202,7 @@ def result_against_theory(
 
 
 def loop_area_against_models(
-    score: LoopScore, effects: InputEffects | None, measured: Measured
+    score: LoopScore, effects: InputEffects | None, measured_uncertainties: Measured
 ) -> tuple[AgainstMeasurement, ...]:
     """Compare the area W of a measured loop of Q over U with the areas that theory and finite
     elements compute with the scene's friction coefficient.
@@ -215,7 +215,7 @@ def loop_area_against_models(
     effects
         `work_uncertainty`: standard uncertainty of theory's W over W by the scene's inputs. Nothing
         is compared where it is None, for none are stated, or where it is not known
-    measured
+    measured_uncertainties
         relative standard uncertainties of the measurement, as the mapping file states them
 
     Returns
@@ -234,7 +234,7 @@ def loop_area_against_models(
     # _SIGMAS_OF_95_PERCENT: 1.96 standard deviations
     u_by_scatter = measured_loop.by_noise / _SIGMAS_OF_95_PERCENT
     u_of_rows = math.hypot(u_by_distance, u_by_scatter)
-    u_of_rig = measured.relative_uncertainty("dissipation")
+    u_of_rig = measured_uncertainties.relative_uncertainty("dissipation")
     u_of_area = math.hypot(u_of_rows, (u_of_rig or 0.0) * measured_loop.area)
     entries = []
     # loops with the scene's friction; the others have the fitted one, and agree by design

@@ -175,12 +175,12 @@ def axis_limits(
 
     # widen a range that is too small, about its middle: to 1e-9 of the values at least
     largest_size = max(abs(lower_end), abs(upper_end))
-    range_shown = max(upper_end - lower_end, least_range, 1e-9 * largest_size, 1e-300)
-    if upper_end - lower_end < range_shown:
+    shown_range = max(upper_end - lower_end, least_range, 1e-9 * largest_size, 1e-300)
+    if upper_end - lower_end < shown_range:
         middle = (lower_end + upper_end) / 2
-        lower_end = middle - range_shown / 2
-        upper_end = middle + range_shown / 2
-    return lower_end - margin * range_shown, upper_end + margin * range_shown
+        lower_end = middle - shown_range / 2
+        upper_end = middle + shown_range / 2
+    return lower_end - margin * shown_range, upper_end + margin * shown_range
 
 
 @dataclass(frozen=True)
@@ -1247,10 +1247,10 @@ def _panel_svg(panel: Panel, *, is_standalone: bool = False, **place: object) ->
     lines_above = [(left_x, panel.title, "title")] if panel.title else []
     lines_above += [(24.0, note, "measure") for note in panel.notes]
     # _LINE_HEIGHT: 15 units of the drawing
-    y_of_first = top_y - 9.0 - _LINE_HEIGHT * (len(lines_above) - 1)
+    y_of_first_line = top_y - 9.0 - _LINE_HEIGHT * (len(lines_above) - 1)
     for line_number, (x_of_line, text, css) in enumerate(lines_above):
         elements.append(
-            pen.text_element(x_of_line, y_of_first + _LINE_HEIGHT * line_number, text, css)
+            pen.text_element(x_of_line, y_of_first_line + _LINE_HEIGHT * line_number, text, css)
         )
 
     # the element around all of them

@@ -270,15 +270,15 @@ def _source_of_macro(name: str) -> str | None:
         return None
 
     # also those that it calls, and those that these call: the list grows
-    macros_needed = [first_macro]
-    for macro in macros_needed:
+    needed_macros = [first_macro]
+    for macro in needed_macros:
         text_of_macro = sources[macro].partition(")")[2]  # behind its parameters
-        macros_needed += [
+        needed_macros += [
             called_name
             for called_name in re.findall(r"\b(\w+)\(", text_of_macro)
-            if called_name in sources and called_name not in macros_needed
+            if called_name in sources and called_name not in needed_macros
         ]
-    return "".join(sources[macro] for macro in macros_needed)
+    return "".join(sources[macro] for macro in needed_macros)
 
 
 @cache

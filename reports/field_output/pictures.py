@@ -596,10 +596,10 @@ def _panels_of_contact(
         limits = (0.0, largest_stress)
         # Skin: nodes, elements, values at the nodes, ends of the scale of colours
         skins.append(Skin(points, body.cells, body.von_mises, limits, opacity_of_lines=0.22))
-    largest_nodal = peak(snapshot)  # value and body
+    largest_nodal_stress = peak(snapshot)  # value and body
     note = minus(
-        f"largest nodal value {largest_nodal['value']:.4g} {stress_unit},"
-        f" {largest_nodal['body']} body"
+        f"largest nodal value {largest_nodal_stress['value']:.4g} {stress_unit},"
+        f" {largest_nodal_stress['body']} body"
     )
     # PanelWords: unit of length, title and note
     panel_words = PanelWords(length_unit, "at the contact, to true scale", note)

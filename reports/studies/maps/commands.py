@@ -64,21 +64,21 @@ def make_map(name: str, options: Options) -> Answer:
     # figures and pages of all maps in the folder; of those asked for, kind, errors and heights
     pages.write(folder)
     page = str(folder / "README.md")
-    tables_shown = [tables for tables in pages.stored_maps(folder) if tables.kind in kinds]
+    shown_tables = [tables for tables in pages.stored_maps(folder) if tables.kind in kinds]
 
     def terminal_output() -> Iterator[Part]:
         """What the terminal shows: the table of least heights, and the path of the page."""
         # Sheet: a table on the terminal, of title, heads and rows
         title = "height/a from which theory is within 1; 5; 10 %"
         # Sheet: a table on the terminal, of title, heads and rows
-        yield Sheet(title, pages.HEADS_OF_HEIGHTS, pages.rows_of_heights(tables_shown))
+        yield Sheet(title, pages.HEADS_OF_HEIGHTS, pages.rows_of_heights(shown_tables))
         yield page
 
     def content() -> dict[str, Any]:
         """The content of the JSON output."""
         heights = {
             tables.kind.name: [row._asdict() for row in tables.least_heights]
-            for tables in tables_shown
+            for tables in shown_tables
         }
         return {"passed": True, "heights": heights, "page": page}
 

@@ -105,12 +105,12 @@ def write(folder: Path) -> None:
     if not maps:
         raise InputError(f"{folder}: no map has its tables here; make them by `halfplane map all`")
     # a temporary folder, whose files move to `folder` at the end
-    with results_folder(folder, stale_prefixes=()) as staging:
+    with results_folder(folder, stale_prefixes=()) as staging_folder:
         for tables in maps:
             name = tables.kind.name
-            (staging / f"{name}.svg").write_text(figure(tables).svg(), encoding="utf-8")
-            (staging / f"{name}.md").write_text(page(tables), encoding="utf-8")
-        (staging / "README.md").write_text(index(maps), encoding="utf-8")
+            (staging_folder / f"{name}.svg").write_text(figure(tables).svg(), encoding="utf-8")
+            (staging_folder / f"{name}.md").write_text(page(tables), encoding="utf-8")
+        (staging_folder / "README.md").write_text(index(maps), encoding="utf-8")
 
 
 # -------------------------------------------------------------------------------------------- pages
@@ -125,16 +125,16 @@ def page(tables: Tables) -> str:
     # check. It has the errors [%] of those quantities that they give, with their uncertainty
     # (_percent), and those by kernels without it (_value).
     kind = tables.kind
-    quantities_shown = _quantities(tables, "elements")
+    shown_quantities = _quantities(tables, "elements")
     heads = [kind.height_words, kind.width_words, "f"]
-    for quantity in quantities_shown:
+    for quantity in shown_quantities:
         # QUANTITIES: name of a quantity -> its words
         heads += [f"{QUANTITIES[quantity]}, %", "kernels"]
     errors_by_kernels = _errors_by_place(tables.rows, "kernels")
     table_rows = []
     for place, errors_by_elements in _errors_by_place(tables.rows, "elements").items():
         cells = [f"{coordinate:g}" for coordinate in place]
-        for quantity in quantities_shown:
+        for quantity in shown_quantities:
             cells.append(_percent(errors_by_elements[quantity]))
             cells.append(_value(errors_by_kernels[place][quantity]))
         table_rows.append(cells)

@@ -110,7 +110,7 @@ def _shear_in_stick(case: Case) -> VerdictAndNumbers:
     # AGREEMENT_TOLERANCE: relative error 1e-9
     verdict = verdict_of_condition(
         max(error_in_stick, error_in_slip) <= AGREEMENT_TOLERANCE,
-        nearly=error_in_stick <= AGREEMENT_TOLERANCE,
+        nearly_holds=error_in_stick <= AGREEMENT_TOLERANCE,
     )
     return verdict, {"error in full stick": error_in_stick, "error in slip": error_in_slip}
 
@@ -282,7 +282,9 @@ def _residual_tractions(case: Case) -> VerdictAndNumbers:
     )
     slip_is_as_stated = largest_of_zeros <= _ROUNDING_ERROR < slip_numbers["slip beyond a(P_Z)"]
     centre_is_free = abs(centre_over_z) <= _ROUNDING_ERROR
-    return verdict_of_condition(slip_is_as_stated and centre_is_free, nearly=slip_is_as_stated), {
+    return verdict_of_condition(
+        slip_is_as_stated and centre_is_free, nearly_holds=slip_is_as_stated
+    ), {
         "a(P_Z)/a0": float(half_width_z),
         "a(P_T)/a0": float(half_width_t),
         **slip_numbers,
@@ -518,7 +520,7 @@ def slip_speed(case: Case, x: float = POINTS[0]) -> VerdictAndNumbers:
     }
     # _ROUNDING_ERROR: 1e-10
     verdict = verdict_of_condition(
-        ratio_in_slip < 1 - _ROUNDING_ERROR, nearly=ratio_over_phases < 1 - _ROUNDING_ERROR
+        ratio_in_slip < 1 - _ROUNDING_ERROR, nearly_holds=ratio_over_phases < 1 - _ROUNDING_ERROR
     )
     return verdict, numbers
 
@@ -633,7 +635,9 @@ def friction_delays_slip(case: Case) -> VerdictAndNumbers:
     }
     shifts["G earlier in degrees"] = -shifts["shift of G in degrees"]
     is_onset_later = is_later["E"] and is_later["I"]
-    return verdict_of_condition(is_onset_later and is_later["G"], nearly=is_onset_later), shifts
+    return verdict_of_condition(
+        is_onset_later and is_later["G"], nearly_holds=is_onset_later
+    ), shifts
 
 
 def sliding_coefficients(case: Case) -> VerdictAndNumbers:
@@ -661,7 +665,7 @@ def sliding_coefficients(case: Case) -> VerdictAndNumbers:
         "which slide": ", ".join(f"{f:g}" for f in frictions[slides_with_mean_shear]),
     }
     verdict = verdict_of_condition(
-        not slides_with_mean_shear.any(), nearly=not slides_without_mean_shear.any()
+        not slides_with_mean_shear.any(), nearly_holds=not slides_without_mean_shear.any()
     )
     return verdict, numbers
 
@@ -823,11 +827,12 @@ def statements_on_work(case: Case) -> dict[str, VerdictAndNumbers]:
     exponent_at_stick = exponent(stick_edge, 1.0)
     exponent_at_edge = exponent(contact_edge, -1.0)
 
-    # A verdict is "confirmed" if its condition holds, "refined" if the second one (`nearly`) does.
+    # A verdict is "confirmed" if its condition holds, "refined" if the second one (`nearly_holds`)
+    # does.
     # _EXPONENT_TOLERANCE: 0.01
     return {
         "most work in forward slip": (
-            verdict_of_condition(forward_share > 0.75, nearly=forward_share > 0.5),
+            verdict_of_condition(forward_share > 0.75, nearly_holds=forward_share > 0.5),
             shares,
         ),
         "no work at the ends": (
@@ -845,7 +850,7 @@ def statements_on_work(case: Case) -> dict[str, VerdictAndNumbers]:
         "root at the outer edge": (
             verdict_of_condition(
                 abs(exponent_at_edge - 0.5) <= _EXPONENT_TOLERANCE,
-                nearly=abs(exponent_at_edge - 0.5) <= 0.1,
+                nearly_holds=abs(exponent_at_edge - 0.5) <= 0.1,
             ),
             {"exponent": exponent_at_edge},
         ),
@@ -880,14 +885,16 @@ def _places_of_peaks(paper: Paper) -> dict[str, VerdictAndNumbers]:
     friction along rows and mean loads along columns. Returns name of a statement -> (verdict,
     numbers).
     """
-    # the paper's own cycle; "confirmed" if the condition holds, "refined" if it holds `nearly`
+    # the paper's own cycle; "confirmed" if the condition holds, "refined" if it nearly holds
     statements: dict[str, VerdictAndNumbers] = {}
     cases = (paper.hertz_case, paper.rounded_case)
     # _PROFILE_NAMES: "Hertz" and "flat and rounded"
     for profile_name, case, peak in zip(_PROFILE_NAMES, cases, paper.peaks, strict=True):
         fraction = float(peak.fraction)
         numbers = {"fraction": fraction, "x/a0": float(peak.place) / case.unit_length}
-        verdict = verdict_of_condition(0.6 < fraction < 0.65, nearly=abs(fraction - 0.6) < 0.02)
+        verdict = verdict_of_condition(
+            0.6 < fraction < 0.65, nearly_holds=abs(fraction - 0.6) < 0.02
+        )
         statements[f"place of the peak, {profile_name}"] = (verdict, numbers)
 
     # the loads nearest to and farthest from gross sliding

@@ -96,16 +96,16 @@ def table_row(kind: type[Row], words: Mapping[str, str], judgement: VerdictAndNu
     return kind(*cells)
 
 
-def verdict_of_condition(holds: bool, nearly: bool = False) -> Verdict:
+def verdict_of_condition(holds: bool, nearly_holds: bool = False) -> Verdict:
     """Verdict on a statement: confirmed if its condition holds, refined if a weaker one does
-    (`nearly`), else contradicted.
+    (`nearly_holds`), else contradicted.
 
-    >>> verdict_of_condition(False, nearly=True).value
+    >>> verdict_of_condition(False, nearly_holds=True).value
     'refined'
     """
     if holds:
         return Verdict.CONFIRMED
-    return Verdict.REFINED if nearly else Verdict.CONTRADICTED
+    return Verdict.REFINED if nearly_holds else Verdict.CONTRADICTED
 
 
 def verdict_of_number(
@@ -123,9 +123,10 @@ def verdict_of_number(
     ('confirmed', 'refined', 'contradicted')
     """
     rounds_to_printed = round(computed_value, digits) == printed_value
-    # confirmed if the first holds, refined if `nearly` does
+    # confirmed if the first holds, refined if `nearly_holds` does
     return verdict_of_condition(
-        rounds_to_printed, nearly=abs(computed_value - printed_value) <= slack * abs(printed_value)
+        rounds_to_printed,
+        nearly_holds=abs(computed_value - printed_value) <= slack * abs(printed_value),
     )
 
 

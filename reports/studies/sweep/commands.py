@@ -132,12 +132,12 @@ def _result_parts(
     from reports.studies.sweep.page import table_in_words
     from reports.studies.sweep.study import coordinates_in_words
 
-    # points with their values; `in_short`: without status and seconds
+    # points with their values; `is_short`: without status and seconds
     # Sheet: title, heads, rows and indices of right-aligned columns
     solved_rows = table[table["status"] == "done"]
     failed_rows = table[table["status"] != "done"]
     study = sweep.study
-    heads, rows = table_in_words(solved_rows[:_MOST_ROWS], study.axes, study.scene, in_short=True)
+    heads, rows = table_in_words(solved_rows[:_MOST_ROWS], study.axes, study.scene, is_short=True)
     if rows:
         yield Sheet(study.title or study.scene.name, heads, rows, range(len(heads)))
     if len(solved_rows) > _MOST_ROWS:

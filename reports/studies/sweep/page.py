@@ -154,7 +154,7 @@ def write_page(store: Store) -> Path:
 
 
 def table_in_words(
-    table: pd.DataFrame, axes: Sequence[Axis], scene: Scene, *, in_short: bool = False
+    table: pd.DataFrame, axes: Sequence[Axis], scene: Scene, *, is_short: bool = False
 ) -> tuple[list[str], list[list[str]]]:
     """A sweep's table as texts: heads with units, and the cells of a row for each point, with its
     coordinates, the values computed there with their uncertainties, status and seconds.
@@ -167,17 +167,17 @@ def table_in_words(
         of the study, each with the names of its `columns` in the table
     scene
         of the study, which has the units
-    in_short
-        heads are names of quantities as in the study, such as "fe.p0", and status and seconds are
-        left out
+    is_short
+        whether heads are names of quantities as in the study, such as "fe.p0", and status and
+        seconds are left out
     """
     columns = [column for axis in axes for column in axis.columns]
     quantities = quantity_columns(table, axes)
     heads = ["point", *(_label_of_axis(axis, column) for axis in axes for column in axis.columns)]
     for quantity in quantities:
         quantity_in_words, unit = label_of(quantity, scene)
-        heads.append(f"{quantity if in_short else quantity_in_words} [{unit}]")
-    if not in_short:
+        heads.append(f"{quantity if is_short else quantity_in_words} [{unit}]")
+    if not is_short:
         heads += ["status", "seconds"]
 
     # the cells of each row
@@ -186,7 +186,7 @@ def table_in_words(
         cells = [str(record["number"])]
         cells += [_coordinate_text(record[column]) for column in columns]
         cells += [_value_text(record, quantity) for quantity in quantities]
-        if not in_short:
+        if not is_short:
             cells += [str(record["status"]), f"{record['seconds']:.2g}"]
         rows.append(cells)
     return heads, rows

@@ -449,16 +449,16 @@ def score_deck(path: Path, deck: Deck, code: str) -> Report:
     surface = read_result(path, mapping)
 
     # put the unloaded instant before them
-    series_from_unloaded: dict[str, Any] = {}
+    series_with_unloaded_instant: dict[str, Any] = {}
     for name in ("pressure", "shear", "slip", "normal_load", "tangential_load"):
         values = getattr(surface, name)
         if values is not None:
-            series_from_unloaded[name] = read_only_copy(
+            series_with_unloaded_instant[name] = read_only_copy(
                 np.concatenate([np.zeros_like(values[:1]), values])
             )
     source = f"{path.name}, the deck of scene {deck.scene.name}"
     surface = replace(
-        surface, **series_from_unloaded, time=read_only_copy(deck.time), source=source
+        surface, **series_with_unloaded_instant, time=read_only_copy(deck.time), source=source
     )
 
     # as a solution, with sentences on what was guessed, compared with theory

@@ -57,8 +57,8 @@ def export(job: Job) -> Answer:
     # The command line in the deck's first comment is without the folder of the user.
     text = deck_text(deck, job.command("export").rpartition(" --out ")[0], versions())
     file = deck_file(scene)
-    with results_folder(job.folder, stale_prefixes=(file,)) as staging:
-        (staging / file).write_text(text, encoding="utf-8")
+    with results_folder(job.folder, stale_prefixes=(file,)) as staging_folder:
+        (staging_folder / file).write_text(text, encoding="utf-8")
 
     # its size: nodes of the bodies and that of the rigid plane, which has the number
     # `reference_node`; instants beside the unloaded one; stiffnesses that replace rigid contact and

@@ -486,7 +486,7 @@ def _body(
     # nodes that may touch, from left to right; nodes that supports hold, by direction x (1), y (2)
     contact_nodes = np.unique(nodes_by_boundary["contact"])
     held_nodes = _held_nodes(mesh, nodes_by_boundary)
-    nodes_from_left = contact_nodes[np.argsort(places[0, contact_nodes])]
+    nodes_in_order_of_x = contact_nodes[np.argsort(places[0, contact_nodes])]
     return DeckBody(
         name=name,
         first_node=first_node,
@@ -494,7 +494,7 @@ def _body(
         nodes=read_only_copy(places.T),
         elements=read_only_copy(cells.T + first_node, np.int64),
         contact_faces=sides_of_facets(nodes_by_boundary["contact"]),
-        contact_nodes=read_only_copy(nodes_from_left + first_node, np.int64),
+        contact_nodes=read_only_copy(nodes_in_order_of_x + first_node, np.int64),
         held={
             direction: read_only_copy(np.unique(np.concatenate(nodes)) + first_node, np.int64)
             for direction, nodes in held_nodes.items()
