@@ -106,7 +106,8 @@ def checked_fields(fields: str | Iterable[str], cycles: Cycles) -> frozenset[str
     """The names of the fields that a caller of `solve` asks for; InputError for one that does not
     exist, or for other `cycles` than "all" and "steady".
 
-    "loop_work", the closed integral of Q dU, brings "dissipation", the friction work W, with it.
+    "loop_work", the closed integral of Q dU, U the relative tangential displacement, brings
+    "dissipation", the friction work W, with it.
     """
     if cycles not in ("all", "steady"):
         raise InputError(f"cycles: {cycles!r} is neither 'all' nor 'steady'")

@@ -1149,10 +1149,11 @@ class Members:
     loads: LoadArrays
 
     def shape_groups(self) -> Iterator[ShapeGroup]:
-        """The members in groups by the shape of their profiles: one normal contact, with its own
-        units of length and load, serves a group. Members that have the same profile are one group,
-        in units of the scene, since they share `contact`. Else `contact` is None and the profiles
-        differ by their `parameters`. `modulus` is E*, `ellipses` are the loads of the members.
+        """The members of a batch in groups by the shape of their profiles: one normal contact, with
+        its own units of length and load, serves a group. Members that have the same profile are one
+        group, in units of the scene, since they share `contact`. Else `contact` is None and the
+        profiles differ by their `parameters`. `modulus` is E*, `ellipses` are the loads of the
+        members.
         """
         if self.contact is not None:
             all_numbers = np.arange(len(self.is_mirrored))

@@ -126,9 +126,9 @@ def events(scene: Scene) -> tuple[Event, ...]:
 
 
 def _merged_event(first_event: Event, second_event: Event) -> Event:
-    """Two events of one instant as one, with the lower load at the edge of slip and both names. A
-    name that ends in " goes on" is left out, since nothing happens then. That load, `front_load`,
-    is P_c, whose contact is the stick zone.
+    """Two events of one instant as one, with both names and the lower of their loads P_c at the
+    stick edge, `front_load`. A name that ends in " goes on" is left out, since nothing happens
+    then.
     """
     names = [
         name
@@ -220,9 +220,9 @@ def _same_piece(first_piece: Curve, second_piece: Curve) -> bool:
     """Whether two pieces of memory curves lie on one smooth curve: both come from growth in stick
     along one curved segment of the load path, or they have equal anchor and slope.
 
-    A memory curve M(eta) is the tangential force of the flat punches up to the load eta. Its anchor
-    is the instant of the load path through whose P and Q it passes. None: nothing sticks. An `arc`
-    is a piece that is a curved part of the load path, passed in full stick.
+    A memory curve M(eta) is the tangential force of the flat punches up to the load eta. The anchor
+    of a piece is the instant of the load path through whose P and Q it passes. None: nothing
+    sticks. An `arc` is a piece that is a curved part of the load path, passed in full stick.
     """
     if first_piece is None or second_piece is None:
         return first_piece is second_piece

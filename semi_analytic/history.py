@@ -237,11 +237,15 @@ def _check_part(
     latest_time_of_first_fault = min(
         fault_time for fault_time, _ in faults
     ) + _SAME_INSTANT_SHARE * (end - begin)
-    first_time, reason = next(fault for fault in faults if fault[0] <= latest_time_of_first_fault)
-    fault_instant = instant(segment, first_time)
+    time_of_first_fault, reason = next(
+        fault for fault in faults if fault[0] <= latest_time_of_first_fault
+    )
+    fault_instant = instant(segment, time_of_first_fault)
     raise InadmissibleLoadError(
         reason,
-        LoadedInstant(first_time, fault_instant.normal_load, fault_instant.tangential_load),
+        LoadedInstant(
+            time_of_first_fault, fault_instant.normal_load, fault_instant.tangential_load
+        ),
         # The excess grows up to the end of the part, where it is largest.
         LoadedInstant(end_instant.time, end_instant.normal_load, end_instant.tangential_load),
         friction=friction,

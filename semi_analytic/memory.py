@@ -199,7 +199,8 @@ def pieces(curve: _Part | None) -> Iterator[_Part]:
 def force_on_piece(piece: Piece, eta: ArrayLike) -> Array:
     """Tangential force M(eta) of the flat punches up to loads eta on one piece of the memory curve,
     any shape [force per thickness]. The piece is a line or parabola about its anchor, the instant
-    of the load path at which it was made; or an arc, the path Q(P) of a load segment.
+    of the load path at which it was made; or an arc, the path Q(P) of a load segment. `slope` is
+    dM/d eta at the anchor, `bend` half of d2M/d eta2.
     """
     load_from_anchor = np.asarray(eta, dtype=float) - piece.anchor.normal_load
     if piece.arc is None:

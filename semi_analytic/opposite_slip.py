@@ -51,7 +51,7 @@ def loads_of_slip_depths(left_depth: Array, right_depth: Array) -> tuple[Array, 
 
     >>> e, q = loads_of_slip_depths(
     ...     np.array([0.5]), np.array([0.5])
-    ... )  # Q = 0: -e = (2/pi) [K(m) - E(m)], m = 1 - c^2
+    ... )  # Q = 0: -e = (2/pi) [K(m) - E(m)] by elliptic integrals, m = 1 - c^2, c stick half-width
     >>> round(float(e[0]), 10), round(abs(float(q[0])), 12)
     (-0.601898288, 0.0)
     """

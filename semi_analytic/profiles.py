@@ -1237,7 +1237,7 @@ class _SeriesBehindCorner:
         values_of_series = piecewise_series(np.maximum(u, first_u))
         if first_u == 0:
             return values_of_series
-        # of dP/da of a sharp wedge 0, to round-off
+        # P goes as u^`self.power` there; the power of dP/da of a sharp wedge is 0, to round-off
         power = max(self.power - derivative_order * (2 if self.is_in_root else 1), 0.0)
         return values_of_series * np.minimum(u / first_u, 1.0) ** power
 
@@ -1480,10 +1480,10 @@ def _flat_half_length(profile: CallableProfile, corners: tuple[float, ...]) -> f
     """
     corner_places_and_end = np.array([*profile.corners, profile.extent])
     largest_slope = np.max(profile.slope(corner_places_and_end))
-    has_no_slope_within = profile.slope(corner_places_and_end * 0.999) <= 1e-15 * float(
+    is_slope_zero_inside = profile.slope(corner_places_and_end * 0.999) <= 1e-15 * float(
         largest_slope
     )
-    places_behind_flat = corner_places_and_end[has_no_slope_within]
+    places_behind_flat = corner_places_and_end[is_slope_zero_inside]
     corners_of_flat = [
         b for b in corners if len(places_behind_flat) and b <= places_behind_flat[-1] * (1 + 1e-9)
     ]
