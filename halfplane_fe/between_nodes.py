@@ -1072,9 +1072,9 @@ def _at_stick_edge(
             else (first_sliding_node,)
         )
 
-        def slip_by_load(states: States) -> Array:
+        def slip_by_load(node_states: States) -> Array:
             """(n,) derivative of the nodal slip by Q."""
-            return np.asarray(nodal_values(problem.rates(states, n_loads)[1])[0])
+            return np.asarray(nodal_values(problem.rates(node_states, n_loads)[1])[0])
 
         change_of_slip_rates = _change_of_rates(slip_by_load, nodal_states, nodes, STICK)
         work_by_load = problem.friction * float(turning_state.pressure @ change_of_slip_rates)

@@ -163,8 +163,10 @@ class InterfaceState:
             else:
                 # _NODAL_NAMES: "slip", "pressure", "shear", "gap"
                 nodal_values(values)[_NODAL_NAMES.index(name)] = part
-        states = self.node_states if node_states is None else read_only_copy(node_states, np.int8)
-        return replace(self, values=read_only_copy(values), node_states=states)
+        changed_node_states = (
+            self.node_states if node_states is None else read_only_copy(node_states, np.int8)
+        )
+        return replace(self, values=read_only_copy(values), node_states=changed_node_states)
 
 
 class BesideTheFaces(InputError):
@@ -376,13 +378,13 @@ class ContactProblem:
         rigid_motion = [approach, shift, stresses_and_tilt[2]]
         values = np.concatenate([rigid_motion, slip, no_force, no_force, gap])
         # ROUNDING: round-off of scaled forces and displacements, 1e-11
-        states = np.where(gap <= ROUNDING, STICK, OPEN)
+        node_states = np.where(gap <= ROUNDING, STICK, OPEN)
         load_or_position = approach if self.actuators.prescribe_approach else 0.0
         loads_at_rest = (load_or_position, shift, *loads[2:])
-        return self._state(time, loads_at_rest, read_only_copy(values), states)
+        return self._state(time, loads_at_rest, read_only_copy(values), node_states)
 
     def _state(
-        self, time: float, loads: tuple[float, ...], values: Array, states: States
+        self, time: float, loads: tuple[float, ...], values: Array, node_states: States
     ) -> InterfaceState:
         """State of the interface at an instant, with the resultants P and Q of its nodal forces
         where actuators move the bodies (None where P and Q are given).
@@ -394,7 +396,7 @@ class ContactProblem:
             all five loads; scaled
         values
             (3 + 4 n,) approach, shift and tilt, then slip, pressure, shear and gap of the n nodes
-        states
+        node_states
             (n,) open, stick or slip of the nodes
         """
         resultants = None
@@ -402,14 +404,14 @@ class ContactProblem:
             _, pressure, shear, _ = nodal_values(values)
             normal_load, tangential_load = self.interface.resultants(pressure, shear)
             resultants = (float(normal_load), float(tangential_load))
-        return InterfaceState(time, loads, values, read_only_copy(states, np.int8), resultants)
+        return InterfaceState(time, loads, values, read_only_copy(node_states, np.int8), resultants)
 
     def equilibrium(
         self,
         start_state: InterfaceState,
         time: float,
         loads: tuple[float, ...],
-        expected: States | None = None,
+        expected_node_states: States | None = None,
     ) -> tuple[InterfaceState, int]:
         """Equilibrium of the contact under new loads, one increment after a known state: every node
         is open, sticks, or slips by Coulomb's law.
@@ -426,7 +428,7 @@ class ContactProblem:
         time, loads
             at the end of the increment; P and Q (or movements of actuators), with bulk stress or
             tilt all five loads, scaled
-        expected
+        expected_node_states
             (n,) open, stick or slip of the nodes that are tried first; those of `start_state` by
             default
 
@@ -464,9 +466,11 @@ class ContactProblem:
         # the number of nodes that still changed their state at its end.
         state = None
         iterations = 0
-        if expected is not None and not np.array_equal(expected, start_state.node_states):
+        if expected_node_states is not None and not np.array_equal(
+            expected_node_states, start_state.node_states
+        ):
             state, iterations, n_changing = self._solve_by_active_set(
-                start_state, time, loads, expected
+                start_state, time, loads, expected_node_states
             )
         if state is None:
             state, more_iterations, n_changing = self._solve_by_active_set(
@@ -535,7 +539,11 @@ class ContactProblem:
         return state, solution.newton_steps
 
     def state_following(
-        self, start_state: InterfaceState, time: float, loads: tuple[float, ...], states: States
+        self,
+        start_state: InterfaceState,
+        time: float,
+        loads: tuple[float, ...],
+        node_states: States,
     ) -> InterfaceState:
         """State of the contact one increment after `start_state`, for given states (n,) of its
         nodes: open, stick, slip forward or reverse. It is the linear step of the active-set method.
@@ -551,25 +559,25 @@ class ContactProblem:
             If so few nodes stick or touch that the bodies are free to move.
         """
         # (3 + 4 n,) approach, shift and tilt, then slip, p, q and gap of the nodes
-        values = self.values_following(start_state, loads, states)
+        values = self.values_following(start_state, loads, node_states)
         # The solution of the linear system leaves round-off in these: set them exactly.
         slip, pressure, shear, gap = nodal_values(values)  # views
-        is_stuck = (states == STICK) & self.has_shear
-        is_open = states == OPEN
+        is_stuck = (node_states == STICK) & self.has_shear
+        is_open = node_states == OPEN
         np.copyto(slip, start_state.slip, where=is_stuck)
         np.copyto(pressure, 0.0, where=is_open)
         np.copyto(gap, 0.0, where=~is_open)
-        np.copyto(shear, self._shear_over_pressure(states) * pressure, where=~is_stuck)
+        np.copyto(shear, self._shear_over_pressure(node_states) * pressure, where=~is_stuck)
         values.flags.writeable = False
-        return self._state(time, loads, values, states)
+        return self._state(time, loads, values, node_states)
 
-    def _shear_over_pressure(self, states: States) -> Array:
+    def _shear_over_pressure(self, node_states: States) -> Array:
         """Shear over pressure q/p = +-f (n,) of the nodes that slip; 0 of the others."""
-        shear_over_pressure: Array = self._shear_over_pressure_of_state.take(states)
+        shear_over_pressure: Array = self._shear_over_pressure_of_state.take(node_states)
         return shear_over_pressure
 
     def values_following(
-        self, start_state: InterfaceState, loads: tuple[float, ...], states: States
+        self, start_state: InterfaceState, loads: tuple[float, ...], node_states: States
     ) -> Array:
         """Approach, shift, tilt, then slip, p, q and gap of the n nodes, (3 + 4 n,), one increment
         after `start_state`, for given states (n,) of the nodes.
@@ -585,8 +593,8 @@ class ContactProblem:
         SingularSet
             If so few nodes stick or touch that the bodies are free to move.
         """
-        change_by_states = self._change_by_states(start_state, states)  # at constant loads
-        rates = self.rates(states, len(loads))  # (n_loads, 3 + 4 n)
+        change_by_states = self._change_by_states(start_state, node_states)  # at constant loads
+        rates = self.rates(node_states, len(loads))  # (n_loads, 3 + 4 n)
         values: Array = (
             start_state.values + change_by_states + np.subtract(loads, start_state.loads) @ rates
         )
@@ -597,9 +605,9 @@ class ContactProblem:
             values += missing_moment * rates[_TILT_OR_MOMENT]
         return values
 
-    def rates(self, states: States, n_loads: int) -> Array:
+    def rates(self, node_states: States, n_loads: int) -> Array:
         """Derivatives (n_loads, 3 + 4 n) of the contact's values by its loads while the n nodes
-        keep their `states` (open, stick or slip). They are cached.
+        keep their `node_states` (open, stick or slip). They are cached.
 
         The values are approach, shift and tilt, then slip, p, q and gap of the nodes. All is
         scaled.
@@ -609,14 +617,16 @@ class ContactProblem:
         SingularSet
             If so few nodes stick or touch that the bodies are free to move.
         """
-        rates = self._rates.get(states.tobytes())  # from the cache
+        rates = self._rates.get(node_states.tobytes())  # from the cache
         if rates is None:
             # the linear system has the tilt as its fifth load; stored is that by the moment, if
             # the moment is given
-            rates = self._store_rates(states, self._systems.value_derivatives(states, n_loads))
+            rates = self._store_rates(
+                node_states, self._systems.value_derivatives(node_states, n_loads)
+            )
         return rates
 
-    def _store_rates(self, states: States, rates_by_load: Array) -> Array:
+    def _store_rates(self, node_states: States, rates_by_load: Array) -> Array:
         """Derivatives (n_loads, 3 + 4 n) of the contact's values by its loads at fixed node states,
         stored in the cache of rates.
 
@@ -630,7 +640,7 @@ class ContactProblem:
 
         Parameters
         ----------
-        states
+        node_states
             (n,) open, stick or slip of the nodes
         rates_by_load
             (n_loads, 3 + 4 n) derivatives by P, Q, bulk stresses and tilt
@@ -657,11 +667,11 @@ class ContactProblem:
         n_sets = len(self._rates)
         if n_sets > _FEWEST_CACHED_SETS and n_sets * rates_by_load.nbytes > _MOST_RATE_BYTES:
             self._rates.pop(next(iter(self._rates)))
-        return self._rates.setdefault(states.tobytes(), rates_by_load)
+        return self._rates.setdefault(node_states.tobytes(), rates_by_load)
 
-    def _change_by_states(self, start_state: InterfaceState, states: States) -> Array | float:
+    def _change_by_states(self, start_state: InterfaceState, node_states: States) -> Array | float:
         """Change of the contact's values at constant loads, as the n nodes go from their states in
-        `start_state` to new `states` (n,).
+        `start_state` to new `node_states` (n,).
 
         The values (3 + 4 n,) are approach, shift and tilt, then slip, p, q and gap of the nodes.
         A node that opens loses its pressure; one that closes loses its gap; one that slips gets
@@ -670,7 +680,7 @@ class ContactProblem:
         """
         # Increments from one start are tried with several loads: the latest change is cached.
         latest_change = self._latest_change
-        states_key = states.tobytes()
+        states_key = node_states.tobytes()
         if (
             latest_change is not None
             and latest_change.start_state is start_state
@@ -680,11 +690,11 @@ class ContactProblem:
 
         # What the new equations of the nodes miss in `start_state`: p or gap, and q - (+-f) p.
         _, pressure, shear, gap = nodal_values(start_state.values)
-        shear_beyond_limit = shear - self._shear_over_pressure(states) * pressure
+        shear_beyond_limit = shear - self._shear_over_pressure(node_states) * pressure
         residual = np.concatenate(
             [
-                np.where(states == OPEN, pressure, gap),
-                np.where(states == STICK, 0.0, shear_beyond_limit),
+                np.where(node_states == OPEN, pressure, gap),
+                np.where(node_states == STICK, 0.0, shear_beyond_limit),
             ]
         )
         equation_numbers = (np.abs(residual) > self._residual_round_off).nonzero()[0]
@@ -694,16 +704,20 @@ class ContactProblem:
         value_changes: Array | float = 0.0
         if len(equation_numbers):
             solution_vectors = self._systems.value_derivatives(
-                states, len(start_state.loads), equation_numbers, -residual[equation_numbers]
+                node_states, len(start_state.loads), equation_numbers, -residual[equation_numbers]
             )
             value_changes = solution_vectors[-1]
             if states_key not in self._rates:
-                self._store_rates(states, solution_vectors[:-1].copy())
+                self._store_rates(node_states, solution_vectors[:-1].copy())
         self._latest_change = _ChangeByStates(start_state, states_key, value_changes)
         return value_changes
 
     def _solve_by_active_set(
-        self, start_state: InterfaceState, time: float, loads: tuple[float, ...], states: States
+        self,
+        start_state: InterfaceState,
+        time: float,
+        loads: tuple[float, ...],
+        node_states: States,
     ) -> _Outcome:
         """One increment by the active-set method (semismooth Newton): solve for the values with
         given node states, let the laws choose new states, until these agree.
@@ -717,7 +731,7 @@ class ContactProblem:
             state of the contact before the increment
         time, loads
             at the end of the increment, scaled
-        states
+        node_states
             (n,) open, stick or slip of the nodes, to begin with
 
         Returns
@@ -726,25 +740,25 @@ class ContactProblem:
             State of the contact, None without a solution; number of iterations; number of nodes
             that still changed their state at the end.
         """
-        states_chosen: set[bytes] = set()  # states of all nodes, as the law chose them so far
+        node_states_chosen: set[bytes] = set()  # states of all nodes, as the law chose them so far
         n_changing = 0  # nodes to which the law gives another state
         try:
             for iteration in range(self.max_iterations + 1):
-                state = self.state_following(start_state, time, loads, states)
-                next_states = self._states_by_law(state, start_state)
-                n_changing = int(np.count_nonzero(next_states != states))
+                state = self.state_following(start_state, time, loads, node_states)
+                next_node_states = self._states_by_law(state, start_state)
+                n_changing = int(np.count_nonzero(next_node_states != node_states))
                 self.work_counts["slip iterations"] += iteration > 0 and not np.array_equal(
-                    slip_sign(next_states), slip_sign(start_state.node_states)
+                    slip_sign(next_node_states), slip_sign(start_state.node_states)
                 )
                 if not n_changing:
                     return _Outcome(state, max(iteration, 1), 0)
-                if next_states.tobytes() in states_chosen:
+                if next_node_states.tobytes() in node_states_chosen:
                     return _Outcome(None, iteration, n_changing)
                 if iteration:
-                    states_chosen.add(next_states.tobytes())
-                states = next_states
+                    node_states_chosen.add(next_node_states.tobytes())
+                node_states = next_node_states
         except SingularSet:
-            return _Outcome(None, max(len(states_chosen), 1), n_changing)
+            return _Outcome(None, max(len(node_states_chosen), 1), n_changing)
         return _Outcome(None, self.max_iterations, n_changing)
 
     def _alternate_pressure_and_shear(
@@ -796,7 +810,7 @@ class ContactProblem:
                 is_closed,
                 ROUNDING,
             )
-            states = np.where(is_closed, STICK, OPEN).astype(np.int8)
+            node_states = np.where(is_closed, STICK, OPEN).astype(np.int8)
 
             # Shear, shift and states at known pressure; no load on a half whose shear is odd in x.
             if self.has_shear:
@@ -808,17 +822,19 @@ class ContactProblem:
                     if self.interface.has_odd_shear
                     else resultants[1] + float(normals_x @ pressure)
                 )
-                shear, shift, states = shear_at_known_pressure(
+                shear, shift, node_states = shear_at_known_pressure(
                     systems, np.maximum(pressure, 0.0), known_slip, tangential_load, ROUNDING
                 )
 
             # All equations for these states, and what the laws say of their solution. Without a
             # sticking node the full system is singular, unless an actuator holds the upper body.
-            if not np.any(states == STICK) and not self.actuators.prescribe_displacement:
+            if not np.any(node_states == STICK) and not self.actuators.prescribe_displacement:
                 continue
-            state = self.state_following(start_state, time, loads, states)
+            state = self.state_following(start_state, time, loads, node_states)
             resultants = state.resultants or resultants
-            n_changing = int(np.count_nonzero(self._states_by_law(state, start_state) != states))
+            n_changing = int(
+                np.count_nonzero(self._states_by_law(state, start_state) != node_states)
+            )
             if not n_changing:
                 return _Outcome(state, turn_number, 0)
         return _Outcome(None, self.max_iterations, n_changing)
@@ -842,7 +858,7 @@ class ContactProblem:
         start_state
             state of the contact before the increment
         """
-        states = solved_state.node_states
+        node_states = solved_state.node_states
         # Trial forces. What the equations of these states set to zero is exactly zero: weighted,
         # its round-off would look like a force.
         slip, pressure, shear, gap = nodal_values(solved_state.values)
@@ -851,17 +867,17 @@ class ContactProblem:
         trial_pressure = pressure - r_normal * gap
         # ROUNDING: round-off of scaled forces and displacements, 1e-11
         friction_limit = self.friction * np.maximum(trial_pressure, ROUNDING)
-        closed_states = np.full_like(states, STICK)
+        closed_states = np.full_like(node_states, STICK)
         if self.has_shear:
             closed_states = states_if_closed(shear + r_tangential * slip_increment, friction_limit)
         states_by_law = np.where(trial_pressure > 0, closed_states, OPEN)
-        changing_nodes = (states_by_law != states).nonzero()[0]
+        changing_nodes = (states_by_law != node_states).nonzero()[0]
         if not len(changing_nodes):
-            return states
+            return node_states
 
         # Within round-off of touching or of the Coulomb limit a node keeps the state it has.
         # `_shear_scale` is the unit of shear and slip: f of uncoupled bodies, else 1.
-        states_before = states[changing_nodes]
+        states_before = node_states[changing_nodes]
         was_closed = states_before != OPEN
         has_no_pressure = np.abs(pressure[changing_nodes]) <= _ROUNDING_OF_FORCE
         just_touches = has_no_pressure & (np.abs(gap[changing_nodes]) <= ROUNDING)
@@ -877,7 +893,7 @@ class ContactProblem:
         has_turned = (
             (states_after != states_before) & (states_after > STICK) & (states_before > STICK)
         )
-        next_states = states.copy()
+        next_states = node_states.copy()
         next_states[changing_nodes] = np.where(has_turned, STICK, states_after)
         return next_states
 

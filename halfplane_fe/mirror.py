@@ -197,9 +197,9 @@ def run_at_all_nodes(run: PathRun, faces: Interface) -> PathRun:
         n_values = len(index_in_half) if state.is_complete else 3 + len(images.node_of_half)
         values = state.values[index_in_half[:n_values]] * factors[:n_values]
         values.flags.writeable = False
-        states = state.node_states[images.node_of_half]
-        states = np.where(images.shear_sign < 0, states_of_image[states], states)
-        return replace(state, values=values, node_states=read_only_copy(states, np.int8))
+        node_states = state.node_states[images.node_of_half]
+        node_states = np.where(images.shear_sign < 0, states_of_image[node_states], node_states)
+        return replace(state, values=values, node_states=read_only_copy(node_states, np.int8))
 
     middle = len(faces.x) // 2  # number of the node at x = 0
     return replace(

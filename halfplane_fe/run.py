@@ -568,7 +568,7 @@ def run_path(
     cycles
         largest number of revolutions
     progress
-        called with (number of parts of the path done, number of all, text) as work goes on
+        called with (number of parts of the path done, number of all, text) as the run proceeds
     uncertainty
         function from the run to the uncertainty of W by mesh and steps, scaled; NaN where it is
         unknown: then 5e-4 of W

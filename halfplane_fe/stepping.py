@@ -224,15 +224,16 @@ def increments_along(
 
 
 def _end_by_turn_of_slip(
-    problem: ContactProblem, start_state: InterfaceState, loads_at: LoadsAt, end: float
+    problem: ContactProblem, start_state: InterfaceState, loads_at: LoadsAt, latest_end: float
 ) -> float:
-    """Instant up to `end` at which the nodes that slide in `start_state` stop sliding that way,
-    since a prescribed movement turns round; `end` where they do not, and where loads are given.
+    """Instant at which the nodes that slide in `start_state` stop sliding that way, since a
+    prescribed movement turns round; `latest_end` where they do not up to there, and where loads are
+    given.
 
     Of given loads the instant is known beforehand: a turning point of Q - f P or Q + f P. Where
     movements are given it is when the slip of the sliding nodes, each weighted by its pressure, is
-    largest, if they go on sliding the same way. An instant in the first eighth of the time to `end`
-    does not count.
+    largest, if they go on sliding the same way. An instant in the first eighth of the time to
+    `latest_end` does not count.
 
     Parameters
     ----------
@@ -243,25 +244,27 @@ def _end_by_turn_of_slip(
         state at which the increment starts, with its node states and pressure
     loads_at
         function of an instant: the scaled loads, or movements in their place
-    end
+    latest_end
         latest end of the increment
     """
     if not problem.actuators.prescribe_movements:
-        return end
+        return latest_end
     slip_directions = slip_sign(start_state.node_states)
     if not slip_directions.any():
-        return end
+        return latest_end
     try:
         slip_by_loads, _, _, _ = nodal_values(
             problem.rates(start_state.node_states, len(start_state.loads))
         )
     except SingularSet:  # so few nodes hold that the bodies are free to move
-        return end
+        return latest_end
     weighted_slip_by_loads = slip_by_loads @ (slip_directions * start_state.pressure)
-    end_of_stroke = _instant_of_most_slip(start_state, loads_at, end, weighted_slip_by_loads)
+    end_of_stroke = _instant_of_most_slip(start_state, loads_at, latest_end, weighted_slip_by_loads)
     # _N_INSTANTS_OF_STROKE: nine
-    first_instant_tried = start_state.time + (end - start_state.time) / (_N_INSTANTS_OF_STROKE - 1)
-    return end_of_stroke if end_of_stroke > first_instant_tried else end
+    first_instant_tried = start_state.time + (latest_end - start_state.time) / (
+        _N_INSTANTS_OF_STROKE - 1
+    )
+    return end_of_stroke if end_of_stroke > first_instant_tried else latest_end
 
 
 def _instant_of_most_slip(
@@ -446,11 +449,12 @@ def _attempted_increment(
     problem: ContactProblem,
     start_state: InterfaceState,
     loads_at: LoadsAt,
-    end: float,
+    latest_end: float,
     shortest_duration: float,
 ) -> Increment | NotConverged:
-    """Increment from `start_state` to the first event (a node touches or lets go) on the way to the
-    instant `end`, or to `end`; `NotConverged` with the instant tried, if it does not converge.
+    """Increment from `start_state` to the first event (a node touches or lets go), or to the
+    instant `latest_end` if none comes before; `NotConverged` with the instant tried, if it does not
+    converge.
 
     Parameters
     ----------
@@ -461,7 +465,7 @@ def _attempted_increment(
         state before the increment
     loads_at
         function of an instant: the scaled loads
-    end
+    latest_end
         latest end of the increment
     shortest_duration
         of an increment that is tried again with a shorter one
@@ -479,7 +483,7 @@ def _attempted_increment(
         If an increment shorter than `shortest_duration` does not converge.
     """
     # the search for the first event, and for the equilibrium there
-    trial = _Trial(problem, start_state, loads_at, end)
+    trial = _Trial(problem, start_state, loads_at, latest_end)
     try:
         event, end_state = trial.event_and_state()
     except ConvergenceError:
@@ -582,18 +586,20 @@ class _Trial:
                 )
         return event, solved_state
 
-    def _predicted_event(self, states: States) -> tuple[Event, float]:
+    def _predicted_event(self, node_states: States) -> tuple[Event, float]:
         """First event (touch, release or regular end of the increment) and its instant, if the
-        nodes have these `states` (n,) on the way.
+        nodes have these `node_states` (n,) on the way.
         """
-        return next_event(self.problem, self.start_state, self.loads_at, self.latest_end, states)
+        return next_event(
+            self.problem, self.start_state, self.loads_at, self.latest_end, node_states
+        )
 
-    def _equilibrium(self, time: float, expected_states: States) -> InterfaceState:
-        """State of the interface in equilibrium at an instant; `expected_states` (n,) of the nodes
-        are tried first. Its iterations are counted.
+    def _equilibrium(self, time: float, expected_node_states: States) -> InterfaceState:
+        """State of the interface in equilibrium at an instant; `expected_node_states` (n,) are
+        tried first. The iterations are counted.
         """
         state, iterations = self.problem.equilibrium(
-            self.start_state, time, self.loads_at(time), expected_states
+            self.start_state, time, self.loads_at(time), expected_node_states
         )
         self.iterations += iterations
         return state
@@ -603,12 +609,12 @@ def next_event(
     problem: ContactProblem,
     start_state: InterfaceState,
     loads_at: LoadsAt,
-    end: float,
-    states: States,
+    latest_end: float,
+    node_states: States,
 ) -> tuple[Event, float]:
-    """First event between `start_state` and the instant `end`, and its instant, by one linear
-    prediction: an open node touches, or a closed one is released; ("regular", end) where neither
-    happens before.
+    """First event between `start_state` and the instant `latest_end`, and its instant, by one
+    linear prediction: an open node touches, or a closed one is released; ("regular", `latest_end`)
+    where neither happens before.
 
     The gap of an open node, and the pressure of a closed one, are linear in the loads while the
     nodes keep their states. So the first of these that would change its sign decides about the
@@ -625,26 +631,26 @@ def next_event(
         state of the contact before the increment
     loads_at
         function of an instant: the scaled loads
-    end
+    latest_end
         latest end of the increment
-    states
+    node_states
         (n,) open, stick or slip that the nodes have on the way; the same ones are open as in
         `start_state`
     """
     # Gap and pressure (n,) at the start and, by linear prediction, at the end.
     gap = start_state.gap
     pressure = start_state.pressure
-    loads_at_end = loads_at(end)
+    loads_at_end = loads_at(latest_end)
     try:
         # nodes that start to slide come to the limit of friction at once
-        if states is not start_state.node_states:
+        if node_states is not start_state.node_states:
             _, pressure, _, gap = nodal_values(
-                problem.values_following(start_state, start_state.loads, states)
+                problem.values_following(start_state, start_state.loads, node_states)
             )
-        values_at_end = problem.values_following(start_state, loads_at_end, states)
+        values_at_end = problem.values_following(start_state, loads_at_end, node_states)
     except SingularSet:
         # One node is left: the upper body rolls over it, to where another touches.
-        return "regular", end
+        return "regular", latest_end
     _, pressure_at_end, _, gap_at_end = nodal_values(values_at_end)
 
     # The first open node whose gap becomes negative, or closed one whose pressure does: share of
@@ -657,7 +663,7 @@ def next_event(
     share_of_increment = min(share_to_touch, share_to_release)
     event_node = touching_node if event == "touch" else leaving_node
     if share_of_increment >= 1.0:
-        return "regular", end
+        return "regular", latest_end
 
     # Its instant. Of like bodies under P and Q alone it depends on P; `coupling` (slip by pressure)
     # is None of these.
@@ -666,7 +672,7 @@ def next_event(
         load_at_end = loads_at_end[0]
         load_at_event = normal_load + share_of_increment * (load_at_end - normal_load)
         if not min(normal_load, load_at_end) < load_at_event < max(normal_load, load_at_end):
-            return "regular", end
+            return "regular", latest_end
         distance_at_start = normal_load - load_at_event
 
         def distance_to_event(time: float) -> float:
@@ -677,7 +683,7 @@ def next_event(
         # By Q and by tilt nodes meet at constant P too: follow the gap or pressure of the first.
         distance_at_start = float((gap if event == "touch" else pressure)[event_node])
         _, pressure_rates, _, gap_rates = nodal_values(
-            problem.rates(states, len(start_state.loads))
+            problem.rates(node_states, len(start_state.loads))
         )
         rates_of_node = (gap_rates if event == "touch" else pressure_rates)[:, event_node]
         # A load that does not change must not add its rounding.
@@ -693,9 +699,9 @@ def next_event(
 
     # Root of the distance on the way, near that share of it.
     time = time_of_zero(
-        distance_to_event, start_state.time, end, share_of_increment, distance_at_start
+        distance_to_event, start_state.time, latest_end, share_of_increment, distance_at_start
     )
-    return (event, time) if start_state.time < time < end else ("regular", end)
+    return (event, time) if start_state.time < time < latest_end else ("regular", latest_end)
 
 
 def _with_touching_nodes_sliding(start_state: InterfaceState) -> States:
@@ -707,13 +713,13 @@ def _with_touching_nodes_sliding(start_state: InterfaceState) -> States:
     has_just_touched = (start_state.node_states == STICK) & (start_state.pressure <= ROUNDING)
     if not has_just_touched.any():
         return start_state.node_states
-    states = start_state.node_states.copy()
+    node_states = start_state.node_states.copy()
     for node in np.flatnonzero(has_just_touched).tolist():
         states_beside = start_state.node_states[max(node - 1, 0) : node + 2]
         sliding_states = states_beside[states_beside > STICK]
         if len(sliding_states):
-            states[node] = sliding_states[0]
-    return states if np.any(states == STICK) else start_state.node_states
+            node_states[node] = sliding_states[0]
+    return node_states if np.any(node_states == STICK) else start_state.node_states
 
 
 def _misses_event(
@@ -741,7 +747,7 @@ def _time_of_event(
     loads_at: LoadsAt,
     solved_state: InterfaceState,
     event: Event,
-    end: float,
+    latest_end: float,
 ) -> float:
     """Instant at which the event of an increment, a touch or release, is met to rounding.
 
@@ -761,7 +767,7 @@ def _time_of_event(
         function of an instant: the scaled loads
     event
         "touch" of an open node, or "release" of a closed one
-    end
+    latest_end
         latest end of the increment
     """
     # Gap or pressure (n,) of the nodes at the event, 0 of all others.
@@ -788,9 +794,9 @@ def _time_of_event(
         )
 
     duration = solved_state.time - start_state.time
-    share_of_increment = duration / (end - start_state.time)
+    share_of_increment = duration / (latest_end - start_state.time)
     time = time_of_zero(
-        distance_at, start_state.time, end, share_of_increment, distance_at(start_state.time)
+        distance_at, start_state.time, latest_end, share_of_increment, distance_at(start_state.time)
     )
     return time if abs(time - solved_state.time) < _LARGEST_MOVE * duration else solved_state.time
 

@@ -247,17 +247,17 @@ def _equation_bits(equation_states: States) -> NDArray[np.int8]:
     )
 
 
-def _sliding_where_open(states: States) -> States:
+def _sliding_where_open(node_states: States) -> States:
     """States (n,) of the nodes, with each open node in the state of the nearest sliding node, or
     slipping forward where none slides: it will probably slide like that once it touches.
     """
     # States are numbered 0 open, 1 stick, 2 and 3 slip forward and in reverse.
-    sliding_nodes = np.flatnonzero(states > STICK)
+    sliding_nodes = np.flatnonzero(node_states > STICK)
     if not len(sliding_nodes):
-        return np.where(states == OPEN, SLIP_FORWARD, states)
-    distances = np.abs(np.subtract.outer(np.arange(len(states)), sliding_nodes))
-    state_of_nearest_sliding_node = states[sliding_nodes[distances.argmin(axis=1)]]
-    return np.where(states == OPEN, state_of_nearest_sliding_node, states)
+        return np.where(node_states == OPEN, SLIP_FORWARD, node_states)
+    distances = np.abs(np.subtract.outer(np.arange(len(node_states)), sliding_nodes))
+    state_of_nearest_sliding_node = node_states[sliding_nodes[distances.argmin(axis=1)]]
+    return np.where(node_states == OPEN, state_of_nearest_sliding_node, node_states)
 
 
 class _NestedCompliance:
@@ -526,7 +526,7 @@ class Systems:
 
     def value_derivatives(
         self,
-        states: States,
+        node_states: States,
         n_loads: int,
         equation_numbers: Indices | None = None,
         changes: Array | None = None,
@@ -539,7 +539,7 @@ class Systems:
 
         Parameters
         ----------
-        states
+        node_states
             (n,) open, stick or slip
         n_loads
             2 (P and Q) or 5 (bulk stresses and tilt too)
@@ -575,20 +575,20 @@ class Systems:
         """
         self.work_counts["linear solves"] += 1
         # By ascending x first stick, then slip, then open: Cholesky factors made once serve all.
-        if self._is_nested(states):
-            return self._values_of_nested(states, n_loads, equation_numbers, changes)
+        if self._is_nested(node_states):
+            return self._values_of_nested(node_states, n_loads, equation_numbers, changes)
         # Else by an update of low rank from cached responses for similar states.
-        return self._values_from_base(states, n_loads, equation_numbers, changes)
+        return self._values_from_base(node_states, n_loads, equation_numbers, changes)
 
-    def _is_nested(self, states: States) -> bool:
+    def _is_nested(self, node_states: States) -> bool:
         """Whether, by ascending x, the first nodes stick, the next ones slide and the last are
         open, as on one half of a symmetric contact: a faster solution then exists.
         """
         if not self._nested_compliances:
             return False
-        n_touching_nodes = int(np.count_nonzero(states))
-        n_sticking_nodes = int(np.count_nonzero(states == STICK))
-        touching_states = states[:n_touching_nodes]
+        n_touching_nodes = int(np.count_nonzero(node_states))
+        n_sticking_nodes = int(np.count_nonzero(node_states == STICK))
+        touching_states = node_states[:n_touching_nodes]
         return bool(
             n_sticking_nodes
             and touching_states.all()
@@ -596,7 +596,11 @@ class Systems:
         )
 
     def _values_of_nested(
-        self, states: States, n_loads: int, equation_numbers: Indices | None, changes: Array | None
+        self,
+        node_states: States,
+        n_loads: int,
+        equation_numbers: Indices | None,
+        changes: Array | None,
     ) -> Array:
         """Derivatives of the contact's values by its loads, (n_loads, 3 + 4 n), where by ascending
         x the first nodes stick, the next slide, the last are open, and p does not depend on q.
@@ -607,7 +611,7 @@ class Systems:
 
         Parameters
         ----------
-        states
+        node_states
             (n,) open, stick or slip
         n_loads
             2, of P and Q
@@ -615,9 +619,9 @@ class Systems:
             equations whose right side changes at constant loads (i normal, n + i tangential), and
             by how much: one more row of what is returned; None for none
         """
-        n = len(states)
-        n_touching_nodes = int(np.count_nonzero(states))
-        n_sticking_nodes = int(np.count_nonzero(states == STICK))
+        n = len(node_states)
+        n_touching_nodes = int(np.count_nonzero(node_states))
+        n_sticking_nodes = int(np.count_nonzero(node_states == STICK))
         n_cases = n_loads + (equation_numbers is not None)
 
         # Right sides of the equations, normal and tangential: 0 but for the changes.
@@ -648,7 +652,7 @@ class Systems:
             # Shear displaces the faces against the slip: with the tangential compliance T the slip
             # is U - T q, the opposite of the displacement that is solved for.
             tangential_right_sides[:n_sticking_nodes] *= -1
-            signed_friction = slip_sign(states) * self.friction  # q/p; 0 unless sliding
+            signed_friction = slip_sign(node_states) * self.friction  # q/p; 0 unless sliding
             tangential_right_sides += signed_friction[:, None] * pressure
             shear[:], values[:, 1], opposite_slip = tangential_compliance.forces_and_displacements(
                 n_sticking_nodes,
@@ -661,7 +665,11 @@ class Systems:
         return values
 
     def _values_from_base(
-        self, states: States, n_loads: int, equation_numbers: Indices | None, changes: Array | None
+        self,
+        node_states: States,
+        n_loads: int,
+        equation_numbers: Indices | None,
+        changes: Array | None,
     ) -> Array:
         """Derivatives of the contact's values by its loads, (n_loads, 3 + 4 n), for any states of
         the nodes, by an update of low rank from cached responses for similar states (the base).
@@ -670,7 +678,7 @@ class Systems:
 
         Parameters
         ----------
-        states
+        node_states
             (n,) open, stick or slip
         n_loads
             2 (P and Q) or 5 (bulk stresses and tilt too)
@@ -678,9 +686,9 @@ class Systems:
             equations whose right side changes at constant loads (i normal, n + i tangential), and
             by how much: one more row of what is returned; None for none
         """
-        n = len(states)
+        n = len(node_states)
         # The base, and (2 n,) whether each of its equations differs from that of these states.
-        base, needs_update = self._base_for(states)
+        base, needs_update = self._base_for(node_states)
         right_sides = np.zeros((0, 2 * n))
         if equation_numbers is not None:
             needs_update[equation_numbers] = True
@@ -692,7 +700,7 @@ class Systems:
         # Responses: of each equation the displacement or force that the base does not prescribe,
         # then approach, U and tilt. Amplitudes: what it would prescribe in the updated equations.
         updated_equations = needs_update.nonzero()[0]
-        equation_states = np.concatenate([states, states])
+        equation_states = np.concatenate([node_states, node_states])
         load_numbers = np.arange(2 * n, 2 * n + n_loads)
         update = self._updated_responses(
             base,
@@ -843,7 +851,7 @@ class Systems:
         )
         return left_sides
 
-    def newton_correction(self, states: States, n_loads: int, changes: Array) -> Array:
+    def newton_correction(self, node_states: States, n_loads: int, changes: Array) -> Array:
         """Derivatives of the contact's values by its loads while the nodes keep their states, and
         the correction of the values by given changes of all equations (a Newton step).
 
@@ -853,7 +861,7 @@ class Systems:
 
         Parameters
         ----------
-        states
+        node_states
             (n,) open, stick or slip
         n_loads
             2 (P and Q) or 5 (bulk stresses and tilt too)
@@ -871,20 +879,20 @@ class Systems:
         SingularSet
             If so few nodes hold that the bodies are free to move.
         """
-        n = len(states)
+        n = len(node_states)
         self.work_counts["linear solves"] += 1
         # By ascending x first stick, then slip, then open: Cholesky factors made once serve all.
-        if self._is_nested(states):
-            return self._values_of_nested(states, n_loads, np.arange(2 * n), changes)
-        if not (self._displacement_needs_no_stick or STICK in states):
+        if self._is_nested(node_states):
+            return self._values_of_nested(node_states, n_loads, np.arange(2 * n), changes)
+        if not (self._displacement_needs_no_stick or STICK in node_states):
             raise SingularSet("no node sticks: the bodies slide on each other")
 
         # Factorised equations of these states (`base`). Its held equations are those that prescribe
         # a displacement, then P and Q; its free ones prescribe a force.
-        key = states.tobytes()
+        key = node_states.tobytes()
         base = self._factorised_sets.pop(key, None)
         if base is None:
-            base = self._new_base(np.concatenate([states, states]), None)
+            base = self._new_base(np.concatenate([node_states, node_states]), None)
         self._factorised_sets[key] = base  # what was used last comes last
         if len(self._factorised_sets) > _MOST_FACTORISED_SETS:
             del self._factorised_sets[next(iter(self._factorised_sets))]
@@ -916,7 +924,7 @@ class Systems:
         values[:, 3 + 3 * n :] = displacements[:n].T  # gap
         return values
 
-    def _base_for(self, states: States) -> tuple[_Base, Mask]:
+    def _base_for(self, node_states: States) -> tuple[_Base, Mask]:
         """Choose the base for new node states (n,): a set of states with cached responses, which
         those of the new states are to be computed from. Also whether each equation differs (2 n,).
 
@@ -932,13 +940,13 @@ class Systems:
         """
         # Refused here: the matrix of these states is singular, but in an update from a base the
         # zero pivot would be a small number of round-off.
-        if not (self._displacement_needs_no_stick or STICK in states):
+        if not (self._displacement_needs_no_stick or STICK in node_states):
             raise SingularSet("no node sticks: the bodies slide on each other")
 
         # A cached base, that of these states before or the nearest one. Equation bits: type of the
         # each equation; two differ if they have no bit in common.
-        key = states.tobytes()
-        equation_bits = _equation_bits(np.concatenate([states, states]))
+        key = node_states.tobytes()
+        equation_bits = _equation_bits(np.concatenate([node_states, node_states]))
         base = next(
             (cached_base for cached_base in self._bases if key in cached_base.sets_served), None
         )
@@ -947,7 +955,7 @@ class Systems:
 
         # A new base; open nodes count as sliding like their neighbours in it.
         if base is None:
-            equation_states = np.concatenate([states, _sliding_where_open(states)])
+            equation_states = np.concatenate([node_states, _sliding_where_open(node_states)])
             factorised_bases = [
                 cached_base for cached_base in self._bases if cached_base.origin is None
             ]
@@ -999,11 +1007,11 @@ class Systems:
         tangential; 2 n and 2 n + 1 are the loads P and Q.
         """
         n = len(self.normal_compliance)
-        states = equation_states[:n]
+        node_states = equation_states[:n]
 
         # Held equations prescribe a gap or a slip, free ones a force.
-        has_given_slip = (states == STICK) & self.has_shear
-        is_held = np.concatenate([states != OPEN, has_given_slip])
+        has_given_slip = (node_states == STICK) & self.has_shear
+        is_held = np.concatenate([node_states != OPEN, has_given_slip])
         held_equations = np.concatenate([is_held.nonzero()[0], [2 * n, 2 * n + 1]])
         free_equations = (~is_held).nonzero()[0]
         signed_friction = np.asarray(
@@ -1035,7 +1043,7 @@ class Systems:
             free_equations=free_equations,
             position_in_held=position_in_held,
             value_sources=np.concatenate(sources_in_order),
-            equations=self._factorised(states, held_equations, free_equations)
+            equations=self._factorised(node_states, held_equations, free_equations)
             if origin is None
             else None,
             origin=origin,
@@ -1044,7 +1052,7 @@ class Systems:
         )
 
     def _factorised(
-        self, states: States, held_equations: Indices, free_equations: Indices
+        self, node_states: States, held_equations: Indices, free_equations: Indices
     ) -> _HeldEquations:
         """Compliance of the contact for one set of node states: displacements in its equations by
         unit forces at the k equations that prescribe a displacement; that square block as LU
@@ -1055,7 +1063,7 @@ class Systems:
 
         Parameters
         ----------
-        states
+        node_states
             (n,) open, stick or slip
         held_equations
             (k,) equations that prescribe a displacement (gap or slip), then P and Q
@@ -1065,10 +1073,10 @@ class Systems:
         self.work_counts["factorisations"] += 1
         # contact_matrix: gap and slip of the nodes, P and Q, by p and q, approach, U, bulk, tilt.
         # Where a node slides q = (+-f) p is no unknown: what it displaces is added to that of p.
-        sliding_nodes = slip_sign(states).nonzero()[0]
-        signed_friction = slip_sign(states[sliding_nodes]) * self.friction
+        sliding_nodes = slip_sign(node_states).nonzero()[0]
+        signed_friction = slip_sign(node_states[sliding_nodes]) * self.friction
         places_of_pressure = np.searchsorted(held_equations, sliding_nodes)
-        columns_of_shear = len(states) + sliding_nodes
+        columns_of_shear = len(node_states) + sliding_nodes
 
         def displacements_by_held_forces(equation_numbers: Indices) -> Array:
             """Displacements of some equations by unit forces of the k held ones, (m, k)."""
