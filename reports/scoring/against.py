@@ -128,7 +128,8 @@ def score_file(
 
     A NetCDF file of this program is read as it is. For a file of another program `mapping` states
     names of columns, units and signs. The reference is half-plane theory for `against` = "exact",
-    finite elements for "fe". `tolerances` holds the largest |E| that passes, by key of the metric.
+    finite elements for "fe". `tolerances` holds the largest difference that passes, by key of the
+    metric.
     """
     # a NetCDF file, .nc
     is_of_this_program = path.suffix.lower() == SOLUTION_SUFFIX and path.is_file()
@@ -189,7 +190,7 @@ def score_surface(
     Units and signs are guessed where `mapping` states none. With `sure_of_times` the result's times
     are those of the scene's load path. Without it the instants may be found by the loads instead.
     `against` is the reference: "exact" half-plane theory, "fe" finite elements. `tolerances` holds
-    the largest |E| that passes, by key of the metric.
+    the largest difference that passes, by key of the metric.
     """
     theory_of_path = theory_of_whole_path(scene)
     # the result as a solution, and sentences on what was guessed

@@ -276,7 +276,7 @@ class _Lines(Iterator[str]):
 
     def nodes_below(self, header: str) -> tuple[Integers, Array]:
         """Numbers (n,) and coordinates (n, 3) of the nodes in the block below `header` [length].
-        InputError where a number comes twice.
+        InputError where a number comes twice, or a coordinate is not finite.
         """
         header_line = self.line_number
         # characters of a node's number; records with their continuations

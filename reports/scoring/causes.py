@@ -247,7 +247,7 @@ def _start_sizes_of_coupling(discrepancy: Discrepancy) -> Sequence[float]:
 
 def _start_sizes_of_wrong_load(key: str) -> Callable[[Discrepancy], Sequence[float]]:
     """The function that gives the start of a search for a wrong load `key`, such as a tilt left
-    out; it gives none where the scene has no such load.
+    out: the size 1, as for every fault without a size; none where the scene has no such load.
     """
 
     def start_sizes(discrepancy: Discrepancy) -> Sequence[float]:
@@ -428,7 +428,7 @@ def _cause_by_history(
     key
         of its sentence in templates/faults.toml
     history_fault
-        how theory predicts it, such as "no memory"
+        what theory does to the history of friction to predict it, such as "no memory"
     start_sizes
         sizes from which a search for it starts; none where the file can't have it
     """

@@ -287,7 +287,7 @@ def _tractions_and_rigid_motion(
     is_chosen
         (m,) marks the n chosen cells
     right_side
-        (n,) [length]
+        (n,) what A t minus the rigid motion must be at the chosen cells [length]
     cell_width
         width of a cell [length]
     load

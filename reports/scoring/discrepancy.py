@@ -201,7 +201,7 @@ class Discrepancy:
         """
         friction = self.comparison.scales.friction
         pressure_norm = l2_norm(self.x, self.reference_tractions[PRESSURE])
-        # ||p_0|| and f ||p_0||, (2, k)
+        # ||p_0|| and f ||p_0|| at each of the k instants, (2, k)
         norms_of_reference = pressure_norm * factors_of_tractions(1, friction)[:, :, 0]
         norms_of_difference = l2_norm(self.x, self.result_tractions - self.reference_tractions)
         relative_errors = quotient(norms_of_difference, norms_of_reference)

@@ -90,7 +90,8 @@ def _phrases_on_equilibrium(discrepancy: Discrepancy) -> Iterator[str]:
     at x = 0. They are of instants with a load; nothing without one. `discrepancy` holds tractions
     of result and reference.
 
-    # notation: P normal load, Q tangential load
+    # notation: a_ref half-width of contact of the reference, f coefficient of friction, P normal
+    #           load, Q tangential load
     """
     is_loaded = discrepancy.is_loaded
     if not is_loaded.any():
@@ -99,11 +100,12 @@ def _phrases_on_equilibrium(discrepancy: Discrepancy) -> Iterator[str]:
     pressure, shear = discrepancy.result_tractions[:, is_loaded]
     sum_of_pressure = np.trapezoid(pressure, x, axis=1)
     normal_load = discrepancy.normal_load[is_loaded]
-    # integral of p over P, the median over the instants, or beside that of the reference
+    # integral of p over x, divided by P or by that of the reference: 1 in equilibrium
     ratio = discrepancy.resultant_ratio
     # least and largest of the instants
     range_of_ratios = _range_in_words(sum_of_pressure / normal_load)
     sum_in_words = f"the sum of p is {ratio:.4g} P ({range_of_ratios} by instants)"
+    # to 1 %
     if abs(ratio - 1) < _LARGEST_IMBALANCE:
         sum_in_words += ", so that no load, thickness or unit of it is wrong"
     yield sum_in_words
@@ -141,9 +143,11 @@ def _without_round_off(value: float) -> float:
 
 def _phrases_on_resolution(discrepancy: Discrepancy) -> Iterator[str]:
     """Phrases on how finely a result is resolved: number of points in contact and in slip, spacing
-    of the points, scatter of the tractions. `discrepancy` holds those of result and reference.
+    of the points, scatter of the tractions. `discrepancy` holds those of result and reference, at k
+    instants and n points.
 
-    # notation: f coefficient of friction, p_ref scale of pressure
+    # notation: a_ref half-width of contact of the reference, f coefficient of friction, p pressure,
+    #           p_ref its scale, q shear
     """
     comparison = discrepancy.comparison
     # whether a point has pressure in the result or in the reference, (k, n)
@@ -174,6 +178,7 @@ def _phrases_on_laws(discrepancy: Discrepancy) -> Iterator[str]:
 
     # notation: f coefficient of friction, p pressure, p_ref scale of pressure, q shear
     """
+    # by name of the check; "cone": Coulomb's limit; p_max: the largest pressure
     words_of_law = {"cone": "|q| beyond f p, over f p_max", "tension": "tension over p_max"}
     residuals = discrepancy.residuals(discrepancy.reference_tractions)
     # of p/p_ref and q/(f p_ref) together, where the differences are noise alone
@@ -196,8 +201,8 @@ def _phrases_on_laws(discrepancy: Discrepancy) -> Iterator[str]:
 
 def _phrases_on_shape(discrepancy: Discrepancy) -> Iterator[str]:
     """Phrases on the tractions of the result over the reference's: ratios of peak and width of the
-    pressure p, and the factor between the shears q. `discrepancy` holds the tractions (2, k, n) of
-    both.
+    pressure p, and the factor between the shears q. `discrepancy` holds the tractions of both,
+    (2, k, n), at k instants and n points.
     """
     result_tractions = discrepancy.result_tractions
     reference_tractions = discrepancy.reference_tractions
@@ -209,7 +214,7 @@ def _phrases_on_shape(discrepancy: Discrepancy) -> Iterator[str]:
         yield f"width by second moments {result_width / reference_width:.4g} times"
     largest_shear = float(np.abs(reference_tractions[SHEAR]).max())
     if discrepancy.has_shear and largest_shear:
-        # (k, n) of each instant and point in sums
+        # (k, n) weight of each instant and point in sums
         weight = discrepancy.weight
         product = float(np.sum(weight * result_tractions[SHEAR] * reference_tractions[SHEAR]))
         square_of_reference = float(np.sum(weight * reference_tractions[SHEAR] ** 2))

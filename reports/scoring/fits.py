@@ -256,8 +256,7 @@ class Search:
 
         `searched_causes` are all causes of the search, this one included. Where there are several,
         the size that this one has when fitted alone is among the starts; few of its other starts
-        remain. `channels` are the tractions that are fitted: pressure, shear or
-        both.
+        remain. `channels` are the tractions that are fitted: pressure, shear or both.
         """
         starts = tuple(cause.start_sizes(self.discrepancy))
         if len(searched_causes) == 1 or not starts or not cause.has_size:

@@ -292,16 +292,16 @@ def _history_by_time(
 
 
 def _times_on_ends_of_segments(time: Array, path: LoadPath, scene: Scene) -> Array:
-    """Times of a result's instants, put on a near end of a segment of the load path, where loads
-    turn or a cycle ends. Near is a distance of less than 1e-5 of a cycle, by which a printed time
-    may miss it.
+    """Times (k,) of a result's instants, put on a near end of a segment of the load path, where
+    loads turn or a cycle ends. Near is a distance of less than 1e-5 of a cycle, by which a printed
+    time may miss it.
     """
     ends = np.array([path.start, *(segment.end for segment in path.segments(scene.cycles))])
     largest_miss = (path.period or ends[-1] - ends[0]) * _ERROR_OF_PRINTED_TIME
-    end_after = np.clip(np.searchsorted(ends, time), 1, len(ends) - 1)
-    nearest_end = np.where(
-        time - ends[end_after - 1] < ends[end_after] - time, ends[end_after - 1], ends[end_after]
-    )
+    index_after = np.clip(np.searchsorted(ends, time), 1, len(ends) - 1)
+    end_before = ends[index_after - 1]
+    end_after = ends[index_after]
+    nearest_end = np.where(time - end_before < end_after - time, end_before, end_after)
     return np.where(np.abs(time - nearest_end) <= largest_miss, nearest_end, time)
 
 
@@ -312,11 +312,13 @@ def _hint_on_constant_ratio(result_values: Array, scene_values: Array, largest_l
     Parameters
     ----------
     result_values
-        (k,) of the result
+        (k,) load P or Q of the result at its k instants
     scene_values
-        (k,) of the scene
+        (k,) that of the scene
     largest_load
         smaller loads than 1 % of it are not looked at
+
+    # notation: P normal load, Q tangential load
     """
     is_loaded = np.abs(scene_values) > 0.01 * largest_load
     if not is_loaded.any():

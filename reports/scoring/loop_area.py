@@ -85,10 +85,11 @@ def _where_displacement_returns(displacement: Array, rows: NDArray[np.intp]) -> 
     (4, 0.5)
     """
     displacement_before = displacement[rows - 1]
-    step = displacement[rows] - displacement_before
-    distance_to_first = displacement[0] - displacement_before
-    fraction_of_step = np.clip(distance_to_first / np.where(step == 0, 1.0, step), 0.0, 1.0)
-    nearest_step = int(np.argmin(np.abs(fraction_of_step * step - distance_to_first)))
+    change_of_step = displacement[rows] - displacement_before
+    change_to_first = displacement[0] - displacement_before
+    divisor = np.where(change_of_step == 0, 1.0, change_of_step)
+    fraction_of_step = np.clip(change_to_first / divisor, 0.0, 1.0)
+    nearest_step = int(np.argmin(np.abs(fraction_of_step * change_of_step - change_to_first)))
     return int(rows[nearest_step]), float(fraction_of_step[nearest_step])
 
 

@@ -300,8 +300,8 @@ def _mean_turning_point(
 
 
 def _two_equal_cycles(load: Array, time: Array, closing_row: int) -> tuple[Array, Array, float]:
-    """The rows of one cycle of a measured loop, laid end to end twice: Q and time of these rows
-    (n,) each, and the period.
+    """The rows of one cycle of a measured loop, laid end to end twice: Q and time of the rows so
+    repeated, (m,) each, and the period.
 
     Where the last row of the cycle repeats the first one, the period ends at its time, and the
     second cycle begins with the second row; else the period is longer by a step of time.
@@ -384,8 +384,8 @@ def _least_and_largest_load(load: Array, noise: float) -> tuple[float, float]:
 def _crossings_of_middle(
     load: Array, least_load: float, largest_load: float
 ) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.bool_]]:
-    """Crossings of the middle of the range of Q, (k,) each: index of the last row in one half of
-    the range and of the first row in the other half, and whether Q rises from one to the other.
+    """The k crossings of the middle of the range of Q, (k,) each: index of the last row in one half
+    of the range and of the first row in the other half, and whether Q rises from one to the other.
 
     Rows between a quarter and three quarters of the range belong to no half, so that noise makes no
     crossing.
@@ -401,14 +401,15 @@ def _crossings_of_middle(
     """
     is_load_low = load < least_load + _LOWER_LEVEL * (largest_load - least_load)
     is_load_high = load > least_load + _UPPER_LEVEL * (largest_load - least_load)
+    # rows below a quarter or above three quarters of the range
     rows_beyond_levels = np.flatnonzero(is_load_low | is_load_high)
-    is_high_beyond = is_load_high[rows_beyond_levels]
-    # index among these rows: the next of them lies in the other half
-    last_before_change = np.flatnonzero(is_high_beyond[1:] != is_high_beyond[:-1])
+    is_row_high = is_load_high[rows_beyond_levels]
+    # indices among these rows: the next of them lies in the other half
+    indices_before_change = np.flatnonzero(is_row_high[1:] != is_row_high[:-1])
     return (
-        rows_beyond_levels[last_before_change],
-        rows_beyond_levels[last_before_change + 1],
-        is_high_beyond[last_before_change + 1],
+        rows_beyond_levels[indices_before_change],
+        rows_beyond_levels[indices_before_change + 1],
+        is_row_high[indices_before_change + 1],
     )
 
 

@@ -115,7 +115,7 @@ class LoopRows:
         )
 
     def fitted_rig(
-        self, displacement: Array, rows: NDArray[np.bool_] | None = None
+        self, displacement: Array, is_counted: NDArray[np.bool_] | None = None
     ) -> tuple[float, float]:
         """The rig that fits the rows of a measured loop best: compliance C [1/stress] and origin U0
         [length] of U = U_theory + C Q + U0, by linear least squares. C is the stated one,
@@ -125,12 +125,12 @@ class LoopRows:
         ----------
         displacement
             (n,) U of theory at the rows
-        rows
+        is_counted
             (n,) which of the rows count; all of them by default
 
-        # notation: Q load, U relative tangential displacement
+        # notation: Q tangential load, U relative tangential displacement
         """
-        is_used = np.ones(len(displacement), dtype=bool) if rows is None else rows
+        is_used = np.ones(len(displacement), dtype=bool) if is_counted is None else is_counted
         rig_displacement = (self.displacement - displacement)[is_used]
         load = self.load[is_used]
         if self.compliance is not None:
@@ -717,6 +717,7 @@ class _Search:
                 for friction, start_terms in zip(trial_frictions.tolist(), starts, strict=True)
             ]
         )
+        # minima among the trials, with infinite sums beyond the first and the last one
         sums_with_walls = np.concatenate([[math.inf], sums_of_squares, [math.inf]])
         indices_of_minima = np.flatnonzero(
             (sums_of_squares <= sums_with_walls[:-2]) & (sums_of_squares <= sums_with_walls[2:])

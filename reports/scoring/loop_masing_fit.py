@@ -437,6 +437,7 @@ class _Search:
 
         # notation: f coefficient of friction, Q tangential load, U relative tangential displacement
         """
+        # nearly the largest and the least Q, without the rows that noise takes farthest
         high_load, low_load = np.quantile(self.rows.load, [0.98, 0.02])
         # f at which the contact just slides as a whole under this range of Q
         log_least_friction = math.log(
@@ -458,7 +459,7 @@ class _Search:
                 [self.sum_of_squares(start_parameters) for start_parameters in starts]
             )
             sums_with_walls = np.concatenate([[math.inf], sums_of_squares, [math.inf]])
-            # trials with no smaller sum on either side
+            # trials with no smaller sum on either side; the walls are infinite sums beyond the ends
             minimum_indices = np.flatnonzero(
                 (sums_of_squares <= sums_with_walls[:-2]) & (sums_of_squares <= sums_with_walls[2:])
             )
@@ -1074,8 +1075,8 @@ def _error_by_digits(rows: MeasuredRows, curve: MemoryCurve, sigma: RowNoise) ->
     sigma
         standard deviation of the noise of U and of Q
 
-    # notation: f coefficient of friction, Q tangential load, R range of Q, U relative tangential
-    #           displacement
+    # notation: f coefficient of friction, P normal load, Q tangential load, R range of Q, U
+    #           relative tangential displacement
     """
     step_of_load = rows.resolution[1]
     # noise beyond the step's own variance, of more than 0.4 of the step, changes digits
@@ -1138,7 +1139,7 @@ def _scaled_derivatives(
     from the `derivatives` (n, 7) by the parameters themselves.
 
     In a gross loop the range R of Q follows from f, R = 2 f P: the derivative by ln f is that along
-    both, with dR/d(ln f) = R.
+    both, with dR/d(ln f) = R. `LOG_F` and `RANGE` are indices of ln f and of R.
 
     # notation: f coefficient of friction, P normal load, Q tangential load
     """

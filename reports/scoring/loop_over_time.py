@@ -275,9 +275,8 @@ def _required_alignment(loop: MeasuredLoop, scene: Scene) -> _Alignment:
     # notation: Q tangential load
     """
     load_of_cycle = cycle_loads(scene)[1]
-    # Rows of one cycle between straight loads are also half of a cycle twice as large: the whole
-    # cycle is tried first.
-    # trial periods of which the rows cover 0.9 and more
+    # Where Q goes straight between its turning points, rows of one cycle also fit half of a cycle
+    # that is twice as large. So trial periods of which the rows cover 0.9 and more come first.
     alignment = _best_alignment(loop, load_of_cycle, _FEWEST_CYCLES)
     if alignment.misfit > _LARGEST_MISFIT:
         alignment = _best_alignment(loop, load_of_cycle)

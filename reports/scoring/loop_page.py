@@ -135,6 +135,7 @@ def _figures(score: LoopScore) -> tuple[Plate, ...]:
             score.share_of_cycle, score.share_of_cycle, score.displacement, score.load, residuals
         )
     )
+    # fewest and most rows of a mean, number of means; columns: figures beside each other
     caption_numbers: dict[str, Any] = {
         "fewest": f"{means.row_counts.min():.0f}",
         "most": f"{means.row_counts.max():.0f}",

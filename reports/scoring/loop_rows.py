@@ -284,8 +284,8 @@ def _takes_columns_by_number(mapping: Mapping) -> bool:
 
 def _step_of_digits(values: Array) -> float:
     """The step of the last decimal digit with which numbers (n,) were written, 0.01 for 0.25; 0 for
-    no numbers. The median counts, since zeros at the end do not show; between two digits the
-    later one.
+    no numbers. The median of the first 1,000 counts, since zeros at the end do not show; where it
+    lies between two digits, the finer one.
 
     >>> (
     ...     _step_of_digits(np.array([0.25, 0.3, -0.17])),

@@ -366,7 +366,7 @@ def _partial_loops(
     finite elements, compute under the loads of the rows, with the best friction coefficient f and
     with the scene's f. With them a sentence for each f at which the contact would slide as a whole.
 
-    `rig_compliance` is the stated C of the rig; None fits C to the rows for each loop.
+    `rig_compliance` is the stated compliance C of the rig; None fits C to the rows for each loop.
 
     # notation: P normal load, Q tangential load, U relative tangential displacement
     """
@@ -468,7 +468,7 @@ def _sliding_loops(
     for name, sliding_loop in sliding_loops.items():
         # from the middle of the loop, at shares of the cycle from 0 to 1
         displacement, load = sliding_loop.closed_curve(SHARES_OF_CYCLE)
-        # U has any origin: it is moved to the mean of the measured one
+        # the origin of U is arbitrary: the mean of the computed U becomes that of the measured one
         displacement_at_rows = np.interp(fit.share_of_cycle, SHARES_OF_CYCLE, displacement)
         displacement = displacement + float(np.mean(loop.displacement - displacement_at_rows))
         slope, distance = _slope_and_distance(loop, fit.share_of_cycle, displacement, load)
@@ -520,8 +520,8 @@ def _slope_of_line(displacement: Array, load: Array) -> float:
 
 def means_of_parts(share_of_cycle: Array, *row_values: Array) -> tuple[Array, ...]:
     """Means of values of the rows of a measured loop in equal parts of the cycle: the number of
-    rows in each part that has any, then the mean of each of `row_values` (n,) there, (k,) each.
-    `share_of_cycle` (n,) is the share of the cycle that is over at each row.
+    rows in each of the k parts that have any, then the mean of each of `row_values` (n,) there,
+    (k,) each. `share_of_cycle` (n,) is the share of the cycle that is over at each row.
 
     A part has eight rows on average, but there are 20 parts at least and 200 at most.
     """

@@ -680,7 +680,7 @@ def _fit_of_friction_law(discrepancy: Discrepancy) -> ProblemFit | None:
     where its constant is small or it falls with p, for fewer than eight points in slip, and without
     friction or shear. `discrepancy` holds the tractions of result and reference.
 
-    # notation: p pressure, p_ref scale of pressure, q shear
+    # notation: f coefficient of friction, p pressure, p_ref scale of pressure, q shear
     """
     friction = discrepancy.scene.friction.coefficient
     if not friction or not discrepancy.has_shear:
@@ -727,6 +727,7 @@ def _fit_of_friction_law(discrepancy: Discrepancy) -> ProblemFit | None:
     return ProblemFit(
         predicted_tractions=tractions_by_law,
         tractions_to_beat=_tractions_with(discrepancy, SHEAR, shear_by_coefficient),
+        # the constant, beyond the slope that a coefficient has too
         n_sizes=1,
         judged_points=is_in_slip,
         sentence_values={"constant": float(constant), "slope": float(slope)},

@@ -437,6 +437,7 @@ def _instants_of_cycle(scene: Scene, time: Array) -> int:
     """
     path = scene.load.path()
     if path.period is None:
+        # of the last load segment
         end = path.initial_loading[-1].end
         tolerance = 1e-6 * (end - path.start)
         is_complete = time[0] <= path.start + tolerance and time[-1] >= end - tolerance
@@ -935,6 +936,7 @@ def _compared_values(surface: SurfaceResult, theory: ContactSolution) -> tuple[_
     largest_load_of_theory = float(np.max(theory.normal_load))
     mean_pressure_of_theory = largest_load_of_theory / (2 * half_width_of_theory)
     largest_load = 0.0 if surface.normal_load is None else float(np.max(surface.normal_load))
+    # factor_name: the factor of the mapping that has this unit; field_names: fields in this unit
     return (
         _ComparedValue(
             factor_name="length",

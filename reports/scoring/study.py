@@ -225,8 +225,8 @@ def _row_of_metric(metric: Metric, levels: Sequence[Level]) -> StudyRow | None:
     """One metric of a comparison over the meshes of a study (`levels`, the finest first), with its
     extrapolation to element size zero. None where a mesh has no value.
 
-    Its value is that at the instant at which the finest mesh is worst. A mesh with other instants
-    has the value at its own worst.
+    Its values are those at the instant at which the finest mesh has its worst value. A mesh with
+    other instants has the value at its own worst instant.
     """
     values = []
     times_of_finest = levels[0].comparison.result_cycle.time
@@ -235,7 +235,8 @@ def _row_of_metric(metric: Metric, levels: Sequence[Level]) -> StudyRow | None:
         time = level.comparison.result_cycle.time
         has_same_times = len(time) == len(times_of_finest) and np.allclose(time, times_of_finest)
         value = metric_of_level.value
-        # values at each instant, None for a metric of the whole cycle; metric.time: of the worst
+        # values at each instant, None for a metric of the whole cycle; metric.time: time of the
+        # worst one
         series = metric_of_level.series
         if series is not None and metric.time is not None and has_same_times:
             value = series[int(np.argmin(np.abs(times_of_finest - metric.time)))]

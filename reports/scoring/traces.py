@@ -154,10 +154,10 @@ def find_full_slip(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     distance_to_limit = np.abs(np.abs(result_cycle.shear) - coulomb_limit)
     # on the Coulomb limit: to 1 %; at 90 % of the points at least
     is_at_limit = distance_to_limit <= _LARGEST_DISTANCE_TO_LIMIT * coulomb_limit
-    n_sticking = int(should_stick.sum())
-    if not n_sticking or is_at_limit[is_pressed].mean() < _LEAST_SHARE_AT_LIMIT:
+    n_sticking_points = int(should_stick.sum())
+    if not n_sticking_points or is_at_limit[is_pressed].mean() < _LEAST_SHARE_AT_LIMIT:
         return
-    share_at_limit = float((should_stick & is_at_limit).sum()) / n_sticking
+    share_at_limit = float((should_stick & is_at_limit).sum()) / n_sticking_points
     if share_at_limit < _LEAST_SHARE_AT_LIMIT:
         return
 
@@ -167,8 +167,8 @@ def find_full_slip(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
         width=stick_half_width / comparison.scales.half_width
     )
     evidence = (
-        f"|q| is f p at {share_at_limit:.0%} of the {n_sticking} points and instants at which the"
-        " reference sticks"
+        f"|q| is f p at {share_at_limit:.0%} of the {n_sticking_points} points and instants at"
+        " which the reference sticks"
     )
     # key and sentence of the finding, evidence, strength from 0 to 1
     yield Diagnosis("full_slip", sentence, (evidence,), 1.0)
@@ -299,8 +299,8 @@ def find_alternating_nodes(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
 
     The mean (1, 2, 1)/4 over neighbours takes out what alternates. The ratio of von Neumann (half
     the mean square of the change between neighbours, over the mean square) is 2 where all
-    alternates. It is 1 for white noise, and scatters by 1/sqrt(n). `discrepancy` holds the
-    tractions of result and reference.
+    alternates. It is 1 for white noise, and scatters by 1/sqrt(n) for n points. `discrepancy` holds
+    the tractions of result and reference.
 
     # notation: p_ref scale of pressure
     """
@@ -442,13 +442,14 @@ def points_near_edges(discrepancy: Discrepancy) -> NDArray[np.bool_]:
         for edge in edges[discrepancy.instants_of_cycle].T[:, :, None]
     ]
     if np.isfinite(reference_cycle.stick_edges).any():
-        least_stick_edge = np.nanmin(np.abs(reference_cycle.stick_edges))
+        # of the smallest stick zone in the cycle
+        least_half_width = np.nanmin(np.abs(reference_cycle.stick_edges))
         innermost_edges = (
             np.nanmax(reference_cycle.stick_edges[:, 0]),
             np.nanmin(reference_cycle.stick_edges[:, 1]),
         )
         edge_positions += (
-            innermost_edges if discrepancy.unsymmetric else (-least_stick_edge, least_stick_edge)
+            innermost_edges if discrepancy.unsymmetric else (-least_half_width, least_half_width)
         )
     shape = discrepancy.reference_tractions[PRESSURE].shape
     with np.errstate(invalid="ignore"):

@@ -333,14 +333,18 @@ def _shape_functions(nodes: Array) -> tuple[Array, Array]:
     spacings = np.diff(nodes)
     spacing_before = np.concatenate([spacings[:1], spacings])
     spacing_after = np.concatenate([spacings, spacings[-1:]])
-    ends = np.concatenate([[nodes[0] - spacing_before[0]], nodes, [nodes[-1] + spacing_after[-1]]])
+    # an element more beyond the first and the last node
+    element_ends = np.concatenate(
+        [[nodes[0] - spacing_before[0]], nodes, [nodes[-1] + spacing_after[-1]]]
+    )
+    element_lengths = np.diff(element_ends)
     share_of_spacing = np.arange(_POINTS_BETWEEN_NODES) / _POINTS_BETWEEN_NODES
-    points = (ends[:-1, None] + np.diff(ends)[:, None] * share_of_spacing).ravel()
+    points = (element_ends[:-1, None] + element_lengths[:, None] * share_of_spacing).ravel()
     distance = points[:, None] - nodes
     relative_distance = np.where(distance > 0, distance / spacing_after, -distance / spacing_before)
     # the hat function of each node at each point
     shape_values = np.maximum(1 - relative_distance, 0.0)
-    lengths_of_points = np.repeat(np.diff(ends) / _POINTS_BETWEEN_NODES, _POINTS_BETWEEN_NODES)
+    lengths_of_points = np.repeat(element_lengths / _POINTS_BETWEEN_NODES, _POINTS_BETWEEN_NODES)
     lengths_of_nodes = (spacing_before + spacing_after) / 2
     return points, shape_values * lengths_of_points[:, None] / lengths_of_nodes
 

@@ -231,7 +231,7 @@ def main() -> None:
     """Read the files that stdin names as a JSON list, and write their arrays as npz to stdout. The
     command line states the most memory [bytes] and processor time [s].
     """
-    # What these take themselves does not count.
+    # The memory that these modules take is not counted in the limit.
     import vtkmodules.vtkFiltersCore
     import vtkmodules.vtkIOLegacy
     import vtkmodules.vtkIOXML  # noqa: F401
