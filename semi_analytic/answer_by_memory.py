@@ -496,9 +496,10 @@ class _InstantsOnPath(NamedTuple):
         return bool(np.all((self.share_of_step == 1) | is_start_of_path))
 
     def within(self, first_step: int, n_steps: int) -> tuple[Indices, Array, Array]:
-        """Of the instants in `n_steps` steps from number `first_step` on: step counted from that
-        one, share of the step that is over, tolerance of that share; (k,) each. `step`,
-        `share_of_step` and `share_tolerance` are those of all instants, in the order of the path.
+        """The instants within `n_steps` load steps from number `first_step` on: number of the step,
+        counted from that one, share of the step that is over, tolerance of that share; (k,) each.
+        `step`, `share_of_step` and `share_tolerance` are those of all instants, in the order of the
+        path.
         """
         begin_and_end_numbers = np.searchsorted(self.step, [first_step, first_step + n_steps])
         instants = slice(*begin_and_end_numbers.tolist())

@@ -803,7 +803,7 @@ def history_of(path: LoadPath, friction: float, cycles: int, time: Array | None 
     histories_of_path = cached_histories.setdefault((path, friction), {})
     history = histories_of_path.get(most_cycles)
     for most_cycles_of_cached_history, cached_history in histories_of_path.items():
-        # What is steady within these cycles has no others.
+        # A history that became steady within these cycles holds no further ones.
         if len(cached_history.cycles) <= most_cycles < most_cycles_of_cached_history:
             history = cached_history
     if history is None:

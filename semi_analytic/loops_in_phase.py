@@ -205,7 +205,7 @@ class Stroke:
             U - U_1 = d f [h - 2 h_s + h_1],    m_q - m_q1 = d f [m_p - 2 m_ps + m_p1]
 
         1 is the begin of the stroke. Index s is the contact that would be the stick zone, d the
-        direction of slip.
+        direction of slip, p the pressure; `compliance` is A = 2/E*.
         """
 
         def approach_and_moment(load: Array, tilt: Array) -> Array:

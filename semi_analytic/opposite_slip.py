@@ -412,8 +412,8 @@ class OppositeSlip(TiltedProfile):
 
     def approach_integral(self, load: ArrayLike) -> Array:
         """Integral of `log_datum_ratio` over eta from P to `load`, so minus the integral from
-        `load` to P; shape of `load`. The integrand is what a unit of load on the stick zone I(eta)
-        adds to the tangential displacement or another quantity.
+        `load` to P; shape of `load`. The integrand is what a unit of load on the stick zone I(eta),
+        that after |Q| = f (P - eta), adds to the tangential displacement or another quantity.
         """
         largest_load = self.intervals.largest_load
         least_load = np.clip(load, largest_load - self._largest_unloading, largest_load)
@@ -423,8 +423,8 @@ class OppositeSlip(TiltedProfile):
     def dissipation_kernel(self, load: ArrayLike, slip_zone_load: ArrayLike) -> Array:
         """Kernel of the friction work, Lam = int over eta from P_c to P of g(P_c) - g(eta), P_c =
         load - slip_zone_load [force per thickness]. g is the rate of (U + kappa m_q) pi/A per load
-        on the stick zone I(eta). U is the tangential displacement, m_q the moment of the shear,
-        kappa the bulk strain over Q, A = 2/E*.
+        on the stick zone I(eta), that after |Q| = f (P - eta). U is the tangential displacement,
+        m_q the moment of the shear, kappa the bulk strain over Q, A = 2/E*.
         """
         load, slip_zone_load = np.broadcast_arrays(
             np.asarray(load, dtype=float), np.asarray(slip_zone_load, dtype=float)
