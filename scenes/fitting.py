@@ -513,10 +513,10 @@ def _fit_about(
     # The dimensionless fit: middle, offset, tilt and weights of the basis functions.
     fit = scaled_rows.fit(scaled_noise, request.smoothing_weight, guessed_half_length)
     # A straight line through the points bends by round-off alone.
-    # _LEAST_HEIGHT_RANGE_SHARE, _LONGEST_HALF_LENGTH: 1e-9 and 0.98; `shape_heights` are the fitted
-    # heights without offset and tilt
+    # _LEAST_HEIGHT_RANGE_SHARE, _LONGEST_HALF_LENGTH: 1e-9 and 0.98; `profile_heights` are the
+    # fitted heights without offset and tilt
     if (
-        np.ptp(fit.shape_heights) < _LEAST_HEIGHT_RANGE_SHARE
+        np.ptp(fit.profile_heights) < _LEAST_HEIGHT_RANGE_SHARE
         or abs(fit.middle) > _LONGEST_HALF_LENGTH
     ):
         raise RowError(
@@ -859,9 +859,9 @@ class _ScaledRows:
         # Offset, tilt and heights that belong to these weights, and what they add to the sum of
         # squares.
         tilt = float(tilt_of_columns[-1] - tilt_of_columns[:-1] @ basis_weights)
-        shape_heights = basis_functions @ basis_weights
+        profile_heights = basis_functions @ basis_weights
         offset = float(self.h.mean() - means @ basis_weights + tilt * (middle - self.x.mean()))
-        fitted_heights = offset + tilt * (self.x - middle) + shape_heights
+        fitted_heights = offset + tilt * (self.x - middle) + profile_heights
         tilt_penalty = math.sqrt(self.tilt_weight) * tilt if self.tilt_is_fitted else 0.0
         penalties = np.append(smoothing_rows[:, :-1] @ basis_weights, tilt_penalty)
         n_parameters = (
@@ -877,7 +877,7 @@ class _ScaledRows:
             basis_weights=basis_weights,
             offset=offset,
             tilt=tilt,
-            shape_heights=shape_heights,
+            profile_heights=profile_heights,
             fitted_heights=fitted_heights,
             n_effective_parameters=n_parameters,
             smoothing_weight=smoothing_weight,
@@ -1042,7 +1042,7 @@ class _Fit:
         (m,) factors w_j of the basis functions, not negative
     offset, tilt
         height at the middle, slope of the trace
-    shape_heights, fitted_heights
+    profile_heights, fitted_heights
         (n,) at the points: the sum of basis functions alone, and with offset and tilt
     n_effective_parameters
         how many numbers were fitted; of a spline the trace of its smoother matrix
@@ -1059,7 +1059,7 @@ class _Fit:
     basis_weights: Array
     offset: float
     tilt: float
-    shape_heights: Array
+    profile_heights: Array
     fitted_heights: Array
     n_effective_parameters: float
     smoothing_weight: float

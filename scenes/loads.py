@@ -1116,12 +1116,12 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         """
         descriptions: list[tuple[str, str]] = []
         if self.interval is not None:
-            time_step = f"{self.interval:.9g}"
-            descriptions.append(("time", f"no column: {time_step} from row to row (interval)"))
+            interval_text = f"{self.interval:.9g}"
+            descriptions.append(("time", f"no column: {interval_text} from row to row (interval)"))
         if self.constant_normal_load is not None:
-            normal_load = f"{self.constant_normal_load:.9g}"
+            normal_load_text = f"{self.constant_normal_load:.9g}"
             descriptions.append(
-                ("P", f"no column: {normal_load} in every row (constant_normal_load)")
+                ("P", f"no column: {normal_load_text} in every row (constant_normal_load)")
             )
         return descriptions
 

@@ -1016,6 +1016,8 @@ class ChebyshevSegment(LoadSegment):
         t0 = _float_or_array(time_before)
         # Chebyshev coefficients of the combination.
         series, _ = self._series_of(combination)
+        # u: variable of the series, -1 at the segment's start and 1 at its end. The change is the
+        # difference quotient of the series by u, times the change of u.
         change_of_u = 2 * (t - t0) / (self.end - self.start)
         change: Array = np.multiply(
             divided_difference(series, self._series_variable(t), self._series_variable(t0)),

@@ -264,6 +264,7 @@ def text_table(
         # LARGEST_TEXT_BYTES: 268 MB
         require_readable_size(path, kind.role_of_file, LARGEST_TEXT_BYTES, kind.advice_on_size)
         with path.open("rb") as binary_stream:
+            # _MOST_BYTES_LOOKED_AT: 50,000
             first_bytes = binary_stream.read(_MOST_BYTES_LOOKED_AT)
         # Character encodings that the file may have, likeliest first; each is tried in turn.
         encodings = _encodings_of(first_bytes)
@@ -272,6 +273,7 @@ def text_table(
             with contextlib.suppress(UnicodeError), path.open(encoding=encoding) as stream:
                 # Yields number and text of the lines, from the first one on at each call.
                 read_lines = partial(_numbered_lines, path, stream, longest_line)
+                # _ENCODINGS_IN_WORDS: names of the encodings for the user
                 return _table_in_lines(request, read_lines, _ENCODINGS_IN_WORDS[encoding])
     except OSError as reason:
         raise InputError(f"{path}: the file can't be read: {reason.strerror}") from reason

@@ -930,6 +930,7 @@ def _note_of_next_order(rig: RiggedScene, driven_path: DrivenPath, last_cycle: s
         )
         path = PathSeries(memory, rig.contact, rig.modulus, effects)
         half_width = float(path.half_width[1])
+        # _SAMPLED_PLACES: 200.
         places = np.linspace(0.0, half_width, _SAMPLED_PLACES)
         pressures.append(float(np.max(PointFields(path, places).pressure(np.array([1])))))
         half_widths.append(half_width)
@@ -969,6 +970,7 @@ def notes_of_slides(scene: Scene, driven_path: DrivenPath, last_cycle: slice) ->
     else:
         slide_distance = sum(abs(slide.distance) for slide in slides)
         work = sum(slide.work for slide in slides)
+        # _MOST_SLIDES_NAMED: 4.
         slides_in_words = "; ".join(
             _slide_in_words(slide, length_unit) for slide in slides[:_MOST_SLIDES_NAMED]
         )

@@ -113,8 +113,10 @@ class GridAnswer:
             steady_work = steady_cycle.values["dissipation"]
             values["cycle_dissipation"] = np.where(is_before_steady, cycle_works, steady_work)
             values["uncertainties"] = {}
+            # _VALUES_OF_STEADY_CYCLE: names of W, W(x), permanent stick and loop work.
             for name in _VALUES_OF_STEADY_CYCLE:
                 values[name] = steady_cycle.values.get(name)
+            # WORK_FIELDS: the names of W and W(x).
             errors |= dict.fromkeys(question.fields & WORK_FIELDS, 0.0)
             errors |= dict(steady_cycle.errors)
         notes = [*neglected_coupling(question.scene.material), self._note(steady_cycle)]

@@ -199,6 +199,7 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
 
     # At constant P the stick zones of a parabola are nested where contacts are not.
     is_parabola = profile.radius is not None
+    # _ROUND_OFF_SHARE: 1e-11 of the largest P.
     may_slip_opposite_ways = bool(
         is_parabola and friction > 0 and np.ptp(p) <= _ROUND_OFF_SHARE * largest_load
     )
@@ -399,6 +400,7 @@ class _AffineRelation(NamedTuple):
         strain_deviation = float(np.ptp(eps - slope * q))
         tilt_deviations = np.abs(known_tilt - tilt_without_load - slope * p_with_tilt)
         tilt_deviation = float(np.max(tilt_deviations, initial=0.0))
+        # _ROUND_OFF_SHARE: 1e-11.
         strain_limit = load_sizes.strain_roundoff + _ROUND_OFF_SHARE * abs(slope) * np.max(
             np.abs(q)
         )

@@ -353,6 +353,7 @@ def notes_of_batch(effects: BodyEffects) -> Iterator[str]:
             "effects: the next order of the bodies, N_4, T_4, N_22 and T_22, is left out; `solve`"
             " takes it"
         )
+    # TILT_AND_STRAIN_NAMES: attributes with tilt under P and Q, strain under P and Q.
     if any(getattr(effects, name).value for name in TILT_AND_STRAIN_NAMES):
         yield (
             "effects: tilt and bulk strain of the bodies are left out; `solve` states how large"
@@ -1596,6 +1597,7 @@ def _require_one_contact(
     """
     # s: coordinate of the punches in the table; the punches within the flat carry no load.
     first_s = 1.0 if contact.least_half_width else 0.0
+    # _PUNCHES_CHECKED: 200 punches.
     s = np.linspace(first_s, table.largest_s, _PUNCHES_CHECKED)
     profile_load = table.profile_load(s)
     parabola_load = table.parabola_load(s)
@@ -2055,6 +2057,7 @@ def work_uncertainty_by_bodies(
     # under P; tangential: T, faces under Q.
     if curvatures.are_of_mirrored_bodies and curvatures.normal >= 0 and curvatures.tangential >= 0:
         # Both kinds change W in one direction: nothing cancels.
+        # LEAST_UNCERTAIN_FRACTION: 3e-5.
         return abs(change_by_bodies) * max(uncertain_fractions.values()) + LEAST_UNCERTAIN_FRACTION
     followed_path = path_with_bodies.followed_path
     loads = (followed_path.normal_load, followed_path.tangential_load)
@@ -2104,6 +2107,7 @@ def _errors_of_contact(paths: _Paths) -> dict[str, float]:
         return {}
     # Instant of the largest P, and places at which its largest pressure is sought.
     row = last_cycle.start + int(np.argmax(path_with_bodies.followed_path.normal_load[last_cycle]))
+    # _PLACES_CHECKED: 100 places.
     places = largest_half_width * np.sin(np.linspace(0.0, math.pi / 2, _PLACES_CHECKED))
     pressure_of_bodies, pressure_of_half_planes = (
         float(np.max(PointFields(series, places).pressure(np.array([row]))))

@@ -326,6 +326,7 @@ def _works_and_stick(
     ):
         half_width = inner_edge + range_of_half_width * node_fractions
         work_of_punches = _work_of_punches(cycle_at(half_width), loads.friction)
+        # _SMALLEST_FLOAT: smallest positive number, against division by 0.
         works += np.sum(
             work_of_punches
             * (node_weights * range_of_half_width / np.maximum(half_width, _SMALLEST_FLOAT)),
@@ -454,6 +455,7 @@ def _work_of_punches(cycle: CycleOfPunches, friction: Array) -> Array:
     forward_bound, reverse_bound, load_outside = cycle
     full_cycle = 2 * math.pi
     # A punch is in contact all the time, or within this angle of the largest load, or never (0).
+    # _SMALLEST_FLOAT: smallest positive number, against division by 0.
     cosine_of_opening = np.clip(
         -load_outside.mean / np.maximum(load_outside.amplitude, _SMALLEST_FLOAT), -1.0, 1.0
     )
@@ -504,6 +506,7 @@ def _load_integral(bound: _Sinusoid, load_outside: _Sinusoid, bound_value: Array
     it is at the angle theta = t_B - t before its maximum, from 0 to pi; D = t_B - t_L.
     """
     # A bound that does not vary is divided by as well; its integral is 0 by the last factor.
+    # _SMALLEST_FLOAT: smallest positive number.
     positive_amplitude = np.maximum(bound.amplitude, _SMALLEST_FLOAT)
     cosine = np.clip((bound_value - bound.mean) / positive_amplitude, -1.0, 1.0)
     sine = np.sqrt(1 - cosine**2)

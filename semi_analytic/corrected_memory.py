@@ -570,6 +570,8 @@ class PunchTable:
         lower_s = np.zeros(len(normal_load))
         upper_s = np.full(len(normal_load), self.largest_s)
         edge_s = known_s
+        # Numbers of iterations: 12 bisections, then 6 Newton steps; 2 Newton steps from a known
+        # edge.
         n_newton_steps = _NEWTON_STEPS_FROM_KNOWN_EDGE
         if edge_s is None:
             for _ in range(_FIRST_BISECTIONS):
@@ -1331,6 +1333,7 @@ def follow(
                 table, friction, normal_load, tangential_load, Curvatures()
             )
         shear_second_moment = _estimated_shear_second_moment(table, columns, path_of_half_planes)
+        # _INDEX_OF_TANGENTIAL_CURVATURE: that of kt among the ten quantities.
         columns[_INDEX_OF_TANGENTIAL_CURVATURE] += (
             2 * curvatures.tangential_mixed * shear_second_moment
         )
@@ -1472,6 +1475,7 @@ def _followed_rows(table: PunchTable, friction: float, columns: Array) -> Follow
     # notation: eta, G, G_4 loads that the punches carry: of the profile, of x^2/2 and of x^4/24
     """
     # Step by step from the unloaded state; a step gives the new state of the memory.
+    # Pieces(): list of the pieces of memory curves, with the empty curve alone at first.
     memory = FrictionMemory(table, friction, float(np.max(columns[0])), Pieces())
     state = UNLOADED_STATE
     steps = []
@@ -1959,6 +1963,7 @@ def _crossing_of_bound(
     loads_at_s = table.punch_loads_at(s)
 
     # Newton's method; a step that would leave the bracket is replaced by a bisection.
+    # _MOST_NEWTON_STEPS: 60.
     for _ in range(_MOST_NEWTON_STEPS):
         excess = excess_below + profile_slope * (loads_at_s.profile_load - piece_below.profile_load)
         excess += parabola_slope * (loads_at_s.parabola_load - piece_below.parabola_load)

@@ -256,6 +256,7 @@ def actuator_rows(
     if n_turning_times < steps_per_cycle * n_cycles / _FEWEST_STEPS_BETWEEN_TURNS:
         steps_between_turning_times = max(steps_between_turning_times, _FEWEST_STEPS_BETWEEN_TURNS)
     steps_between_turning_times *= refinement
+    # _MOST_ROWS: 100,000.
     if steps_between_turning_times * n_turning_times > _MOST_ROWS:
         raise InputError(
             "load: the path of the actuators takes"
@@ -271,6 +272,7 @@ def actuator_rows(
         sample_times = np.array([turning_times[:-1], turning_times[1:], middle_times])
         loads_at_samples = path.at(sample_times)[0]
         largest_load = np.max(np.abs(loads_at_samples))
+        # _SAME_INSTANT_SHARE: 1e-12.
         is_constant = np.ptp(loads_at_samples, axis=0) <= _SAME_INSTANT_SHARE * largest_load
         # Equal times become one below.
         step_times[is_constant] = step_times[is_constant, :1]
@@ -493,6 +495,7 @@ def _table_of_approach(
     s = np.linspace(0.0, table.largest_s, 20 * 512 + 1)
     _, sampled_approach = _load_and_approach(table, compliance, s)
     largest_fall = float(np.max(np.maximum.accumulate(sampled_approach) - sampled_approach))
+    # _APPROACH_ERROR_OF_TABLE: 1e-9 of the range of the approach.
     if largest_fall > _APPROACH_ERROR_OF_TABLE * np.ptp(sampled_approach):
         raise InputError(
             f"load.approach: with the datum length {compliance.datum_length:.6g} the approach falls"
@@ -721,6 +724,7 @@ class _StepSolver:
         self._compliance = compliance
         self._table = memory.table
         # Trials of a step have one P, and where N_Q is 0 one edge.
+        # _CACHED_EDGES: 8.
         self._cached_edge_s = lru_cache(maxsize=_CACHED_EDGES)(memory.table.edge_s_of_load)
         # Of each piece of memory curve, by its number: integrals up to its top over the load of the
         # punches, and over the memory curve itself.
@@ -788,6 +792,7 @@ class _StepSolver:
 
         for direction in (1, -1):
             friction_limit = memory.friction * begin.normal_load
+            # _FORCE_SHARE_AT_LIMIT: 1e-9 of f P.
             slides_already = direction * begin.tangential_load >= friction_limit * (
                 1 - _FORCE_SHARE_AT_LIMIT
             )
@@ -799,6 +804,7 @@ class _StepSolver:
                 continue
             # Fraction of the step at which sliding begins, unless it is at one of its ends.
             fraction = _root_between(partial(excess_displacement, direction), 0.0, 1.0)
+            # _STEP_SHARE_AT_END: 1e-9 of the step.
             if _STEP_SHARE_AT_END < fraction < 1 - _STEP_SHARE_AT_END:
                 return begin.at_fraction(end, fraction), end
         return (end,)
@@ -853,12 +859,14 @@ class _StepSolver:
         slide_distance = target_displacement - self._displacement(row_at_limit, sliding_step)
 
         # At the begin of a slide nothing is left but round-off, of either sign.
+        # _ROUND_OFF_DISPLACEMENT_SHARE: 1e-12 of the displacement.
         if direction * slide_distance >= -_ROUND_OFF_DISPLACEMENT_SHARE * abs(target_displacement):
             return _SolvedStep(row_at_limit, sliding_step, slide_distance=slide_distance)
         self._discard_pieces(n_pieces)
 
         # Newton's method: missing displacement over d(U + Q/k_s)/dQ, within the bracket.
         lower_force, upper_force = sorted((force, direction * friction_limit))
+        # _FORCE_TOLERANCE_SHARE: 1e-13 of f times the largest P of the path.
         tolerance = _FORCE_TOLERANCE_SHARE * memory.friction * memory.largest_load
         for _ in range(_MOST_ITERATIONS):
             force_change = (target_displacement - displacement) / self._compliance_at(

@@ -195,6 +195,7 @@ class ArcIntegrals:
         ends_of_smooth_parts = np.unique(
             np.clip([first_time, *corner_times, last_time], first_time, last_time)
         )
+        # _FIRST_PANELS: 12 panels for all of the arc.
         panels_in_part = np.maximum(
             np.ceil(np.diff(ends_of_smooth_parts) / (last_time - first_time) * _FIRST_PANELS), 1
         ).astype(int)
@@ -256,6 +257,7 @@ class ArcIntegrals:
         )
 
         # Primitive of the Chebyshev series on the panel, at each time.
+        # CHEBYSHEV_DEGREE: that of the series; its primitive has one more.
         polynomials = chebyshev.chebvander(2 * fraction_of_panel - 1, CHEBYSHEV_DEGREE + 1)
         # Numbers of the first time in each panel; in the loop also of the one after its last.
         first_time_in_panel = np.flatnonzero(np.diff(panel_of_time, prepend=-1))
@@ -312,6 +314,7 @@ class ArcIntegrals:
         self._is_near = panels.is_near
         self._panel_ends = np.append(panels.begin, panels.end[-1])
         # Series of the integrals from the begin of each panel on; their sums at 1 are at its end.
+        # _PRIMITIVE_OF_SERIES: matrix from the coefficients of a series to those of its primitive.
         self._primitives = panels.series @ _PRIMITIVE_OF_SERIES
         near_panel, near_point = np.nonzero(panels.is_near)
         near_integrals, error_of_near_integrals = self._near_integrals_and_error(
@@ -473,6 +476,7 @@ class ArcIntegrals:
         force_rate = self._segment.rate_of(TANGENTIAL_LOAD, time) * (ends - begins)[:, None]
         advance = contact.edge_advance(load)
         coefficients = np.empty((len(far_panel), CHEBYSHEV_DEGREE + 1))
+        # _NODES_AT_ONCE: two million, which bounds the memory.
         pairs_at_once = _NODES_AT_ONCE // (CHEBYSHEV_DEGREE + 1)
         for first_pair in range(0, len(far_panel), pairs_at_once):
             chunk = slice(first_pair, first_pair + pairs_at_once)
@@ -645,6 +649,7 @@ class _NearIntegral:
         # All nodes of all ranges: s, weight, and the number of the range.
         nodes = _nodes_of_ranges(begin_s, end_s, is_rough)
         integrals = np.zeros(len(begin_s))
+        # _NODES_AT_ONCE: two million, which bounds the memory.
         for first_node in range(0, len(nodes.s), _NODES_AT_ONCE):
             chunk = slice(first_node, first_node + _NODES_AT_ONCE)
             range_number = nodes.range_number[chunk]

@@ -650,6 +650,7 @@ class Grid:
 
         # Mean shear times the slip of the increment; then open, stick or slip of each cell.
         work_per_area = (self._shear + shear) * (slip - self.slip) / 2
+        # _STATES_BY_DIRECTION: stick, forward and reverse slip for the directions 0, 1 and -1.
         state_in_contact = _STATES_BY_DIRECTION[slip_directions]
         contact_state = np.where(self._contact_mask(self._contact), state_in_contact, OPEN).astype(
             np.int8
@@ -728,6 +729,7 @@ class Grid:
             # _coupling (k, k): displacement of the faces, normal by shear and tangential by
             # pressure.
             gap_by_shear = shear_of_last_turn @ self._coupling.T
+            # _height: gap between the unloaded faces.
             normal_solution = self._solve_normal(load, tilt, self._height + gap_by_shear)
             self._contact = normal_solution.contact
             friction_limit = self.friction * normal_solution.pressure
@@ -1844,6 +1846,7 @@ def _run_coarse_and_fine(
     n_cycles = first_answers.works.shape[1]
 
     # The fine grids follow all these cycles, or the last ones from the coarse grids' slip.
+    # _CYCLES_RESUMED: the last two cycles.
     is_resumed = is_last_cycle_alone and n_cycles > _CYCLES_RESUMED
     cycle_numbers = range(-1, n_cycles if path.cycle else 0)
     if is_resumed:
@@ -1855,6 +1858,7 @@ def _run_coarse_and_fine(
     time = np.asarray(time, dtype=float)
 
     # Grids by themselves are stored, and compared, at every so many instants.
+    # _INSTANTS_COMPARED: 40.
     stride = max(len(time) // _INSTANTS_COMPARED, 1)
     fine_grids = setup.moved_grids(request.cells, _GRID_SHIFTS)
     if is_resumed:
@@ -1976,6 +1980,7 @@ def _counts_of(runs: _Runs, cells: int) -> dict[str, int]:
     touched cells were given no slip before the touch. `runs` has the answers of coarse and fine
     grids; `cells` is the number of cells across the largest contact.
     """
+    # _GRID_SHIFTS: 16 shifts, one for each grid.
     counts = {
         "grids": 2 * len(_GRID_SHIFTS),
         "cells": cells,

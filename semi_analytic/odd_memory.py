@@ -572,6 +572,7 @@ def _slope_derivative(piece: Piece, eta: Array) -> Array:
     segment = piece.anchor.segment
     # Times at which P was eta on the arc, and Q'/P' a little before and after them.
     time = time_of_load_on_arc(piece, eta)
+    # _DERIVATIVE_STEP: 1e-4 of the duration of the arc.
     time_increment = _DERIVATIVE_STEP * (piece.arc[1] - piece.arc[0])
     slopes = []
     for shifted_time in (time - time_increment, time + time_increment):
@@ -673,6 +674,7 @@ def _work_at_kink(span_before: Span, span: Span, radius: float) -> Array:
         return zero_matrix
 
     # bottom_load and top_load: loads eta at both ends of a piece.
+    # _EQUALITY_TOLERANCE: 1e-9, within which two loads, or two slopes over f, are equal.
     tolerance = _EQUALITY_TOLERANCE * outer_piece.top_load
     if inner_piece.top_load > outer_piece.bottom_load + tolerance:
         return zero_matrix  # both spans are on one piece
@@ -723,6 +725,7 @@ def _refuse_return_to_limit(span_before: Span, span: Span, radius: float) -> Non
     begin = span.begin
     top_of_sticking_piece = span.sticking_piece.top_load if span.sticking_piece is not None else 0.0
     for piece in pieces(span_before.curve(span_before.end.time)):
+        # _EQUALITY_TOLERANCE: 1e-9 of a load.
         load_tolerance = _EQUALITY_TOLERANCE * max(piece.anchor.normal_load, begin.normal_load)
         if piece.bottom_load < top_of_sticking_piece - load_tolerance:
             break
@@ -807,6 +810,7 @@ def _smooth_end(
     )
     largest_rate = max(rate_at_begin, rate_in_middle, rate_at_end)
     load_at_end = float(segment.loads(time)[0])
+    # _RATE_SHARE_AT_REST: 1e-6 of the largest rate; _EQUALITY_TOLERANCE: 1e-9 of the load.
     if rate_at_end > _RATE_SHARE_AT_REST * largest_rate or stick_edge_load >= load_at_end * (
         1 - _EQUALITY_TOLERANCE
     ):
@@ -914,6 +918,7 @@ def _one_sided_slip_ratios(span: Span, radius: float, modulus: float) -> Iterato
     direction of slip, ' is d/dt. a and c are the half-widths of contact and stick. `radius` is R of
     the parabola, `modulus` E*.
     """
+    # _GAUSS_POINTS: 24, of which half are taken.
     time, _ = _gauss_times(span, _GAUSS_POINTS // 2)
     # P and the rates of P and Q.
     load = span.segment.loads(time)[0]

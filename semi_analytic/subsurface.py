@@ -264,6 +264,7 @@ def edge_tension(
         half_width = np.atleast_1d(contact.half_width(load))
         tensions = _edge_tensions_of_curves(contact, snapshot, instant_numbers, half_width)
         values[instant_numbers] = signs * tensions[:, None, None]
+        # _ROUNDOFF_OF_TENSION: 1e-11 of P/a.
         uncertainties[instant_numbers] = (_ROUNDOFF_OF_TENSION * load / half_width)[:, None, None]
     return values, uncertainties
 
@@ -318,6 +319,7 @@ def _edge_tensions_of_curves(
     slopes_at_nodes = np.empty_like(loads)  # M'
     for panel_number, panel in enumerate(panels):
         slopes_at_nodes[panel_number] = panel.slope(loads[panel_number])
+    # RULE_FOR_INVERSE_ROOTS: quadrature on a range of length 1, with nodes crowded at both ends.
     load_steps = (
         contact.stiffness(half_widths) * (panel_end - panel_begin) * RULE_FOR_INVERSE_ROOTS.weight
     )  # d eta
@@ -630,6 +632,7 @@ def _stress_by_sine_series(
     half_width = (right_edge - left_edge) / 2
 
     # As many places as terms, with the exact pressure there.
+    # _SERIES_TERMS: 2048.
     _, places = _places_across(answer, row, _SERIES_TERMS)
     pressure = _pressure_across(answer, row, profile, places)
     ratio_at_points = answer.shear[row, is_in_contact] / answer.pressure[row, is_in_contact]
@@ -790,6 +793,7 @@ def _distances_to_nodes(place: ArrayLike, begin: ArrayLike, end: ArrayLike) -> A
     The nodes are crowded at both ends, for integrands with inverse roots there. The arrays
     broadcast.
     """
+    # RULE_FOR_INVERSE_ROOTS: quadrature rule on a range of length 1.
     rule = RULE_FOR_INVERSE_ROOTS
     # Distances of the nodes from 0 and from 1, on a range of length 1.
     span_length = np.subtract(end, begin)
@@ -823,6 +827,7 @@ def _add_panel_of_punches(
     # Normal and tangential load at each node, (2, nodes).
     loads_of_panel = _loads_of_punches(contact, slope, half_widths, panel_width * rule.weight)
     is_in_panel = (x > begin_width) & (x < end_width)
+    # _KERNELS_AT_ONCE: a million pairs of point and node, which bounds the memory.
     points_at_once = _KERNELS_AT_ONCE // len(rule.distance_from_begin)
 
     # Points beside the panel, many at once.

@@ -699,6 +699,8 @@ def _mean_and_load_functions(theta: Array, sine: Array, cosine: Array) -> tuple[
     if np.any(is_small):
         squared_angle = np.square(theta)
         cubed_angle = theta * squared_angle
+        # _SERIES_OF_MEAN_FUNCTION, _SERIES_OF_LOAD_FUNCTION: coefficients of the power series in
+        # theta^2 of both functions over theta^3.
         mean_series = cubed_angle * np.polynomial.polynomial.polyval(
             squared_angle, _SERIES_OF_MEAN_FUNCTION
         )
@@ -1207,6 +1209,7 @@ class NestedIntervals:
         least_c = np.zeros(reached_x.shape)
         largest_c = np.full(reached_x.shape, 2.1 * self.largest_half_width)
         c = largest_c / 2
+        # _MOST_NEWTON_STEPS: 120.
         for _ in range(_MOST_NEWTON_STEPS):
             # Of a trial contact: mean of h', A times the carried load, and integrals of h'' over
             # the angle.
@@ -1427,6 +1430,7 @@ class TiltedProfile:
         least_tilt = np.full(load.shape, -np.inf)
         largest_tilt = np.full(load.shape, np.inf)
         tilt = np.zeros(load.shape)
+        # _MOST_NEWTON_STEPS: 120.
         for _ in range(_MOST_NEWTON_STEPS):
             # Centre and half-length of the contacts under the trial tilt, and their moment minus
             # the given one.
