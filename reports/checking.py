@@ -517,9 +517,9 @@ def _require_face_wider_than_contact(scene: Scene, source: str) -> None:
 
     # The message, with remarks on input that looks like a mistake.
     unit_of_force, unit_of_length, unit_of_stress = units(scene)
-    remarks_before = "".join(f"{remark} " for remark in remarks_on_input(scene, contact))
+    remarks_in_words = "".join(f"{remark} " for remark in remarks_on_input(scene, contact))
     raise InputError(
-        f"{source}: {remarks_before}Check the units first: loads are in {unit_of_force} per"
+        f"{source}: {remarks_in_words}Check the units first: loads are in {unit_of_force} per"
         f" {unit_of_length} of thickness, E is in {unit_of_stress}, sizes are in {unit_of_length}."
         " bodies: the contact at the largest load reaches past the end of the narrower face, at |x|"
         f" = {half_width_of_face:.6g}: by half-plane theory P = {contact.normal_load:.6g} gives the"
@@ -928,7 +928,7 @@ def remarks_on_input(scene: Scene, contact: _LargestContact) -> list[str]:
             f" {scene.friction.coefficient / 100:g}."
         )
 
-    # Limits: strain 0.1, slope 0.3.
+    # _LARGEST_STRAIN, _LARGEST_SLOPE: 0.1 and 0.3
     if contact.strain > _LARGEST_STRAIN or contact.edge_slope > _LARGEST_SLOPE:
         sentences.append(
             in_template(

@@ -1131,9 +1131,9 @@ def _statistics_of(values: Array) -> DrawStatistics:
 
 
 def drawn_changes_of(scene: Scene, count: int) -> dict[str, Array]:
-    """Random changes of each uncertain input, (count,) by its key: relative to its value, those of
-    a phase in degrees. They have normal distributions with the stated standard uncertainties and
-    correlations.
+    """Random changes of each uncertain input in `count` draws, (count,) by its key: relative to its
+    value, those of a phase in degrees. They have normal distributions with the stated standard
+    uncertainties and correlations.
 
     The correlation matrix is R = V D V^T, with its eigenvectors in V and its eigenvalues in the
     diagonal matrix D. Then V sqrt(D) z has these correlations, z being independent normal numbers
@@ -1226,10 +1226,10 @@ def values_of_ellipses(
         values[STICK] = np.where(has_value, stick_half_width, np.nan)
     elif isinstance(scene.profile, Hertz):
         # Hertz: a^2 = 4 R P/(pi E*).
-        width_squared_per_load = (
+        half_width_squared_per_load = (
             4 * profile["radius"] / (math.pi * composite_modulus(scene.material))
         )
-        values[STICK] = np.sqrt(width_squared_per_load * stick_load)
+        values[STICK] = np.sqrt(half_width_squared_per_load * stick_load)
     # `reason`: why a draw has no W
     return values, batch.reason == semi_analytic.Reason.SLIDING
 

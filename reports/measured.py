@@ -329,16 +329,16 @@ def _rows_in_words(scene: Scene, load_record: TimeSeriesLoad) -> Iterator[Senten
         )
     if load_record.least_normal_load is not None:
         # _NORMAL: column of P
-        is_below = (
+        is_below_least_load = (
             load_record.rows.values[first_row:row_beyond, _NORMAL] < load_record.least_normal_load
         )
-        if not np.any(is_below):
+        if not np.any(is_below_least_load):
             return
         yield Sentence(
             f"P is below least_normal_load = {number(load_record.least_normal_load)}"
             f" {load_unit(scene)} in"
-            f" {np.count_nonzero(is_below):,} of the rows: Q counts as 0 there. Of these the first"
-            f" {int(np.argmin(is_below)):,} are initial loading at Q = 0.",
+            f" {np.count_nonzero(is_below_least_load):,} of the rows: Q counts as 0 there. Of these"
+            f" the first {int(np.argmin(is_below_least_load)):,} are initial loading at Q = 0.",
             is_warning=False,
         )
 

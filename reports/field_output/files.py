@@ -351,6 +351,7 @@ def stated(instant: Instant, snapshot: Snapshot) -> dict[str, Any]:
     `instant` is that which was asked for; the time of the snapshot is the nearest one that is
     stored.
     """
+    # `tension`: function of a body, its largest tensile stress at each node
     return {
         "asked": instant.time,
         "label": instant.label,

@@ -245,12 +245,12 @@ def _sheet_of_changes(scene: Scene, changes: Mapping[str, Change], source_in_wor
         "edge_tension": unit_of_stress,
     }
     rows = []
-    for name, (quantity_in_words, theory, change) in changes.items():
+    for quantity, (quantity_in_words, theory_value, change) in changes.items():
         change_in_words = "no estimate" if math.isnan(change.value) else _percent(change)
         rows.append(
             (
                 quantity_in_words,
-                f"{theory:.6g} {unit_by_quantity.get(name, unit_of_length)}",
+                f"{theory_value:.6g} {unit_by_quantity.get(quantity, unit_of_length)}",
                 change_in_words,
             )
         )

@@ -189,8 +189,8 @@ def _figure_1(case: Case) -> Plate:
     """
     # the foot: its gap at x/a0 in the scene's unit, and drawn 0.45 high at its ends
     x = np.linspace(-1.9, 1.9, 191)
-    height = np.asarray(case.scene.profile.height(x * case.unit_length))
-    foot_height = height * 0.45 / height[0]
+    gap = np.asarray(case.scene.profile.height(x * case.unit_length))
+    foot_height = gap * 0.45 / gap[0]
 
     # the rotor on its axle, with the eccentric weight; the struts end at the rotor
     circle_angles = np.linspace(0.0, 2 * math.pi, 121)
@@ -261,9 +261,7 @@ def _figure_1(case: Case) -> Plate:
         without_axes=True,
         room=(0.0, 0.0, 0.0, 0.0),
     )
-    return _plate(
-        "figure_01", [panel], {"x / a(P0)": x, "gap under the foot [scene units]": height}
-    )
+    return _plate("figure_01", [panel], {"x / a(P0)": x, "gap under the foot [scene units]": gap})
 
 
 def _figure_2(case: Case) -> Plate:

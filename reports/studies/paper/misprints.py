@@ -353,7 +353,7 @@ def _rounded_law(case: Case) -> VerdictAndNumbers:
     half-planes. Returns whether it is proven, and both sides.
 
     # notation: a half-width of contact, b of the flat, R radius of the edges; mu shear modulus,
-    #           kappa = 3 - 4 nu in plane strain; the right side is
+    #           kappa = 3 - 4 nu in plane strain, nu Poisson's ratio; the right side is
     #           (pi - 2 t)/(4 sin^2 t) - cot(t)/2, with sin t = b/a
 
     `case` is the paper's ellipse of loads on this profile: `unit_length` is the half-width a at the

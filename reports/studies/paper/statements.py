@@ -999,7 +999,8 @@ def _flat_over_hertz(paper: Paper) -> dict[str, VerdictAndNumbers]:
     quotient_of_peaks = scaled_peak(paper.rounded_case, rounded_peak) / scaled_peak(
         paper.hertz_case, hertz_peak
     )
-    # "confirmed" if a quotient rounds to the paper's, "refined" if within 20 % (`slack`)
+    # "confirmed" if a quotient rounds to the paper's, "refined" if within 20 % (`slack`); _span:
+    # least and largest of an array
     return {
         "five times the energy": (
             verdict_of_number(quotient_of_works, 5, 0, slack=0.2),

@@ -103,13 +103,16 @@ def _opening_lines(sweep: PreparedSweep) -> Iterator[str]:
     """
     study = sweep.study
     n_points = len(sweep.points)
-    n_waiting = len(sweep.waiting_points)
+    n_waiting_points = len(sweep.waiting_points)
     yield (
         f"{study.title or study.scene.name}: {n_points} points, {' and '.join(study.engines)};"
         f" {', '.join(study.figures)}"
     )
-    if n_waiting < n_points:
-        yield f"{n_points - n_waiting} points have results already, {n_waiting} are left"
+    if n_waiting_points < n_points:
+        yield (
+            f"{n_points - n_waiting_points} points have results already, {n_waiting_points} are"
+            " left"
+        )
     if damaged_files := sweep.store.damaged():
         yield (
             f"{len(damaged_files)} damaged results were set aside and are made again:"

@@ -510,10 +510,9 @@ def _held_nodes(
     """Nodes whose displacement along x (1) or y (2) is prescribed by the supports of a body:
     direction -> one array of nodes for each support.
 
-    `nodes_by_boundary` holds both nodes of each of the k facets on a boundary, (2, k), by the
-    boundary's name.
-    `mesh.supports` is how each supported boundary is held: "rollers" let it move along x, "guided"
-    along y. `mesh.mesh.p` (2, n) has the places of the nodes.
+    `nodes_by_boundary` holds both nodes of each of the k facets (element sides) on a boundary, (2,
+    k), by the boundary's name. `mesh.supports` is how each supported boundary is held: "rollers"
+    let it move along x, "guided" along y. `mesh.mesh.p` (2, n) has the places of the nodes.
     """
     held_nodes: dict[int, list[Indices]] = {1: [], 2: []}
     for boundary, support in mesh.supports.items():
