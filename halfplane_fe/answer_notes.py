@@ -92,6 +92,7 @@ def notes_of_answer(
         arrays["dissipation"], dissipation_uncertainty, scene.tolerances, scales.dissipation
     )
     if task.settings.method == "augmented_lagrangian":
+        # sentence that this name had another meaning in earlier versions
         notes.append(_NOTE_RENAMED)
     return notes
 

@@ -489,6 +489,7 @@ def stick_by_load(
                 )
                 share_by_late_start = _share_by_late_start(edge, unevenness)
                 share = share_at_nodes + max(share_by_unevenness, share_by_late_start)
+                # _BY_FEW_NODES: fitted share where slip began a single node away
                 share += _BY_FEW_NODES / n_nodes_passed**2
                 edges.put(row, last_stuck_node, edge, unevenness, share)
     return edges

@@ -423,7 +423,7 @@ def _stick_uncertainty(
         is_beyond_edge = side.x > side.sign * edges[:, [side.column]]
         n_nodes_beyond_edge[:, side.column] = np.count_nonzero(is_in_half & is_beyond_edge, axis=1)
 
-    # Edges by states, where a slip zone of up to four nodes may be none at all.
+    # Edges by states, where a slip zone of up to four nodes (`_UNRESOLVED`) may be none at all.
     uncertainty_by_states = spacing + distance_from_states
     uncertainty_of_narrow_slip_zone = np.abs(contact.places - edges) + contact.uncertainty
     is_narrow = n_nodes_beyond_edge <= _UNRESOLVED
@@ -434,7 +434,8 @@ def _stick_uncertainty(
     )
 
     # Fitted edges; up to about half a node distance from the edge by states is usual.
-    # _BY_STATES: usual distance of a fitted edge from that by states, over the spacing
+    # _BY_STATES: usual distance of a fitted edge from that by states, over the spacing;
+    # _FITTED_SHARE, _BY_MISFIT: fitted factors
     distance_beyond_usual = np.maximum(distance_from_states - _BY_STATES * spacing, 0.0)
     uncertainty_of_fitted_edge = (
         _FITTED_SHARE * spacing + _BY_MISFIT * fitted_edges.misfit + distance_beyond_usual
@@ -443,7 +444,7 @@ def _stick_uncertainty(
         edges == fitted_edges.by_states, uncertainty_of_unfitted_edge, uncertainty_of_fitted_edge
     )
 
-    # Where all of the contact sticks.
+    # Where all of the contact sticks: an unseen slip zone of two nodes (`_UNSEEN`).
     is_full_stick = edges == contact.places
     uncertainty_in_full_stick = np.where(
         sticks_in_full[:, None],
@@ -464,7 +465,8 @@ def held_back_by_growth(
     of a load P (1 - d), and all edges of stick too are those of loads that are smaller by d. An
     edge of the stick zone is where the edge of contact was under some smaller load L. So it lacks
     d L da/dL, as that did. Here d is the third power of the growth times a fitted share
-    (`_LOAD_LACKED`). Added is a share of the distance of two nodes times the same power.
+    (`_LOAD_LACKED`). Added is a share of the distance of two nodes (`_NODES_LACKED`) times that
+    power.
 
     # notation: a half-width of contact
 

@@ -466,7 +466,8 @@ def _smooth_compliance(matrix: Array, x: Array, distances_in_elements: Array) ->
     row_nodes = sample_nodes[row_samples]
     column_nodes = sample_nodes[column_samples]
 
-    # Least-squares fit of products of Legendre polynomials; degree 8 at most in both together.
+    # Least-squares fit of products of Legendre polynomials; degree 8 at most in both together, one
+    # degree for every 25 nodes.
     degree = min(_LARGEST_DEGREE, len(x) // _NODES_PER_DEGREE)
     legendre = np.polynomial.legendre.legvander(unit_x, degree)
     exponents = [(k, m) for k in range(degree + 1) for m in range(degree + 1 - k)]

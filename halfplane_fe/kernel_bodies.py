@@ -312,7 +312,7 @@ def fitted_kernels(
     jump_kernels
         singular part of the kernels, subtracted before the fit; None for a flat face
     degree
-        largest i + j
+        largest i + j; 12 by default
 
     Returns
     -------

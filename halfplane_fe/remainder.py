@@ -490,7 +490,7 @@ def face_series(kernels: RemainderKernels, degree: int = _LARGEST_DEGREE) -> Fac
         displacements (n, m) at places x (n,) by unit forces at `x_of_forces` (m,): k_nn inwards by
         a pressing force, k_tt and k_tn along x, k_nt outwards
     degree
-        largest i + j
+        largest i + j; 8 by default
     """
     # Places over the half-length of the part of the face that is fitted, (n, m) each.
     half_length = float(np.abs(kernels.x).max())
@@ -576,7 +576,7 @@ def face_kernels(
     """
     half_length = _FITTED_REACH * nearest_end(shape)
     if size_factor > 1:
-        half_length *= _FACTOR_OF_WIDER_FACE
+        half_length *= _FACTOR_OF_WIDER_FACE  # 1.25
     # _N_ELEMENTS: 16
     size = size_factor * half_length / _N_ELEMENTS  # of the elements on that part of the face
     grading = SurfaceGrading(inner=0.0, outer=half_length, size=size, edge_size=size)
@@ -606,7 +606,8 @@ def body_numbers(
     datum_length
         distance from a force at which a half-plane's surface counts as unmoved [length]
     """
-    # Kernels: displacement of the face by unit forces, minus that of a half-plane, on two meshes.
+    # Kernels: displacement of the face by unit forces, minus that of a half-plane, on two meshes;
+    # the elements of the second one are twice as large.
     kernels = face_kernels(name, shape, profile, material, datum_length)
     coarse_kernels = face_kernels(
         name, shape, profile, material, datum_length, _FACTOR_OF_COARSE_MESH

@@ -600,6 +600,7 @@ class _CoarsePair:
         """
         size_of_mesh = 1.0 if self.scene.bodies.half_planes else half_width
         if self._size_and_faces is None or self._size_and_faces[0] != size_of_mesh:
+            # _COARSE_MESH: settings of the coarse mesh
             bodies = meshed_pair(
                 self.scene, _COARSE_MESH, lambda ratio: _grading(size_of_mesh, ratio)
             )

@@ -187,6 +187,7 @@ def increments_along(
         )
         # Instants still to be reached, the next one last: `end`, and before it those by halving.
         targets = [end]
+        # bounded trials: by halving, and eight events of each node
         for _ in range(_MOST_TRIALS + _MOST_EVENTS_PER_NODE * len(problem.initial_gap)):
             # Solve up to the first event; where that does not converge, half of the way.
             target = _end_by_turn_of_slip(problem, state, loads_at, targets[-1])

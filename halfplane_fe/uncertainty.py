@@ -843,6 +843,7 @@ def peak_uncertainty(
     # _PEAK_BY_EDGES: fitted share
     share_by_edges = _PEAK_BY_EDGES * relative_size**1.5 * peak.half_width / peak.distance_to_edge
     share_by_growth = _PEAK_GROWN * growth**4
+    # _SAFETY: 1.25; the others are fitted shares
     return (
         _SAFETY * peak.change_from_coarse * share
         + _PEAK_BY_NEIGHBOURS * peak.deviation_from_neighbours
