@@ -64,9 +64,12 @@ lint: $(STAMP) ### ruff: rules and format
 	@echo "==> lint: ruff format --check"
 	@$(PY) -m ruff format --check .
 
-types: $(STAMP) ### mypy over the five packages
+types: $(STAMP) ### mypy over the five packages; of the programs beside them, the names that they read
 	@echo "==> types: mypy"
 	@$(PY) -m mypy
+	@echo "==> types: names that benchmarks and docs read"
+	@MYPYPATH=benchmarks:docs $(PY) -m mypy --explicit-package-bases benchmarks docs > .cache/names.txt; test $$? -le 1
+	@! grep -E "\[attr-defined\]|Unexpected keyword argument" .cache/names.txt
 
 contracts: $(STAMP) ### import-linter: who may import whom
 	@echo "==> contracts: import-linter"

@@ -270,8 +270,8 @@ def faults(files: int = 100, number: int = 12) -> Iterator[Row]:
 
 if __name__ == "__main__":
     spoilt_files = int(sys.argv[1]) if len(sys.argv) > 1 else 1_000
-    kills = int(sys.argv[2]) if len(sys.argv) > 2 else 200
-    rows = list(faults(spoilt_files, kills))
+    kill_count = int(sys.argv[2]) if len(sys.argv) > 2 else 200
+    rows = list(faults(spoilt_files, kill_count))
     for row in rows:
         print(" | ".join(row.cells))
     sys.exit(any(row.met is False for row in rows))

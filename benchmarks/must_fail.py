@@ -22,7 +22,7 @@ import numpy as np
 
 import halfplane_fe
 import semi_analytic
-from halfplane_fe import FiniteElementSolution, SolverSettings, elasticity
+from halfplane_fe import FiniteElementSolution, SolverSettings, elasticity, far_field
 from halfplane_fe.condensed_bodies import BODY_CACHE
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.law import slip_sign
@@ -198,7 +198,7 @@ def blind() -> Iterator[None]:
 
 def half_far_field() -> Planted:
     """The work of the arc's tractions in the half-plane's own displacement left out."""
-    forces_on_arc = elasticity.arc_forces
+    forces_on_arc = far_field.arc_forces
 
     def planted(*given: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         nodal_forces, tractions, displacements = forces_on_arc(*given)

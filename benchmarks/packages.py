@@ -27,6 +27,7 @@ import tomllib
 import venv
 from importlib.metadata import Distribution, distribution
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).parent.parent
 PINS = ROOT / "constraints.txt"
@@ -82,7 +83,7 @@ def closure() -> dict[str, Distribution]:
 
 def licence(package: Distribution) -> str:
     """The SPDX expression, else the classifiers, else the first line of the free text."""
-    meta = package.metadata
+    meta: Any = package.metadata  # its type lacks `get` before Python 3.12
     classifiers = [
         line.split(" :: ")[-1]
         for line in meta.get_all("Classifier") or []

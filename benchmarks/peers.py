@@ -350,7 +350,7 @@ def measured(entries: Iterator[Entry], scene: Scene) -> list[dict[str, Any]]:
     """All entries in turn, those slower than 2 s twice: CPU seconds, errors against the closed
     form, or why there is no answer.
     """
-    rows = [
+    rows: list[tuple[dict[str, Any], Callable[[], Answer]]] = [
         ({"code": code, "size": size, "lines": key, "seconds": []}, work)
         for code, size, key, work in entries
     ]

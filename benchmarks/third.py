@@ -61,7 +61,7 @@ def measured(scene: str, settings: DeckSettings) -> dict[str, Any]:
         errors[key] = None if value is None else float(f"{value:.4g}")
     return {
         "code": third.code,
-        "nodes": third.deck.reference_node,
+        "nodes": third.deck.node_count,
         "instants": len(third.deck.time) - 1,
         "seconds": round(run_record.seconds if run_record else time.perf_counter() - begun, 1),
         "increments": run_record.increments if run_record else None,
@@ -151,7 +151,7 @@ def on_roller(
 
     return {
         "code": f"CalculiX {calculix_version(program)}",
-        "nodes": len(deck.lower.nodes) + len(deck.upper.nodes),
+        "nodes": deck.node_count,
         "seconds": round(process.seconds, 1),
         "displacement": round(last("DISP", "D2"), 6),
         "stress": round(-last("STRESS", "SYY"), 2),

@@ -4,9 +4,9 @@ and a damping ratio.
 # notation: A = 2/E*, L datum length, a and c contact and stick half-width, W dissipation of a
 #           cycle, Q1 and U1 half the ranges of Q and of the tangential displacement U
 
-While P rests, a change dQ that lets the slip go on raises the whole memory above the front by dQ,
-and a reversal raises it at the edge of the contact: dU/dQ = (A/pi) ln(2 L/c), c being a in full
-stick and right after a reversal.
+While P rests, a change dQ that lets the slip go on raises the whole memory above the stick edge
+load by dQ, and a reversal raises it at the edge of the contact: dU/dQ = (A/pi) ln(2 L/c), c being a
+in full stick and right after a reversal.
 
 L is arbitrary: U of half-planes, and with it stiffness and damping ratio, are those of an actuator
 only where a datum length is stated, or what finite bodies add: U + c_t Q.

@@ -13,7 +13,7 @@ behind P by 0 < phase < 180 degrees:
     G  reverse slip ends: v = Q + f P least
     H  Q least
     I  full stick ends: u least
-    J  the front passes what G left
+    J  the stick edge passes where it was at G
     K  P largest
     L  Q largest
     M  as E
@@ -198,7 +198,8 @@ def _unlettered_events(history: History) -> Iterator[Event]:
                 former_span.sticking_piece, span.sticking_piece
             ):
                 event_name = (
-                    f"the front of {state_names[span.direction]} passes a piece of the memory"
+                    f"the stick edge of {state_names[span.direction]} passes a vertex of the memory"
+                    " curve"
                 )
             else:
                 event_name = state_names[span.direction] + _CONTINUATION_ENDING

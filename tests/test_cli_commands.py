@@ -517,7 +517,7 @@ def test_the_answers_of_the_other_commands(
     code, answer = answer_to("export", "hertz-normal", "--quiet")
     deck = (tmp_path / answer["file"]).read_text(encoding="utf-8")
     assert answer["nodes"] > answer["elements"] / 2 > 100
-    assert (code, f"\n{answer['nodes']}, " in deck) == (0, True)
+    assert (code, f"** size: {answer['nodes']} nodes, " in deck) == (0, True)
 
     (tmp_path / "study.toml").write_text(STUDY, encoding="utf-8")
     monkeypatch.setattr("reports.studies.sweep.running.worker_pool", lambda **_: Bench())

@@ -21,6 +21,7 @@ from refusals import refused_for
 from reports import cli
 from reports.console import Stages
 from reports.studies.third.calculix import (
+    ThirdSolver,
     calculix_version,
     find_calculix,
     run_calculix,
@@ -455,6 +456,12 @@ def test_stiffness_stick_slope_and_header_are_what_the_settings_say() -> None:
     head = deck_text(deck)[:2000]
     assert "dialect: CalculiX" in head
     assert "(a/L)^2" in head
+    # the nodes of the meshes, and none of those that move a plane, a strain or a tilt
+    elements = data_of(cards_of("hertz-paper"), "ELEMENT")
+    node_count = len({node for row in elements for node in row[1:]})
+    assert f"** size: {node_count} nodes, " in head
+    third = ThirdSolver("CalculiX", deck, head, failure="it stopped")
+    assert f"({node_count} nodes, " in third.sentences[0]
     for known in ({"steps_per_cycle": 2}, {"cycles": 0}, {"normal_stiffness": 0.0}):
         with pytest.raises(InputError, match="refused"):
             DeckSettings(**known)  # type: ignore[arg-type]

@@ -238,6 +238,8 @@ def test_events_have_the_names_and_edge_loads_of_the_paper():
     assert event(PAPER, "H").front_load == event(PAPER, "H").normal_load
     assert event(PAPER, "B").name == "full stick ends, forward slip starts"
     assert event(PAPER, "E").name == "forward slip ends, reverse slip starts"
+    words_at_j = "the stick edge of forward slip passes a vertex of the memory curve"
+    assert event(PAPER, "J").name == words_at_j
     assert "Q least" in event(PAPER, "A").name
     assert "P largest" in event(PAPER, "C").name
 

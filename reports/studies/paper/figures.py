@@ -319,7 +319,7 @@ def _figure_2(case: Case) -> Plate:
         "letter": letters_in_order,
         "t": [case.time_of(letter) for letter in letters_in_order],
     }
-    for name, column in zip(("P", "Q", "front load"), loads_in_order.T, strict=True):
+    for name, column in zip(("P", "Q", "stick edge load"), loads_in_order.T, strict=True):
         table = {**table, f"{name} / (P0/3)": column.tolist()}
     return _plate("figure_02", [panel], table)
 

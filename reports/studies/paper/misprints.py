@@ -146,7 +146,7 @@ def _order_of_j_and_k(case: Case) -> VerdictAndNumbers:
             "J after K in degrees": angle_of_j,
             "I after K in degrees": angle_of_i,
             "I before K in degrees": -angle_of_i,
-            "front at J against P_G": error_at_j,
+            "stick edge load at J against P_G": error_at_j,
         },
     )
 
@@ -446,9 +446,9 @@ def _load_at_k(case: Case) -> VerdictAndNumbers:
         """ds/dt of the slip s with the moving stick edge."""
         return formulas.slip_rate("JM", x, time)
 
-    # in the table "front" is the normal load whose contact is the stick zone
+    # the stick edge load is the normal load whose contact is the stick zone
     numbers = {
-        "front at M": float(formulas.stick_edge_load("JM", time_of_m)) / case.unit_load,
+        "stick edge load at M": float(formulas.stick_edge_load("JM", time_of_m)) / case.unit_load,
         "load at K": case.events["K"].normal_load / case.unit_load,
     }
     # slip as mended, as printed, and by half-plane theory

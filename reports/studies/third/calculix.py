@@ -146,9 +146,7 @@ class ThirdSolver:
         `code` is CalculiX with its version, `run_record` has the counts of increments and
         iterations, None where the run failed.
         """
-        # nodes are numbered from 1, and that of the rigid plane follows those of the bodies
-        n_nodes = self.deck.reference_node
-        size = f"{n_nodes} nodes, {len(self.deck.time) - 1} instants"
+        size = f"{self.deck.node_count} nodes, {len(self.deck.time) - 1} instants"
         if self.run_record is None:
             first_sentence = f"{self.code} gave no answer ({size}): {self.failure}."
         else:
@@ -182,9 +180,9 @@ class ThirdSolver:
         CalculiX side by side, the deck, the run, known limits and notes; strict JSON.
 
         `comparison` is that of our finite elements with theory (`reference`); `self.comparison` is
-        that of CalculiX with theory, None where it failed. The deck is CalculiX' input; it counts
-        its nodes up to that of the rigid plane, `reference_node`; `stiffness` is pressure per
-        penetration, `stick_slope` shear per elastic slip.
+        that of CalculiX with theory, None where it failed. The deck is CalculiX' input: `node_count`
+        is that of both meshes, `stiffness` is pressure per penetration, `stick_slope` shear per
+        elastic slip.
         """
         deck = self.deck
         third_comparison = self.comparison
@@ -207,7 +205,7 @@ class ThirdSolver:
             "failure": self.failure or None,
             "deck": {
                 "settings": asdict(deck.settings),
-                "nodes": deck.reference_node,
+                "nodes": deck.node_count,
                 "instants": len(deck.time) - 1,
                 "element_size": deck.element_size,
                 "stiffness": deck.stiffness,

@@ -60,11 +60,10 @@ def export(job: Job) -> Answer:
     with results_folder(job.folder, stale_prefixes=(file,)) as staging_folder:
         (staging_folder / file).write_text(text, encoding="utf-8")
 
-    # its size: nodes of the bodies and that of the rigid plane, which has the number
-    # `reference_node`; instants beside the unloaded one; stiffnesses that replace rigid contact and
-    # stick
+    # its size: nodes and elements of both meshes; instants beside the unloaded one; stiffnesses
+    # that replace rigid contact and stick
     deck_size = {
-        "nodes": deck.reference_node,
+        "nodes": deck.node_count,
         "elements": len(deck.lower.elements) + len(deck.upper.elements),
         "edge_element_size": deck.element_size,
         "instants": len(deck.time) - 1,

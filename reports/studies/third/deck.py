@@ -237,6 +237,13 @@ class Deck:
         return self.upper.first_node + len(self.upper.nodes)
 
     @property
+    def node_count(self) -> int:
+        """Number of nodes of both meshes. The nodes that move the rigid plane, bulk strain and tilt
+        are not counted: they belong to no element.
+        """
+        return len(self.lower.nodes) + len(self.upper.nodes)
+
+    @property
     def element_size(self) -> float:
         """Surface elements at the edges [length]."""
         return self.settings.edge_element_size * self.scales.half_width

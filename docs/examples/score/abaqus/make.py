@@ -80,7 +80,7 @@ def main(deck: Path, folder: Path) -> None:
     words += "# Times of the scene's load path: the names of the columns count steps.\n"
     words += f"times = [{', '.join(f'{value:.7g}' for value in times)}]\n"
     (folder / "mapping.toml").write_text(words, encoding="utf-8")
-    accepted = sum(attempt.accepted for attempt in attempts_in(folder / f"{NAME}.sta"))
+    accepted = sum(attempt.is_accepted for attempt in attempts_in(folder / f"{NAME}.sta"))
     origin = {
         "code": f"CalculiX {calculix_version(program)}",
         "seconds": round(seconds, 1),
