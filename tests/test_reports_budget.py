@@ -262,6 +262,24 @@ def test_a_value_and_its_difference_are_equally_uncertain(paper, key, stated):
         assert line.uncertainty < 6e-3
 
 
+@pytest.mark.parametrize(("error", "is_seen"), [(3.9e-3, False), (4.1e-3, True)])
+def test_a_far_field_error_is_judged_on_the_mesh_where_it_is_measured(paper, error, is_seen):
+    """At 4h, though the coarsest mesh is that of 8h."""
+    comparison, refinements = paper
+    metric = comparison.metric("dissipation")
+    metric = replace(metric, stated=(0.0, 1e-3 * metric.denominator), uncertainty=None)
+    mesh_runs = tuple(Run(f"{h:g}h", h, {"dissipation": 1e-3 * h}) for h in (1.0, 2.0, 4.0, 8.0))
+    far_field_runs = tuple(
+        Run(f"4h, {size:g}", size, {"dissipation": error * size**4}) for size in (0.5, 1.0, 2.0)
+    )
+    planted = replace(
+        refinements, mesh_runs=mesh_runs, far_field_runs=far_field_runs, coarse_label="4h"
+    )
+    budget = error_budget(replace(comparison, metrics=(metric,)), planted, 1.0)
+    far_field = budget.budget("dissipation").terms[3]
+    assert far_field.value == (pytest.approx(error) if is_seen else None)
+
+
 def test_what_was_not_measured_is_not_zero_and_bounds_add_where_scatter_adds_by_squares(paper):
     comparison, refinements = paper
     fallen = tuple(

@@ -943,6 +943,20 @@ def test_interpolation_in_time_and_space_is_said() -> None:
     assert any("was interpolated" in note for note in comparison.notes)
 
 
+@pytest.mark.parametrize("fields", [("pressure", "shear"), semi_analytic.FIELDS])
+def test_a_cycle_that_does_not_repeat_is_said_whatever_fields_a_solution_has(
+    fields: tuple[str, ...],
+) -> None:
+    """An external result, of which nobody knows it, says nothing."""
+    once = load_scene("hertz-paper").vary(expected=(), tolerances={}, cycles=1)
+    theory = semi_analytic.solve(once, x=np.linspace(-1.2, 1.2, 21), fields=fields)
+    read_from_file = dataclasses.replace(
+        theory, engine="some code", settings={**theory.settings, "source": "result.csv"}
+    )
+    notes = [note for note in compare(theory, read_from_file).notes if "no cycle repeats" in note]
+    assert [note.partition(":")[0] for note in notes] == ["half-plane theory"]
+
+
 def test_instants_are_matched_by_phase_not_by_revolution() -> None:
     """The same cycle one revolution later: nothing to interpolate, nothing to tell apart. Less than
     a cycle is refused.

@@ -66,6 +66,7 @@ from reports.comparison.judged import JudgedPair
 from reports.comparison.laws import certificates
 from reports.comparison.metrics import (
     METRICS,
+    WHOLE_CYCLE,
     judged_metrics,
     reason_by_missing_field,
     tolerances_of,
@@ -291,12 +292,16 @@ def _notes_on_pair(pair: Pair) -> Iterator[str]:
         name = engine_in_words(solution.engine)
         if not solution.record.converged:
             yield f"{name}: not converged: {solution.record.message}"
-        # Our finite elements note it themselves, with the change of the dissipation.
-        is_without_note = solution.engine != "halfplane_fe" and not reason_by_missing_field(
-            solution
+        # Our finite elements note it themselves, with the change of the dissipation. An external
+        # result, which has a source, holds one cycle: nothing shows whether that repeats. Theory at
+        # the instants of a result that are no whole cycle has none either.
+        is_noted_here = (
+            solution.engine != "halfplane_fe"
+            and "source" not in solution.settings
+            and WHOLE_CYCLE not in solution.work.skipped
         )
         # steady_from: the first cycle that ends as it started; None if none does
-        if pair.is_periodic and solution.steady_from is None and is_without_note:
+        if pair.is_periodic and solution.steady_from is None and is_noted_here:
             yield in_template("not_steady", name)
         yield from (f"{name}: {note}" for note in solution.record.notes)
     has_other_datum = pair.effects is not None or pair.lacks_common_datum

@@ -892,12 +892,12 @@ def _far_field_term(metric: Metric, comparison: Comparison, refinements: Refinem
     phi(L) − phi(infinity) on the coarse mesh.
 
     There is an error where the values for the three radii are equal, or are of a plausible order (1
-    to 4.2) and the error is at least the uncertainty that a run on the coarsest mesh would state.
+    to 4.2) and the error is at least the uncertainty that a run on the coarse mesh would state.
     Else the term has no value, and its uncertainty is the spread of the three values. No error and
     the uncertainty 0 for bodies with a size of their own.
 
     `refinements` holds the runs with the radii 2 L, L and L/2, and the runs on meshes of different
-    element size. The uncertainty that a run states of its value is taken to grow with the element
+    element size; the coarse mesh is that with the label `coarse_label`. The uncertainty that a run states of its value is taken to grow with the element
     size; `metric.stated_by_result` is that of the run itself.
     """
     bodies = comparison.scene.bodies
@@ -912,8 +912,10 @@ def _far_field_term(metric: Metric, comparison: Comparison, refinements: Refinem
     if term.uncertainty is None:
         return term
     how_measured = f"radius 2 L, L, L/2 on the mesh of {refinements.coarse_label}: {term.kind}"
-    sizes = [run.size for run in refinements.mesh_runs]
-    stated_on_coarse_mesh = (metric.stated_by_result or 0.0) * max(sizes) / min(sizes)
+    # the element size of the coarse mesh, over that of the run
+    size_by_label = {run.label: run.size for run in refinements.mesh_runs}
+    coarse_size = size_by_label[refinements.coarse_label]
+    stated_on_coarse_mesh = (metric.stated_by_result or 0.0) * coarse_size
     is_resolved = not abs(term.value or 0.0) < stated_on_coarse_mesh
     is_plausible = _is_plausible(term.order, formal_order) and is_resolved
     if term.kind == "exact" or is_plausible:
