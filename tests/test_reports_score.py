@@ -30,6 +30,7 @@ from reports.comparison.metrics import reason_by_missing_field
 from reports.console import Stages
 from reports.field_output.files import write_fields
 from reports.report import Report
+from reports.scoring import loop_steady_rows
 from reports.scoring.against import score_file, score_surface
 from reports.scoring.diagnosis import diagnose
 from reports.scoring.history import history_of_result
@@ -763,6 +764,25 @@ def test_a_given_rig_and_the_files_own_size_of_the_load():
     )
     assert any("2 times that of the scene" in sentence for sentence in twice.notes)
     assert twice.loops[1].area == pytest.approx(4 * loop_score.loops[1].area, rel=1e-3)
+
+
+@pytest.mark.parametrize("stated_rig", [False, True])
+def test_degrees_of_freedom_are_rows_minus_fitted_parameters(monkeypatch, stated_rig):
+    """A parameter that is fitted moves with the residuals, and no other does. Range and slide are
+    not both fitted.
+    """
+    fits = []
+    interval_of = loop_steady_rows.fit_with_interval
+    monkeypatch.setattr(
+        "reports.scoring.loop_steady_rows.fit_with_interval",
+        lambda *given: fits.append(interval_of(*given)) or fits[-1],
+    )
+    u, q, rig = rows_of(WIDE, 0.5, count=60, cycles=3.0, noise=0.01)
+    score_loop(loop_of(u, q), WIDE, rig_compliance=rig if stated_rig else None)
+    [fit] = fits
+    n_fitted = int(np.sum(fit.influence.any(axis=1)))
+    assert n_fitted == (5 if stated_rig else 6)
+    assert fit.degrees_of_freedom == len(fit.distances.signed_distance) - n_fitted
 
 
 def test_at_constant_normal_load_the_form_of_q_over_time_does_not_matter():

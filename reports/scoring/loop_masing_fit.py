@@ -941,8 +941,9 @@ def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
         max(row_noise(rows.load), least_noise.load),
     )
     search = _Search(rows, curve, sigma)
-    # all seven parameters count as fitted, but for a stated compliance
-    degrees_of_freedom = len(rows.displacement) - 6 - (rows.compliance is None)
+    # of either kind as many parameters are fitted: six, or five beside a stated compliance
+    n_fitted = len(_fitted_parameters(rows, is_gross=False))
+    degrees_of_freedom = len(rows.displacement) - n_fitted
     # the best partial and the best gross loop; the better fit leaves less
     fits = search.best_fits()
     log_noise_ratio = math.log(sigma.displacement / sigma.load)
