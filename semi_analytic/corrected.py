@@ -431,8 +431,9 @@ class _HalfPlanePath:
 
     @property
     def cycle_ends(self) -> list[float]:
-        """Times of the ends of the initial loading and of the first two cycles, 3 in all; for a
-        path without cycle (`period` None) of its start and its end, 2 in all.
+        """Times of the ends of the initial loading and of the first two cycles, 3 in all, also
+        where half-plane theory followed one cycle: the loads repeat. For a path without cycle
+        (`period` None) of its start and its end, 2 in all.
         """
         # instants: those at which half-plane theory was solved, ascending; start: the first of
         # them.
@@ -1425,7 +1426,8 @@ def _findings_of_symmetric_scene(question: Question) -> Findings:
         "loop_work": friction_work.loop_work,
         "cycle_dissipation": friction_work.work_of_cycles,
         "dissipation_density": friction_work.density[index_of_distance],
-        "steady_from": paths.steady_from,
+        # a cycle that is followed but not in the answer is none of its steady ones
+        "steady_from": paths.steady_from if paths.is_steady else None,
     }
     return Findings(
         time=time,
@@ -2358,13 +2360,14 @@ def _termination_and_message(paths: _Paths) -> tuple[str, str]:
     """How the followed path ended: the termination of the answer, "steady" or "end of path", and a
     sentence about it.
 
-    `paths.rows` has the followed cycles, and the period of the path or None. `paths.steady_from` is
-    the index of the first cycle that ends in the state it started from, None if none does.
+    `paths.rows.period` is that of the path, None without one. `paths.is_steady` says whether the
+    last cycle of the answer ends in the state it started from, `paths.steady_from` which cycle is
+    the first that does. `paths.covered_cycles` are the followed cycles of the answer.
     """
     if paths.rows.period is None:
         return "end of path", "the path was followed to its end"
-    if paths.steady_from is None:
-        return "end of path", f"no steady cycle among the first {len(paths.rows.cycles)}"
+    if paths.steady_from is None or not paths.is_steady:
+        return "end of path", f"no steady cycle among the first {paths.covered_cycles[-1] + 1}"
     return "steady", f"cycle {paths.steady_from + 1} ends in the state it started from"
 
 

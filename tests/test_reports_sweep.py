@@ -20,8 +20,10 @@ from concurrent.futures import BrokenExecutor, CancelledError, Future
 from functools import partial
 from itertools import pairwise, product
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import pytest
 from markupsafe import escape
@@ -1250,6 +1252,30 @@ def test_a_scheduler_with_tls_takes_our_certificate_and_nobody_without(home: Pat
             )
     finally:
         cluster.end()
+
+
+def test_an_edge_without_an_estimate_does_not_hide_that_of_the_other_one() -> None:
+    """And a pressure peak, of which finite elements have such an attribute too, is no edge."""
+    result = SimpleNamespace(
+        time=np.array([0.0, 1.0]),
+        stick_edge_uncertainty=np.array([[0.5, 0.5], [np.nan, 0.02]]),
+        contact_edge_uncertainty=np.full((2, 2), np.nan),
+        peak_pressure_uncertainty=np.array([1.0, 2.0]),
+    )
+    comparison = SimpleNamespace(result=result, scales=SimpleNamespace(half_width=2.0))
+    stated = {
+        key: solving._stated_uncertainty(
+            SimpleNamespace(key=key, time=1.0, uncertainty=1e-3),  # type: ignore[arg-type]
+            comparison,  # type: ignore[arg-type]
+        )
+        for key in ("stick_edge", "contact_edge", "peak_pressure", "dissipation")
+    }
+    assert stated == {
+        "stick_edge": 0.01,
+        "contact_edge": 1e-3,
+        "peak_pressure": 1e-3,
+        "dissipation": 1e-3,
+    }
 
 
 @needs_dask

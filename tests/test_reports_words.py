@@ -21,6 +21,7 @@ from problems import COARSE, FEW_STEPS
 from refusals import require_facts
 from reports import Comparison, Report, compare, write
 from reports.charts.plate import Arrow, Curve, Note
+from reports.comparison import words
 from reports.comparison.metrics import METRICS
 from reports.comparison.words import (
     bodies_in_words,
@@ -386,6 +387,27 @@ def test_bodies_without_a_tolerance_are_not_judged() -> None:
         assert (report.verdict, report.passed) == (state, state == "within")
     with pytest.raises(InputError, match="tolerances: 'disipation' is no metric"):
         bodies(0.98, disipation=0.01)
+
+
+@pytest.mark.parametrize(("share", "is_stated"), [(5e-7, False), (2e-4, True)])
+def test_headline_and_summary_state_the_same_uncertainty_of_the_dissipation(
+    share: float, is_stated: bool
+) -> None:
+    """That of finite elements, and that of theory, which is a relative error in its record."""
+    comparison = bodies(0.98, 1.005, 6e-4)
+    by_elements = replace(
+        comparison.result, dissipation_uncertainty=share * comparison.result.dissipation
+    )
+    by_theory = replace(
+        comparison.reference,
+        record=replace(comparison.reference.record, errors={"dissipation": share}),
+    )
+    pair = replace(comparison, result=by_elements, reference=by_theory)
+    percent_of_both = [percent for _, percent in words._stated_errors(pair)]
+    assert percent_of_both == (["0.02", "0.02"] if is_stated else [])
+    for solution in (by_elements, by_theory):
+        text = words._uncertainty_of_work(solution)
+        assert "(0.02%)" in text if is_stated else text == ""
 
 
 def test_a_comparison_and_a_report_print_as_five_lines() -> None:

@@ -250,6 +250,21 @@ def test_numbers_that_are_all_0_give_the_half_plane_answer_bit_for_bit() -> None
         assert solution.record.notes == plain.record.notes
 
 
+@pytest.mark.parametrize("history", ["paper", "cycle .6 .8"])
+def test_one_cycle_is_the_first_of_two_and_no_steady_one(history: str) -> None:
+    """Two cycles are followed, but the answer to a scene of one cycle holds the first alone."""
+    scene = scene_of(history).vary(expected=(), tolerances={})
+    one, two = (
+        semi_analytic.solve(scene.vary(cycles=cycles), x=[0.3], effects=ALL_BENDS)
+        for cycles in (1, 2)
+    )
+    assert one.time[-1] == pytest.approx(two.time[len(one.time) - 1], rel=1e-14)
+    assert one.dissipation == pytest.approx(two.cycle_dissipation[0], rel=1e-12)
+    assert (one.steady_from, two.steady_from) == (None, 1)
+    assert np.isnan(one.dissipation_drift)
+    assert one.record.message == "no steady cycle among the first 1"
+
+
 @pytest.mark.parametrize("history", ["cycle .3 .8", "cycle .6 .8", "cycle .9 .3"])
 def test_normal_curvature_moves_no_work_at_constant_load(history: str) -> None:
     assert change_of_work(history, effects_of(normal=0.1)) == pytest.approx(0.0, abs=1e-9)

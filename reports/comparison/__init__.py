@@ -42,9 +42,9 @@ Offered to the rest of reports, `Comparison` `compare` first; each file imports 
     budget.py       where the error of each metric comes from: mesh, steps, penalty, far field,
                     idealisation: `ErrorBudget` `Budget` `error_budget` `solve_refinements`
                     `coarser_mesh_and_settings` `settings_with_halved_steps` `mesh_ratio`
-                    `theory_on_steps` `SHOWN_ON_STEPS` `ROUND_OFF_OF_METRIC`; the mesh-refinement
-                    study of one value, its order and value at size zero: `Refinement`
-                    `Extrapolation` `extrapolate`
+                    `theory_on_steps` `SHOWN_ON_STEPS` `ROUND_OFF_OF_METRIC`
+                    `uncertainty_of_edge`; the mesh-refinement study of one value, its order and
+                    value at size zero: `Refinement` `Extrapolation` `extrapolate`
     budget_words.py a budget in sentences, cells and JSON: `budget_table` `negligible_terms`
                     `cost_in_words` `cell_of_term` `is_covered` `are_covered` `budget_content`
     findings.py     what two runs, or a run and a baseline, differ by: `ValuesOfRun`

@@ -757,7 +757,7 @@ def _with_stated_uncertainties(term: Term, metric: Metric, comparison: Compariso
     """
     stated_uncertainties = (
         metric.uncertainty or 0.0,
-        _uncertainty_of_edge(metric, comparison),
+        uncertainty_of_edge(metric, comparison),
         _uncertainty_of_peak(metric, comparison),
     )
     # one that is not known, NaN, hides none of the others
@@ -780,7 +780,7 @@ def _uncertainty_of_value(metric: Metric, comparison: Comparison) -> float | Non
     return metric.stated_by_result
 
 
-def _uncertainty_of_edge(metric: Metric, comparison: Comparison) -> float:
+def uncertainty_of_edge(metric: Metric, comparison: Comparison) -> float:
     """Uncertainty that a result itself states of a contact or stick edge at the instant of the
     metric, the larger of left and right, over the reference half-width. 0 for metrics of no edge,
     and where none is stated. An edge without an estimate, NaN, leaves that of the other one; NaN
@@ -897,8 +897,9 @@ def _far_field_term(metric: Metric, comparison: Comparison, refinements: Refinem
     the uncertainty 0 for bodies with a size of their own.
 
     `refinements` holds the runs with the radii 2 L, L and L/2, and the runs on meshes of different
-    element size; the coarse mesh is that with the label `coarse_label`. The uncertainty that a run states of its value is taken to grow with the element
-    size; `metric.stated_by_result` is that of the run itself.
+    element size; the coarse mesh is that with the label `coarse_label`. The uncertainty that a run
+    states of its value is taken to grow with the element size; `metric.stated_by_result` is that of
+    the run itself.
     """
     bodies = comparison.scene.bodies
     if "half_plane" not in (bodies.lower.kind, bodies.upper.kind):

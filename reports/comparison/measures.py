@@ -379,13 +379,13 @@ def _with_stated_uncertainties(
         return metric_value
     reference_amount, result_amount = metric_value.amounts
     stated_uncertainties = (
-        _stated_uncertainty(pair.plain_reference, reference_amount, name, name_of_error),
-        _stated_uncertainty(pair.result, result_amount, name, name_of_error),
+        stated_uncertainty(pair.plain_reference, reference_amount, name, name_of_error),
+        stated_uncertainty(pair.result, result_amount, name, name_of_error),
     )
     return replace(metric_value, stated=stated_uncertainties)
 
 
-def _stated_uncertainty(
+def stated_uncertainty(
     solution: ContactSolution, amount: float, name: str, name_of_error: str
 ) -> float | None:
     """Uncertainty that a solution itself states of an amount, in the unit of the amount. NaN where
@@ -755,8 +755,8 @@ def _stated_uncertainties_of_norm(pair: Pair, name: str) -> tuple[float | None, 
     being "pressure" or "shear".
     """
     return (
-        _stated_uncertainty(pair.plain_reference, 1.0, name, name),
-        _stated_uncertainty(pair.result, 1.0, name, name),
+        stated_uncertainty(pair.plain_reference, 1.0, name, name),
+        stated_uncertainty(pair.result, 1.0, name, name),
     )
 
 

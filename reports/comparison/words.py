@@ -24,6 +24,7 @@ from reports.comparison.laws import (
     largest_load_ratio,
     values_of_unsymmetric,
 )
+from reports.comparison.measures import stated_uncertainty
 from reports.comparison.metrics import Metric
 from reports.comparison.pairs import are_half_planes, engine_in_words, has_coupled_tractions
 from reports.comparison.verdicts import Verdict
@@ -457,19 +458,14 @@ def _names_of_engines(comparison: JudgedPair) -> tuple[str, str]:
 
 def _stated_errors(comparison: JudgedPair) -> list[tuple[str, str]]:
     """The relative error of the dissipation W that result and reference state themselves, in words:
-    (name of the engine, per cent) for each. An error below 1e-6 is left out.
-
-    Finite elements state an uncertainty of W, theory a relative error in its record.
+    (name of the engine, per cent) for each. An error below 1e-6 is left out, and any of W = 0.
     """
     errors_in_words = []
     for solution in (comparison.result, comparison.reference):
-        relative_error = solution.record.errors.get("dissipation", 0.0)
-        if solution.dissipation > 0 and math.isfinite(solution.dissipation_uncertainty):
-            relative_error = solution.dissipation_uncertainty / solution.dissipation
-        if relative_error > _NEGLIGIBLE_ERROR:
-            errors_in_words.append(
-                (engine_in_words(solution.engine), f"{100 * relative_error:.2g}")
-            )
+        uncertainty = _stated_uncertainty_of_work(solution)
+        if uncertainty and solution.dissipation:
+            percent = 100 * uncertainty / abs(solution.dissipation)
+            errors_in_words.append((engine_in_words(solution.engine), f"{percent:.2g}"))
     return errors_in_words
 
 
@@ -1052,20 +1048,26 @@ def first_summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
 def _uncertainty_of_work(solution: ContactSolution) -> str:
     """The uncertainty that a solution states of its dissipation W, also in per cent, and where it
     comes from, as text to put behind W; empty where it states none, or a relative one below 1e-6.
-
-    Finite elements state it with W; half-plane theory states a relative error in its record.
     """
     work = solution.dissipation
-    uncertainty = solution.dissipation_uncertainty
-    source = "by mesh and steps"
-    if math.isnan(uncertainty):
-        relative_error = solution.record.errors.get("dissipation", 0.0)
-        if not (work and relative_error > _NEGLIGIBLE_ERROR):
-            return ""
-        uncertainty = relative_error * abs(work)
-        source = "by its own estimate"
-    share_in_words = f" ({uncertainty / work:.2%})" if work else ""
+    uncertainty = _stated_uncertainty_of_work(solution)
+    if not uncertainty:
+        return ""
+    is_by_elements = solution.engine == "halfplane_fe"
+    source = "by mesh and steps" if is_by_elements else "by its own estimate"
+    share_in_words = f" ({uncertainty / abs(work):.2%})" if work else ""
     return f" ± {uncertainty:.2g}{share_in_words}, {source}"
+
+
+def _stated_uncertainty_of_work(solution: ContactSolution) -> float:
+    """Uncertainty that a solution states of its dissipation W [energy per thickness]; 0 where it
+    states none, or a relative one below 1e-6.
+    """
+    work = solution.dissipation
+    uncertainty = stated_uncertainty(solution, work, "dissipation", "dissipation")
+    if uncertainty is None or not math.isfinite(uncertainty):
+        return 0.0
+    return uncertainty if uncertainty > _NEGLIGIBLE_ERROR * abs(work) else 0.0
 
 
 def _stated_uncertainty(solution: ContactSolution, name: str) -> str:

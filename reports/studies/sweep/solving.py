@@ -810,15 +810,10 @@ def _stated_uncertainty(metric: Metric, comparison: Comparison) -> float:
     or stick at the metric's instant over a_ref. The larger one counts; 0 where it states none. Here
     a_ref is the half-width by which lengths of the comparison are divided.
     """
-    fe_solution = comparison.result
-    stated_values = [0.0, metric.uncertainty or 0.0]
-    # (instants, 2) [length]; there for metrics that are places of edges
-    edge_uncertainties = getattr(fe_solution, f"{metric.key}_uncertainty", None)
-    if edge_uncertainties is not None and metric.time is not None:
-        instant_index = int(abs(fe_solution.time - metric.time).argmin())
-        larger_uncertainty = float(max(edge_uncertainties[instant_index]))
-        stated_values.append(larger_uncertainty / comparison.scales.half_width)
-    return max(value for value in stated_values if math.isfinite(value))
+    from reports.comparison.budget import uncertainty_of_edge
+
+    stated_values = (metric.uncertainty or 0.0, uncertainty_of_edge(metric, comparison))
+    return max((value for value in stated_values if math.isfinite(value)), default=0.0)
 
 
 def _uncertainty_by_coarser_runs(
