@@ -147,7 +147,8 @@ class ContactSolution:
     uncertainties
         of other values by their names, each in the unit of its value and for all instants of the
         last cycle; NaN where there is no estimate. Of finite elements by their mesh, of half-plane
-        theory permanent stick on grids; empty of what is exact, and of external results
+        theory permanent stick and stick edges on grids; empty of what is exact, and of external
+        results
     loop_work
         closed integral of Q dU - m_q d(eps) over the last whole cycle, m_q the `shear_moment`
         and eps the bulk strain (0 without bulk stress, where Q dU alone is left): between

@@ -119,6 +119,9 @@ class GridAnswer:
             # WORK_FIELDS: the names of W and W(x).
             errors |= dict.fromkeys(question.fields & WORK_FIELDS, 0.0)
             errors |= dict(steady_cycle.errors)
+        if np.isfinite(values["stick_edges"]).any():
+            # an edge lies anywhere in its cell, however the steady cycle is found
+            values["uncertainties"]["stick_edges"] = self._cell_width
         notes = [*neglected_coupling(question.scene.material), self._note(steady_cycle)]
 
         # period: duration of a cycle, None for a path that does not repeat.
@@ -190,6 +193,12 @@ class GridAnswer:
             f" {error_of_work}edges of stick to about {2 / n_cells:.2g} a"
             f"{note_of_zones}{note_of_work}"
         )
+
+    @property
+    def _cell_width(self) -> float:
+        """Width of a cell [length]: that of the widest contact of the path over its cells."""
+        widest_contact = float(np.max(np.diff(self.path_on_grids.contact_edges)))
+        return widest_contact / self.path_on_grids.counts["cells"]
 
     def _rows(self) -> slice:
         """The instants of the answer, among all that were followed, as a slice: those of the last

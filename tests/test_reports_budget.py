@@ -262,6 +262,31 @@ def test_a_value_and_its_difference_are_equally_uncertain(paper, key, stated):
         assert line.uncertainty < 6e-3
 
 
+def test_what_theory_on_grids_states_is_its_error_and_what_it_does_not_is_said(paper):
+    """A stick edge lies anywhere in its cell. The error of W(x) is none of W."""
+    comparison, refinements = paper
+    reference = comparison.reference
+    on_grids = replace(
+        reference,
+        work=replace(reference.work, counts={**reference.work.counts, "grids": 8}),
+        uncertainties={"stick_edges": 0.0125 * comparison.scales.half_width},
+        record=replace(
+            reference.record, errors={"dissipation": 4e-4, "dissipation_density": 5e-3, "slip": 0}
+        ),
+    )
+    budget = error_budget(
+        replace(comparison, reference=on_grids, polygon_reference=None), refinements, 1.0
+    )
+    terms = {line.metric.key: line.terms[5] for line in budget.budgets}
+    assert terms["stick_edge"].uncertainty == pytest.approx(0.0125)
+    assert terms["dissipation"].uncertainty == pytest.approx(4e-4)
+    assert "grids" in terms["dissipation"].how_measured
+    assert "states no error" in terms["state"].how_measured
+    assert terms["contact_edge"].how_measured == "closed forms: rounding"
+    plain = error_budget(comparison, refinements, 1.0).budget("stick_edge").terms[5]
+    assert (plain.uncertainty, plain.how_measured) == (1e-12, "closed forms: rounding")
+
+
 @pytest.mark.parametrize(("error", "is_seen"), [(3.9e-3, False), (4.1e-3, True)])
 def test_a_far_field_error_is_judged_on_the_mesh_where_it_is_measured(paper, error, is_seen):
     """At 4h, though the coarsest mesh is that of 8h."""

@@ -1328,6 +1328,8 @@ def test_permanent_stick_on_grids_is_uncertain_by_what_finer_grids_change():
     """Bulk stress out of phase, two stick zones; 0.7142 by grids of three times the cells."""
     answer = solve("dovetail-out-of-phase")
     uncertainty = answer.uncertainties["permanent_stick_half_width"]
+    cell_width = 2 * np.max(answer.contact_half_width) / answer.work.counts["cells"]
+    assert answer.uncertainties["stick_edges"] == pytest.approx(cell_width)
     assert abs(answer.permanent_stick_half_width - 0.7142) < uncertainty < 5e-3
     # what comes without grids is exact, and states nothing
     assert dict(solve("nowell-hills").uncertainties) == {}

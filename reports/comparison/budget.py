@@ -53,7 +53,16 @@ _ERROR_NAME_BY_METRIC = {
     "dissipation": "dissipation",
     "hysteresis": "dissipation",
     "dissipation_density": "dissipation_density",
+    "largest_slip_common": "slip",
 }
+
+# Metrics of friction for which theory on grids states no error.
+_METRICS_OF_FRICTION_ON_GRIDS = (
+    "state",
+    "tangential_displacement",
+    "displacement_amplitude",
+    "bulk_work",
+)
 
 # Metrics of the largest pressure, of a revolution and of an instant.
 _PEAK_METRICS = ("largest_pressure", "peak_pressure")
@@ -942,13 +951,14 @@ def _iteration_term(comparison: Comparison) -> Term:
 
 
 def _theory_term(metric: Metric, comparison: Comparison) -> Term:
-    """The error of half-plane theory's own quadratures and series in a metric: no value, since the
-    sign is not known. The uncertainty, a bound that is never exceeded, is the largest estimate by
-    theory itself, on the smooth path and on the polygon of the load increments; round-off (1e-12)
-    where it states none, as of closed forms.
+    """The error of half-plane theory's own quadratures, series and grids in a metric: no value,
+    since the sign is not known. The uncertainty, a bound that is never exceeded, is the largest
+    estimate by theory itself, on the smooth path and on the polygon of the load increments;
+    round-off (1e-12) where it states none, as of closed forms.
     """
-    # how the names of this quantity begin among the relative errors that theory states
-    prefix = _ERROR_NAME_BY_METRIC.get(metric.key, metric.key)
+    # name of this quantity among the relative errors that theory states; "... at the edge" is one
+    # of points that lie there
+    name_of_error = _ERROR_NAME_BY_METRIC.get(metric.key, metric.key)
     theory_solutions = [comparison.reference]
     if comparison.polygon_reference is not None:
         theory_solutions.append(comparison.polygon_reference)
@@ -956,16 +966,28 @@ def _theory_term(metric: Metric, comparison: Comparison) -> Term:
         error
         for solution in theory_solutions
         for name, error in solution.record.errors.items()
-        if name.startswith(prefix)
+        if name == name_of_error or name.startswith(f"{name_of_error} ")
     ]
     if metric.stated_by_reference:
         error_estimates.append(metric.stated_by_reference)
-    # without an estimate: closed forms
-    uncertainty = ROUND_OFF_OF_METRIC
-    how_measured = "closed forms: rounding"
+    if metric.key == "stick_edge":
+        # on grids: the width of a cell [length]
+        error_estimates += [
+            solution.uncertainties["stick_edges"] / comparison.scales.half_width
+            for solution in theory_solutions
+            if "stick_edges" in solution.uncertainties
+        ]
+    is_on_grids = any("grids" in solution.work.counts for solution in theory_solutions)
     if error_estimates:
         uncertainty = max(error_estimates) + ROUND_OFF_OF_METRIC
         how_measured = "its own estimate of quadratures and series"
+        if is_on_grids:
+            how_measured = "its own estimate of grids, quadratures and series"
+    else:
+        uncertainty = ROUND_OFF_OF_METRIC
+        how_measured = "closed forms: rounding"
+        if is_on_grids and metric.key in _METRICS_OF_FRICTION_ON_GRIDS:
+            how_measured = "rounding alone: theory on grids states no error of this value"
     return Term("half-plane theory", None, uncertainty, how_measured, is_bound=True)
 
 
