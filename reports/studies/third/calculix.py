@@ -180,9 +180,9 @@ class ThirdSolver:
         CalculiX side by side, the deck, the run, known limits and notes; strict JSON.
 
         `comparison` is that of our finite elements with theory (`reference`); `self.comparison` is
-        that of CalculiX with theory, None where it failed. The deck is CalculiX' input: `node_count`
-        is that of both meshes, `stiffness` is pressure per penetration, `stick_slope` shear per
-        elastic slip.
+        that of CalculiX with theory, None where it failed. The deck is CalculiX' input:
+        `node_count` is that of both meshes, `stiffness` is pressure per penetration, `stick_slope`
+        shear per elastic slip.
         """
         deck = self.deck
         third_comparison = self.comparison
