@@ -691,7 +691,9 @@ class CallableProfile(Gap):
 
     @property
     def exponent(self) -> float:
-        """Power of x that the slope follows below the least x that is resolved."""
+        """Power of x that the slope follows below the first edge of its series, by the slopes at
+        that edge and at twice its x; 1 where the slope is 0 there.
+        """
         first_edge = self._slope.edges[0]
         doubled_edge = self._slope.edges[0] * 2
         slope_at_first_edge, slope_at_doubled_edge = self._slope(

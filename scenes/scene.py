@@ -450,10 +450,10 @@ class Scene(Frozen):
         lower_material = self.material.lower
         # Least and largest P (or approach) and Q (or U of the actuator) on the load path.
         normal_range, tangential_range = self.ranges_of_load()
-        least_normal, largest_normal = normal_range
-        least_tangential, largest_tangential = tangential_range
+        least_normal_value, largest_normal_value = normal_range
+        least_tangential_value, largest_tangential_value = tangential_range
         normal_name = "approach" if self.load.states_approach else "P"
-        tangential_text = f"from {least_tangential:.6g} to {largest_tangential:.6g}"
+        tangential_text = f"from {least_tangential_value:.6g} to {largest_tangential_value:.6g}"
         if self.load.is_driven:
             tangential_text = f"U of the actuator {tangential_text}"
         else:
@@ -466,8 +466,8 @@ class Scene(Frozen):
             f" {lower_material.poisson_ratio:.4g} (upper, lower)",
             f"  profile: {self.profile.kind.replace('_', ' ')}; coefficient of friction"
             f" {self.friction.coefficient:.6g}",
-            f"  load: {self.load.kind.replace('_', ' ')}, {normal_name} from {least_normal:.6g} to"
-            f" {largest_normal:.6g}, {tangential_text}",
+            f"  load: {self.load.kind.replace('_', ' ')}, {normal_name} from"
+            f" {least_normal_value:.6g} to {largest_normal_value:.6g}, {tangential_text}",
             f"  units: {self.units}",
         )
         return "\n".join(lines)

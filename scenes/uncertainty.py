@@ -566,15 +566,15 @@ def _value_of_load_input(scene: HasInputs, key: str) -> float | None:
     stated under this `key`.
 
     None for P, Q, approach or displacement, which are scaled, and for the phase of harmonics, each
-    of which has its own. `load.states_approach`: the approach is prescribed in the place of P;
-    `load.is_driven`: a displacement in the place of Q.
+    of which has its own. The scene's table `load` states by `states_approach` whether the approach
+    is prescribed in the place of P; by `is_driven`, whether a displacement in the place of Q.
 
     Raises
     ------
     ValueError
         Where the scene has no such input, with the one to state instead.
     """
-    load = scene.load
+    load_table = scene.load
     reason = ""
     value: float | None = None
     if key == "friction":
@@ -583,20 +583,20 @@ def _value_of_load_input(scene: HasInputs, key: str) -> float | None:
             reason = "the contact is frictionless; leave it out"
     elif key == "phase_degrees":
         # The lag is that of the prescribed tangential displacement, where there is one.
-        lagging_input = getattr(load, "tangential_displacement", None) or load
+        lagging_input = getattr(load_table, "tangential_displacement", None) or load_table
         value = getattr(lagging_input, "phase_degrees", None)
-        if not isinstance(load, EllipseLoad | HarmonicLoad):
+        if not isinstance(load_table, EllipseLoad | HarmonicLoad):
             reason = (
                 "an ellipse and harmonics have a phase, and the load of this scene is a"
-                f" {load.kind.replace('_', ' ')}; leave it out"
+                f" {load_table.kind.replace('_', ' ')}; leave it out"
             )
-    elif key == "approach" and not load.states_approach:
+    elif key == "approach" and not load_table.states_approach:
         reason = "P is given here; state normal_load"
-    elif key == "normal_load" and load.states_approach:
+    elif key == "normal_load" and load_table.states_approach:
         reason = "the approach is prescribed in the place of P; state approach"
-    elif key == "tangential_displacement" and not load.is_driven:
+    elif key == "tangential_displacement" and not load_table.is_driven:
         reason = "Q is given here; state tangential_load"
-    elif key == "tangential_load" and load.is_driven:
+    elif key == "tangential_load" and load_table.is_driven:
         reason = "U is prescribed in the place of Q; state tangential_displacement"
     if reason:
         raise ValueError(f"uncertainty.{key} is refused: {reason}")
@@ -699,7 +699,7 @@ def _changed_load(scene: HasInputs, changes: Mapping[str, float]) -> dict[str, A
     displacement in the place of Q. `changes` maps "normal_load", "tangential_load", "approach" and
     "tangential_displacement" to relative changes, and "phase_degrees" to degrees.
     """
-    load = scene.load
+    load_table = scene.load
     # Factors of P (or the approach) and Q (or U), and the added lag in degrees.
     normal_factor = 1 + changes.get("normal_load", changes.get("approach", 0.0))
     displacement_change = changes.get("tangential_displacement", 0.0)
@@ -713,21 +713,21 @@ def _changed_load(scene: HasInputs, changes: Mapping[str, float]) -> dict[str, A
             for normal_load, tangential_load in points
         ]
 
-    if isinstance(load, TimeSeriesLoad):  # a record has no initial loading of its own
-        return _changed_record(load, normal_factor, tangential_factor)
+    if isinstance(load_table, TimeSeriesLoad):  # a record has no initial loading of its own
+        return _changed_record(load_table, normal_factor, tangential_factor)
     # Points (P, Q) in order; or the form of the curve to the cycle, "straight" or "parabola".
-    initial_loading = load.initial_loading
+    initial_loading = load_table.initial_loading
     if isinstance(initial_loading, tuple):
         initial_loading = scaled_points(initial_loading)
     entries: dict[str, Any] = {}
-    if isinstance(load, EllipseLoad):
-        entries = _changed_ellipse(load, normal_factor, tangential_factor, added_lag)
-    elif isinstance(load, HarmonicLoad):
-        entries = _changed_harmonics(load, normal_factor, tangential_factor, added_lag)
-    elif isinstance(load, PolygonLoad):
-        entries = {"cycle": scaled_points(load.cycle)}
+    if isinstance(load_table, EllipseLoad):
+        entries = _changed_ellipse(load_table, normal_factor, tangential_factor, added_lag)
+    elif isinstance(load_table, HarmonicLoad):
+        entries = _changed_harmonics(load_table, normal_factor, tangential_factor, added_lag)
+    elif isinstance(load_table, PolygonLoad):
+        entries = {"cycle": scaled_points(load_table.cycle)}
     else:
-        entries = _changed_functions(load, normal_factor, tangential_factor)
+        entries = _changed_functions(load_table, normal_factor, tangential_factor)
     return entries | {"initial_loading": initial_loading}
 
 

@@ -203,7 +203,7 @@ def _with_inputs(report: Report, mapping: Mapping, stages: Stages) -> Report:
         # what the uncertain inputs do to values of theory; `effects`: compliances of finite bodies
         inputs = input_effects(comparison.scene, comparison.effects)
     report = replace(report, inputs=inputs, is_measured=mapping.measured.is_stated)
-    # fields worked out from others: an external result has some, an own solution has none
+    # fields derived from others: an external result has some, a solution of this program has none
     if not names_of_derived_fields(comparison.result):
         return report
     return replace(report, validation=result_against_theory(comparison, inputs, mapping.measured))

@@ -500,7 +500,9 @@ def tagged(chosen_tags: Sequence[str]) -> list[Scene]:
 
 
 def _listing(scenes: Sequence[Scene]) -> Iterator[str]:
-    """Lines that list scenes of the library: name, title, purpose and tags of each."""
+    """Lines that list scenes of the library: name, title, purpose and tags of each. A line is as
+    wide as the terminal (`width`), at least 40 columns.
+    """
     if not scenes:
         yield "no scene has all of these tags"
         return

@@ -804,8 +804,8 @@ def uncertainty_of_edge(metric: Metric, comparison: Comparison) -> float:
     # _PEAK_METRICS: keys of the metrics of the largest pressure
     if metric.key in _PEAK_METRICS or edge_uncertainties is None or metric.time is None:
         return 0.0
-    instant = int(abs(result.time - metric.time).argmin())
-    return float(np.fmax.reduce(edge_uncertainties[instant])) / comparison.scales.half_width
+    instant_index = int(abs(result.time - metric.time).argmin())
+    return float(np.fmax.reduce(edge_uncertainties[instant_index])) / comparison.scales.half_width
 
 
 def _uncertainty_of_peak(metric: Metric, comparison: Comparison) -> float:

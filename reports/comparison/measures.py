@@ -1260,8 +1260,9 @@ def dissipation_density(pair: Pair) -> MetricValue:
     )
     scale = pair.scales.dissipation_density if is_absolute else largest_reference
     difference = (result_cycle.dissipation_density - reference_density) / scale
-    value, x = _worst_value_and_place(difference, np.ones(len(difference), bool), result_cycle.x)
-    place = None if x is None else x / pair.scales.half_width
+    is_considered = np.ones(len(difference), bool)  # every point
+    value, worst_x = _worst_value_and_place(difference, is_considered, result_cycle.x)
+    place = None if worst_x is None else worst_x / pair.scales.half_width
     return MetricValue(value=value, absolute=is_absolute, place=place)
 
 

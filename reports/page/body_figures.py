@@ -380,16 +380,16 @@ def _marks_of_body(frame: Frame, points: Array, shape: Shape, name: str) -> Iter
     name
         "lower" or "upper"
     """
-    x = frame.x.pixels_of(points[:, 0])
-    y = frame.y.pixels_of(points[:, 1])
-    yield Curve(x, y, f"body {name}", is_closed=True)
+    x_in_pixels = frame.x.pixels_of(points[:, 0])
+    y_in_pixels = frame.y.pixels_of(points[:, 1])
+    yield Curve(x_in_pixels, y_in_pixels, f"body {name}", is_closed=True)
     if not isinstance(shape, HalfPlane):
-        yield Curve(x, y, "body-line", is_closed=True)
+        yield Curve(x_in_pixels, y_in_pixels, "body-line", is_closed=True)
         return
     # from the right end of the face round the base to the left end
     points_of_cut = [_FACE_POINTS - 1, _FACE_POINTS, _FACE_POINTS + 1, 0]
-    yield Curve(x[:_FACE_POINTS], y[:_FACE_POINTS], "body-line")
-    yield Curve(x[points_of_cut], y[points_of_cut], "cut-line")
+    yield Curve(x_in_pixels[:_FACE_POINTS], y_in_pixels[:_FACE_POINTS], "body-line")
+    yield Curve(x_in_pixels[points_of_cut], y_in_pixels[points_of_cut], "cut-line")
 
 
 def _marks_of_supports(
@@ -449,6 +449,8 @@ def _marks_of_plane(
         ends of the side of the body [pixels]
     outward
         unit vector from the body towards the plane
+    has_rollers
+        whether the body may slide along the plane
     """
     roller_radius = 10.0 / 3
     hatch_length = 7.0  # along the line, and across it

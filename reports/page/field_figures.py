@@ -425,9 +425,9 @@ def dissipation_density(view: CycleView) -> Plate | None:
 
     largest_density = float(np.nanmax(np.abs(density_of_reference), initial=0.0)) or 1.0
     difference = 100 * (density_of_result - density_of_reference) / largest_density
-    dissipates = (density_of_reference != 0) | (density_of_result != 0)
+    has_dissipation = (density_of_reference != 0) | (density_of_result != 0)
     note = difference_in_words(
-        difference, x, "x = {} a_ref", " %", (np.abs(x) <= view.largest_x) & dissipates
+        difference, x, "x = {} a_ref", " %", (np.abs(x) <= view.largest_x) & has_dissipation
     )
     difference_panel = Panel(
         "work-difference",

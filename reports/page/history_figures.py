@@ -494,15 +494,15 @@ def _numbered_dots(
     events
         the chosen instants, each with its `index` among all, in the order of their numbers
     """
-    x = panel.frame.x.pixels_of(x_values)  # in pixels, as is y
-    y = panel.frame.y.pixels_of(y_values)
+    x_in_pixels = panel.frame.x.pixels_of(x_values)
+    y_in_pixels = panel.frame.y.pixels_of(y_values)
     label_places: list[Array] = []  # of the numbers that are drawn
     for event_number, event in enumerate(events, start=1):
         index = event.index  # of the instant
         event_data = {"event": index}  # a click shows that instant
         # the number stands 13 pixels from its dot, away from the middle of the loop
-        dot_place = np.array([x[index], y[index]])
-        wanted_shift = 13 * _direction_from_middle(x, y, index)
+        dot_place = np.array([x_in_pixels[index], y_in_pixels[index]])
+        wanted_shift = 13 * _direction_from_middle(x_in_pixels, y_in_pixels, index)
         shift = _shift_into_box(wanted_shift, dot_place, panel.frame.box)
         label_place = dot_place + shift
         yield Dot(float(x_values[index]), float(y_values[index]), "event", 3.4, data=event_data)
@@ -741,6 +741,7 @@ def _bulk_loop_panel(view: CycleView) -> Panel:
     The area of this loop is the work of the bulk stress. `view` holds the last cycles of both
     solutions, with the moment (k,), and their entries of a legend.
     """
+    # words for the units of the scene: force, length, stress
     unit_of_force, _, _ = units(view.scene)
     cycles = (view.reference_cycle, view.result_cycle)
     strains = [bulk_strain(cycle, view.scene.material) for cycle in cycles]

@@ -84,9 +84,9 @@ def solution_figure(solution: ContactSolution, time: float | None = None) -> Fig
     if len(solution.x) > 1 and len(solution.last_cycle) > 1:
         _draw_states(states_axes, solution)
         states_axes.axhline(solution.time[instant], color="black", linewidth=0.8)
-    _, length, _ = solution.scene.unit_words
+    _, unit_of_length, _ = solution.scene.unit_words
     states_axes.set_ylabel("time")
-    states_axes.set_xlabel(f"x [{length}]")
+    states_axes.set_xlabel(f"x [{unit_of_length}]")
     return figure
 
 
@@ -128,8 +128,8 @@ def _draw_tractions(axes: Axes, solution: ContactSolution, instant: int) -> None
         limit = scene.friction.coefficient * pressure
         axes.plot(x, limit, color="0.6", linestyle=":", label="Coulomb limit ±f p")
         axes.plot(x, -limit, color="0.6", linestyle=":")
-    _, _, stress = scene.unit_words
-    axes.set_ylabel(f"p, q [{stress}]")
+    _, _, unit_of_stress = scene.unit_words
+    axes.set_ylabel(f"p, q [{unit_of_stress}]")
     axes.set_title(f"{scene.title or scene.name}, time {solution.time[instant]:.4g}", loc="left")
     axes.legend(frameon=False)
 
@@ -182,19 +182,20 @@ def loop_figure(solution: ContactSolution) -> Figure:
         )
     scene = solution.scene
     figure, (axes,) = _axes(1, (5.5, 4.5))
-    force, length, _ = scene.unit_words
+    unit_of_force, unit_of_length, _ = scene.unit_words
     axes.plot(displacement, solution.tangential_load[indices], color="black")
-    words_of_axis = f"relative tangential displacement U [{length}]"
+    words_of_axis = f"relative tangential displacement U [{unit_of_length}]"
     # U of theory counts from a place at that distance
     if scene.bodies.half_planes or lacks_datum(solution):
-        words_of_axis += f", datum length {scene.profile.datum_length:g} {length}"
+        words_of_axis += f", datum length {scene.profile.datum_length:g} {unit_of_length}"
     axes.set_xlabel(words_of_axis)
-    axes.set_ylabel(f"Q [{force}/{length}]")
+    axes.set_ylabel(f"Q [{unit_of_force}/{unit_of_length}]")
     title = scene.title or scene.name
     if np.isfinite(solution.dissipation):
         repeats = scene.load.path().period is not None
         part_in_words = "per cycle" if repeats else f"of the {part_of_path(scene)}"
-        work_in_words = f"W = {solution.dissipation:.4g} {force}·{length}/{length} {part_in_words}"
+        unit_of_work = f"{unit_of_force}·{unit_of_length}/{unit_of_length}"
+        work_in_words = f"W = {solution.dissipation:.4g} {unit_of_work} {part_in_words}"
         title = "\n".join(filter(None, (title, work_in_words)))
     axes.set_title(title, loc="left")
     return figure

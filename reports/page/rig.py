@@ -395,18 +395,21 @@ def rows_of(rig_motion: RigMotion) -> list[tuple[str, str]]:
     unit_of_load = load_unit(scene)
     actuator_stroke = np.ptp(rig_motion.actuator_displacement)
     contact_stroke = np.ptp(rig_motion.contact_displacement)
-    least_normal = float(np.min(rig_motion.normal_load))
-    largest_normal = float(np.max(rig_motion.normal_load))
-    normal_in_words = f"{least_normal:.6g} to {largest_normal:.6g}"
-    if least_normal == largest_normal:
-        normal_in_words = f"{largest_normal:.6g}"
-    least_tangential = np.min(rig_motion.tangential_load)
-    largest_tangential = np.max(rig_motion.tangential_load)
+    least_normal_load = float(np.min(rig_motion.normal_load))
+    largest_normal_load = float(np.max(rig_motion.normal_load))
+    normal_in_words = f"{least_normal_load:.6g} to {largest_normal_load:.6g}"
+    if least_normal_load == largest_normal_load:
+        normal_in_words = f"{largest_normal_load:.6g}"
+    least_tangential_load = np.min(rig_motion.tangential_load)
+    largest_tangential_load = np.max(rig_motion.tangential_load)
     rows = [
         (f"stroke of the actuator [{unit_of_length}]", f"{actuator_stroke:.6g}"),
         (f"stroke of the contact [{unit_of_length}]", f"{contact_stroke:.6g}"),
         (f"P [{unit_of_load}]", normal_in_words),
-        (f"Q [{unit_of_load}]", minus(f"{least_tangential:.6g} to {largest_tangential:.6g}")),
+        (
+            f"Q [{unit_of_load}]",
+            minus(f"{least_tangential_load:.6g} to {largest_tangential_load:.6g}"),
+        ),
     ]
     if scene.friction.coefficient:
         rows.append(row_of_sliding(rig_motion.solution))
