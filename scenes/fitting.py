@@ -632,6 +632,7 @@ def fitted_again(
         factor on the smoothing weight of the first fit
     """
     record = profile.fitted
+    # Places and heights of the measured points that were fitted.
     x, h = record.rows.values[record.used_rows()].T
     # With the fitted middle at 0 no noise can make points of both sides look like one half.
     x = x - record.centre
@@ -663,6 +664,7 @@ def fitted_by_spline(profile: Any) -> dict[str, Any] | None:
     `centre_fitted` whether that was fitted.
     """
     record = profile.fitted
+    # Places and heights of the measured points that were fitted.
     x, h = record.rows.values[record.used_rows()].T
     request = FitRequest("smoothing_spline", centre=None if record.centre_fitted else 0.0)
     with contextlib.suppress(RowError):

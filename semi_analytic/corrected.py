@@ -1026,6 +1026,7 @@ class PointFields:
         # followed_path: friction memory, loads, edges of contact and stick at all instants.
         followed_path = self._followed_path
         # By kt and t4, the factors of x^2/2 and x^4/24 in the tangential displacement of the faces.
+        # series: the followed path, with its contact half-width.
         shear_of_faces = self._traction_of_curvature(
             self.series.half_width[rows],
             followed_path.tangential_curvature[rows],
@@ -1150,6 +1151,7 @@ class PointFields:
         mean_limit = (friction_limit[1:] + friction_limit[:-1]) / 2
         # Slip in each step, and half-width that sticks at both of its ends, 0 for none.
         slip_distance = np.abs(np.diff(self.slip(row_numbers), axis=0))
+        # series: the followed path, with its stick half-width; NaN where nothing sticks.
         stick_half_width = np.nan_to_num(self.series.stick_half_width[row_numbers])
         least_stick_half_width = np.minimum(stick_half_width[1:], stick_half_width[:-1])[:, None]
         # slip_direction: of the step that ends at the instant, 0 in full stick.
@@ -1827,6 +1829,7 @@ def _states(point_fields: PointFields, distance: Array, row_numbers: Indices) ->
     # At these instants points inside the contact slip further than by the memory curve.
     for index, extra_slip in point_fields.inner_slips(row_numbers):
         state_of_extra_slip = states_by_direction[extra_slip.direction + 1]
+        # is_slipping (k,): whether a point slips further.
         states[index] = np.where(
             extra_slip.is_slipping, state_of_extra_slip, states_without_inner_zone[index]
         )

@@ -707,6 +707,7 @@ class Pieces(list[Piece]):
         # The piece at whose outer end the new one begins; self[k] is piece number k.
         piece_below = self[number_below]
         profile_load, parabola_load, fourth_load = loads
+        # Loads eta, G and G_4 at the outer end, and slopes dF per each.
         profile_slope, parabola_slope, fourth_slope = slopes
         force_at_top = piece_below.locked_in_force + profile_slope * (
             profile_load - piece_below.profile_load
@@ -771,6 +772,7 @@ class _Bound(NamedTuple):
         The bound is linear in the loads eta, G and G_4 that the punches up to there carry:
         `constant` plus a slope times each. The sign is that of the direction of slip, +1 or -1.
         """
+        # profile_load, parabola_load, fourth_load of the piece: eta, G and G_4 at its outer end.
         bound_at_top = self.constant + self.profile_slope * piece.profile_load
         bound_at_top += (
             self.parabola_slope * piece.parabola_load + self.fourth_slope * piece.fourth_load
@@ -1040,6 +1042,8 @@ class FollowedPath:
         number_below = pieces.number_below[piece_number]
         locked_in_force = pieces.locked_in_force[number_below][:, None]
         # Slopes of F on the piece, per d eta, dG and dG_4.
+        # profile_load, parabola_load, fourth_load: eta, G and G_4, of the punches and at the tops
+        # of pieces.
         load_rise = punches.profile_load - pieces.profile_load[number_below][:, None]
         locked_in_force = locked_in_force + pieces.profile_slope[piece_number][:, None] * load_rise
         parabola_rise = punches.parabola_load - pieces.parabola_load[number_below][:, None]
@@ -1158,6 +1162,8 @@ class FollowedPath:
         s_in_contact = np.minimum(s, top_s_of_pieces[-1])
         number_below = numbers_of_pieces[index_in_chain - 1]
         piece_number = numbers_of_pieces[index_in_chain]
+        # profile_load, parabola_load, fourth_load: eta, G and G_4, up to a punch and at the tops of
+        # pieces; the slopes are those of F per each.
         load_rise = self.table.profile_load(s_in_contact) - pieces.profile_load[number_below]
         parabola_rise = self.table.parabola_load(s_in_contact) - pieces.parabola_load[number_below]
         force_rise = pieces.profile_slope[piece_number] * load_rise
@@ -1756,6 +1762,8 @@ def _coulomb_bound_of(direction: int, friction: float, row: Row) -> _Bound:
     eta, G and G_4 are the loads that punches carry: of the profile, of x^2/2 and of x^4/24. `row`
     holds P, Q and the curvatures kn, n4 of the gap and kt, t4 of the faces.
     """
+    # row: normal_curvature, normal_fourth are kn and n4; tangential_curvature, tangential_fourth kt
+    # and t4.
     signed_friction = direction * friction
     return _Bound(
         direction,

@@ -286,6 +286,7 @@ class ArcIntegrals:
         )
 
         # These ranges have errors of their own: they are not the panels.
+        # _kernel_factor: 1/pi for the shear, else 1.
         self.error = max(
             self.error, self._error_of_panels + self._kernel_factor * error_of_near_integrals
         )
@@ -324,6 +325,7 @@ class ArcIntegrals:
         panel_integrals[near_panel, near_point] += near_integrals
         self._integrals_before_panel = np.cumsum(panel_integrals, axis=0) - panel_integrals
         error_of_series = float(np.max(np.sum(panels.error, axis=0), initial=0.0))
+        # _kernel_factor: 1/pi for the shear, else 1.
         self._error_of_panels = self._kernel_factor * (error_of_near_integrals + error_of_series)
         self.error = self._error_of_panels
 

@@ -597,6 +597,7 @@ class Grid:
             force / self.cell_width
             + (slip_in_columns - free_slip) @ cell_stiffness.traction_per_shift
         ) / cell_stiffness.total_per_shift
+        # _compliance (k, k): displacements of the cells by unit tractions on them.
         all_slip = rigid_displacement[:, None] + displacement[grids] - all_shear @ self._compliance
         return TangentialSolution(all_shear, all_slip, all_directions, rigid_displacement)
 
@@ -670,6 +671,7 @@ class Grid:
         }
 
         # Work of the loads in the increment, Q dU - m_q d eps, to compare the friction work with.
+        # _last_fields: fields at the end of the increment before, None before the first.
         fields["work_of_loads"] = _work_of_loads_between(self._last_fields or fields, fields)
         self._shear = shear
         self.slip = slip

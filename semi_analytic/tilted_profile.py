@@ -1394,6 +1394,7 @@ class TiltedProfile:
         load, tilt
             (n,) P [force per thickness] and alpha [rad]
         """
+        # _compliance: A = 2/E*; logarithm(c): ln(2 L/c) with the datum length L.
         return self.profile.approach(m, c, tilt) + self._compliance / np.pi * load * self.logarithm(
             c
         )
@@ -1441,6 +1442,7 @@ class TiltedProfile:
             largest_tilt = np.where(moment_excess > 0, largest_tilt, tilt)
             # A change d alpha of tilt adds -(d alpha/A) t/sqrt(c^2 - t^2) to p, with t = x - m and
             # A = 2/E*. No step moves a contact by more than about a third of it.
+            # _compliance: A.
             longest_step = self._compliance * load / (4 * half_width)
             step = 2 * self._compliance * moment_excess / (np.pi * half_width**2)
             new_tilt = tilt + np.clip(step, -longest_step, longest_step)
