@@ -346,7 +346,8 @@ def _change_of_stick(
     import semi_analytic
     from semi_analytic.odd_memory import DeclinedError, second_order_answer
 
-    # Theory in the first order of tilt and bulk strain; the answer itself is not needed here.
+    # Whether theory takes the scene with tilt and bulk strain; the W that `second_order_answer`
+    # returns is not needed here.
     try:
         second_order_answer(scene, effects)
     except DeclinedError:

@@ -683,15 +683,15 @@ def _contact_by_theory(scene: Scene, normal_load: float, time: float, source: st
     )
     scene_at_p = scene.model_copy(update={"load": path_to_p})
 
-    def solution_at(x: Array, *fields: str) -> ContactSolution:
+    def solution_at_places(x: Array, *fields: str) -> ContactSolution:
         """Solution under P at places x, with the named fields."""
         return semi_analytic.solve(scene_at_p, x=x, time=[1.0], fields=fields)
 
     try:
-        left_edge, right_edge = solution_at(np.zeros(1)).contact_edges[0].tolist()
+        left_edge, right_edge = solution_at_places(np.zeros(1)).contact_edges[0].tolist()
     except InputError as fault:
         raise InputError(f"{source}: half-plane theory refuses it: {fault}") from fault
-    return _Contact(left_edge, right_edge, lambda x: solution_at(x, "pressure").pressure[0])
+    return _Contact(left_edge, right_edge, lambda x: solution_at_places(x, "pressure").pressure[0])
 
 
 def _tilt_or_moment_at(scene: Scene, time: float) -> dict[str, float]:

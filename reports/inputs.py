@@ -866,7 +866,7 @@ def changes_of_difference(
     -------
     tuple of dict and list
         The differences by name; then for each input its key, and the change of each difference by
-        name with its error.
+        name with its uncertainty.
 
     Raises
     ------
@@ -1008,7 +1008,7 @@ def _works_by_quick_formula(scene: Scene, effects: BodyEffects) -> tuple[float, 
     load = scene.load
     assert isinstance(load, EllipseLoad)  # for the type checker: see `quick_formula_holds`
 
-    def work_with(body_effects: BodyEffects | None) -> float:
+    def work_with_effects(body_effects: BodyEffects | None) -> float:
         """Friction work W of a cycle with the elastic responses `body_effects` that finite bodies
         add to half-planes; that of half-planes for None. NaN where the loads have none.
         """
@@ -1026,11 +1026,11 @@ def _works_by_quick_formula(scene: Scene, effects: BodyEffects) -> tuple[float, 
         # `value`: the dissipation W
         return float(batch.value)
 
-    work_of_half_planes = work_with(None)
+    work_of_half_planes = work_with_effects(None)
     if math.isnan(work_of_half_planes):
         # WORK: "dissipation"
         semi_analytic.solve(scene, x=0.0, fields=(WORK,))  # raises the sentence that says why
-    return work_of_half_planes, work_with(effects)
+    return work_of_half_planes, work_with_effects(effects)
 
 
 def _works_by_solving(scene: Scene, effects: BodyEffects) -> tuple[float, float]:

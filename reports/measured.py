@@ -735,10 +735,12 @@ def rainflow_cycles(time: Array, force: Array) -> list[LoadCycle]:
 
     cycles = []
     for force_range, mean_force, count, first_row, last_row in extract_cycles(force.tolist()):
-        end = float(time[last_row])
+        end_time = float(time[last_row])
         if count == 1:  # a closed cycle
-            end = _time_of_return(time, force, first_row, last_row)
-        cycles.append(LoadCycle(count, force_range, mean_force, float(time[first_row]), end, 0.0))
+            end_time = _time_of_return(time, force, first_row, last_row)
+        cycles.append(
+            LoadCycle(count, force_range, mean_force, float(time[first_row]), end_time, 0.0)
+        )
     return sorted(cycles, key=lambda cycle: (cycle.end, -cycle.start))
 
 
@@ -756,12 +758,12 @@ def cycles_with_work(
     for cycle in cycles:
         work_at_start, work_at_end = np.interp([cycle.start, cycle.end], time, work_so_far).tolist()
         work = work_at_end - work_at_start
-        work_outside = work
+        work_without_inner_cycles = work
         while outer_cycles and outer_cycles[-1][0] >= cycle.start:
-            _, work_within = outer_cycles.pop()
-            work_outside -= work_within
+            _, work_of_inner_cycle = outer_cycles.pop()
+            work_without_inner_cycles -= work_of_inner_cycle
         outer_cycles.append((cycle.start, work))
-        yield replace(cycle, dissipation=work_outside)
+        yield replace(cycle, dissipation=work_without_inner_cycles)
 
 
 def _time_of_return(time: Array, force: Array, first_row: int, last_row: int) -> float:

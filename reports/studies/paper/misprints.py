@@ -110,14 +110,14 @@ def _point_of_permanent_stick(case: Case) -> VerdictAndNumbers:
     """
     formulas = Formulas(case)  # the paper's equations, with their misprints mended
 
-    def half_width_with(letter: str) -> float:
+    def half_width_for_event(letter: str) -> float:
         """a(P_T)/a0 with the loads at this event."""
         # q_plus_f_p(letter, sign): Q + sign f P at an event
         difference = formulas.q_plus_f_p(letter, 1) - formulas.q_plus_f_p("E", -1)
         return float(case.scaled_half_width(difference / (2 * case.friction)))
 
-    half_width_with_b = half_width_with("B")
-    half_width_with_g = half_width_with("G")
+    half_width_with_b = half_width_for_event("B")
+    half_width_with_g = half_width_for_event("G")
     numbers = {
         "with B": half_width_with_b,
         "with G": half_width_with_g,
@@ -160,15 +160,15 @@ def _mean_shear_force(case: Case) -> VerdictAndNumbers:
     the closed integral of Q dU over the steady cycle, U the tangential displacement.
     """
 
-    def work_with_half(load_name: str) -> float:
+    def work_with_half_of_load(load_name: str) -> float:
         """Dissipation of a cycle when a load, the mean or the amplitude of Q, is halved."""
         changes = {load_name: getattr(case.load_ellipse, load_name) / 2}
         return case.with_load(initial_loading="straight", **changes).steady_cycle.loop_work
 
     # values as mended, as printed, and by half-plane theory
     return _proof(
-        work_with_half("mean_tangential_load"),
-        work_with_half("tangential_amplitude"),
+        work_with_half_of_load("mean_tangential_load"),
+        work_with_half_of_load("tangential_amplitude"),
         case.steady_cycle.loop_work,
         {},
     )
@@ -277,7 +277,7 @@ def _corrective_load(
     x = np.linspace(0.0, 0.999, 200) * case.unit_length
     engine_shear = semi_analytic.solve(scene, x=x, time=[2.0], fields=("shear",)).shear[0]
 
-    def error_with(corrective_load: float) -> float:
+    def error_with_load(corrective_load: float) -> float:
         """Largest difference of equation (2) from half-plane theory's shear, over the largest of
         the latter. A negative corrective load has no pressure.
         """
@@ -288,9 +288,9 @@ def _corrective_load(
         return float(largest_difference / np.max(np.abs(engine_shear)))
 
     errors = {
-        "right": error_with(normal_load - tangential_load / friction),
-        "printed": error_with(tangential_load - normal_load),
-        "sign turned only": error_with(normal_load - tangential_load),
+        "right": error_with_load(normal_load - tangential_load / friction),
+        "printed": error_with_load(tangential_load - normal_load),
+        "sign turned only": error_with_load(normal_load - tangential_load),
     }
     # proven if the mended error is at most 1e-9 and both others above 1e-3
     return is_misprint_proven(
@@ -382,12 +382,12 @@ def _rounded_law(case: Case) -> VerdictAndNumbers:
     first_term = (math.pi - 2 * angle_of_flat_end) / (4 * math.sin(angle_of_flat_end) ** 2)
     right_side = first_term - 1 / math.tan(angle_of_flat_end) / 2
 
-    def left_side_over(length: float) -> float:
+    def left_side_with_divisor(length: float) -> float:
         """Left side of the law, with the square of this length (a or b) as divisor."""
         return normal_load * radius * 2 * case.compliance / (4 * length**2)
 
-    left_side_over_a = left_side_over(case.unit_length)
-    left_side_over_b = left_side_over(flat_half_length)
+    left_side_over_a = left_side_with_divisor(case.unit_length)
+    left_side_over_b = left_side_with_divisor(flat_half_length)
     numbers = {
         "left side over a²": left_side_over_a,
         "left side over b²": left_side_over_b,

@@ -100,13 +100,13 @@ def _shear_in_stick(case: Case) -> VerdictAndNumbers:
     # _SHEAR_POINTS: points from the centre to near the largest contact, in that unit
     x = np.array(_SHEAR_POINTS) * case.unit_length
 
-    def error_at(time: float) -> float:
+    def error_at_time(time: float) -> float:
         """Relative error of equation (5) at an instant, largest over the points."""
         normal_load = float(formulas.loads(time)[0])
         return _error_of_shear(case, time, formulas.shear_of_full_stick(x, normal_load))
 
-    error_in_stick = max(error_at(case.time_of("A")), error_at(case.time_of("B")))
-    error_in_slip = error_at((case.time_of("B") + case.time_of("C")) / 2)
+    error_in_stick = max(error_at_time(case.time_of("A")), error_at_time(case.time_of("B")))
+    error_in_slip = error_at_time((case.time_of("B") + case.time_of("C")) / 2)
     # AGREEMENT_TOLERANCE: relative error 1e-9
     verdict = verdict_of_condition(
         max(error_in_stick, error_in_slip) <= AGREEMENT_TOLERANCE,

@@ -480,8 +480,8 @@ class _QuantityFigure:
 
         # ticks at the values
         ticks: tuple[tuple[float, str], ...] = ()
-        have_room = len(values) <= 8 and np.all(np.diff(places) > 0.04 * np.ptp(places))
-        if (log or for_cells) and have_room:
+        ticks_have_room = len(values) <= 8 and np.all(np.diff(places) > 0.04 * np.ptp(places))
+        if (log or for_cells) and ticks_have_room:
             texts = tick_labels([float(f"{value:.3g}") for value in values])
             ticks = tuple(zip(values.tolist(), texts, strict=True))
         return ChartAxis(least_value, largest_value, self.label(column), log, ticks=ticks)

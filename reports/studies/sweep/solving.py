@@ -886,7 +886,7 @@ def _pairs_of_runs(
     scene = question.scene
     coarse_mesh, coarse_solver = coarser_mesh_and_settings(question.mesh, question.solver, 2.0)
 
-    def values_with(mesh: MeshSettings, solver: SolverSettings = coarse_solver) -> Values:
+    def values_with_settings(mesh: MeshSettings, solver: SolverSettings = coarse_solver) -> Values:
         """All values of the point with other settings, by name."""
         # on the same length scales of contact, for which the mesh is made
         changed_solution = halfplane_fe.solve(scene, mesh, solver, scales=fe_solution.scales)
@@ -894,15 +894,17 @@ def _pairs_of_runs(
 
     # the mesh, at the surface and in the bulk; _MESH_FACTOR: 1.64
     coarse_bulk = replace(coarse_mesh, growth=min(1.0, 2 * coarse_mesh.growth))
-    pairs_of_runs = [(_MESH_FACTOR, evaluation.values, values_with(coarse_bulk))]
+    pairs_of_runs = [(_MESH_FACTOR, evaluation.values, values_with_settings(coarse_bulk))]
 
     # The load increments, between which finite elements move the loads on straight lines. A scene
     # is unsymmetric under bulk stress or tilt, or with unequal sides of the profile.
     if scene.unsymmetric or scene.load.is_driven:
         # Theory has no answer on straight increments for every one of these: halved increments
         # instead, second order.
-        half_increments = values_with(coarse_mesh, settings_with_halved_steps(coarse_solver))
-        pairs_of_runs.append((4 / 3, values_with(coarse_mesh), half_increments))
+        half_increments = values_with_settings(
+            coarse_mesh, settings_with_halved_steps(coarse_solver)
+        )
+        pairs_of_runs.append((4 / 3, values_with_settings(coarse_mesh), half_increments))
     elif "exact" in question.engines:
         values_on_polygon = evaluate(question, fe_solution, polygon=True).values
         pairs_of_runs.append((1.0, evaluation.values, values_on_polygon))
@@ -912,7 +914,9 @@ def _pairs_of_runs(
     if has_half_plane and question.mesh.far_radius <= 500:
         # Both with the bulk as it is: a far field beyond a coarse bulk shows what the bulk does.
         far_mesh = replace(coarse_mesh, far_radius=2 * coarse_mesh.far_radius)
-        pairs_of_runs.append((_FAR_FIELD_FACTOR, values_with(coarse_mesh), values_with(far_mesh)))
+        pairs_of_runs.append(
+            (_FAR_FIELD_FACTOR, values_with_settings(coarse_mesh), values_with_settings(far_mesh))
+        )
     return pairs_of_runs
 
 
