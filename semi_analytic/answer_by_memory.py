@@ -1260,7 +1260,7 @@ def _state_of(
 
 
 def _require_finite(name: str, values: NDArray[Any], request: Request) -> None:
-    """NotFoundError, with place and instant, where a value (n, k) of the field `name` is not
+    """Raise NotFoundError, with place and instant, where a value (n, k) of the field `name` is not
     finite; tractions may be infinite at x = 0, the tip of a sharp wedge. The request holds its
     instants `time` (n,) and the different |x|, `distance` (k,).
     """

@@ -812,7 +812,7 @@ def slip_work(contact: Contact, records: Records) -> tuple[Array, int]:
     """pi/(f A) times the friction work of each record of slip, int Lam dw, (m,) [force^2 per
     thickness^2], and the number of quadrature nodes that it took.
 
-    A record is a part of a load step with slip, w = +-Q - f P, which grows by `level_rise` along
+    A record is a portion of a load step with slip, w = +-Q - f P, which grows by `level_rise` along
     the record. Lam(P, P_c) is the integral of ln(a/c) over the loads from P_c to P, c = a(P_c) the
     stick half-width, A = 2/E*; the quadrature takes its mean along the record.
     """
@@ -1009,7 +1009,7 @@ class LoopWorkOfSeries:
     """Closed integral of Q dU over the records of a steady cycle, block by block, and its round-off
     error.
 
-    A record is a part of a load step in which P and P_c, the load at the stick edge, change
+    A record is a portion of a load step in which P and P_c, the load at the stick edge, change
     linearly. With G(P) the integral of ln(2 L/a) over the loads up to P, U pi/A grows along a
     record by m times the growth of G(P_c) plus s f times that of G(P) - G(P_c). s is the direction
     of slip, m the slope of the memory curve M(eta) at the stick edge.

@@ -283,8 +283,8 @@ def monotonic_parts(segment: LoadSegment, friction: float) -> list[tuple[float, 
 def spans_along(
     curve: Curve, segments: Sequence[LoadSegment], friction: float, delay: float
 ) -> tuple[tuple[Span, ...], Curve]:
-    """Time spans of full stick, or of slip in one direction, along load segments, and
-    the memory curve at their end; `curve` is that at their begin.
+    """Time spans of full stick, or of slip in one direction, along load segments, and the memory
+    curve at their end; `curve` is that at their begin.
 
     The memory curve is the tangential force carried up to each load; None stands for no contact.
     The spans are `delay` later than the time of the segments: whole periods of a cycle. A segment

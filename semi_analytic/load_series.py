@@ -736,8 +736,8 @@ def follow(
 
     The memory curve is the tangential force carried up to each load, a chain of straight lines. Its
     uppermost line holds the lines below and their number; `curve` is that at the first row, None
-    for bodies out of contact. A record is a part of a step in which the stick edge moves along one
-    line. Where `stores_curves` the memory curve of each record is stored too. The loads must be
+    for bodies out of contact. A record is a portion of a step in which the stick edge moves along
+    one line. Where `stores_curves` the memory curve of each record is stored too. The loads must be
     admissible, |Q| <= f P and P >= 0.
 
     >>> block = follow(None, np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 0.5], [2.0, -0.5]]), 0.5)
@@ -1029,9 +1029,9 @@ def series_of(scene: Scene, time: Array | None) -> LoadSeries:
     period = float(cycle[-1, 0] - cycle[0, 0])
 
     # number of cycles to follow at most, and of whole cycles up to the last instant
-    most_cycles, n_covered_cycles = cycles_to_follow(float(cycle[0, 0]), period, scene.cycles, time)
+    most_cycles, n_whole_cycles = cycles_to_follow(float(cycle[0, 0]), period, scene.cycles, time)
     cycle_parts = (PathPart(cycle, k * period) for k in range(most_cycles))
-    series = _follow_cycles(friction, PathPart(loading, 0.0), cycle_parts, period, n_covered_cycles)
+    series = _follow_cycles(friction, PathPart(loading, 0.0), cycle_parts, period, n_whole_cycles)
     return replace(series, is_long_record=is_long_record)
 
 

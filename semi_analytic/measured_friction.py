@@ -622,8 +622,7 @@ def _roots_of(
     """Every coefficient f at which the friction work W of a member is its target: (n, k), ascending
     and NaN behind the last. Also the number of roots, and whether a search failed, (n,) each.
 
-    Each pair of neighbouring samples with the target between their W encloses one
-    root.
+    Each pair of neighbouring samples with the target between their W encloses one root.
 
     Parameters
     ----------

@@ -624,8 +624,7 @@ class PunchSuperposition:
         # _INTEGRALS_AT_ONCE: 4096, which bounds the memory
         chunk_ends = np.arange(_INTEGRALS_AT_ONCE, len(load), _INTEGRALS_AT_ONCE)
         for integral_numbers in np.split(np.arange(len(load)), chunk_ends):
-            # each part belongs to one integral, and lies behind the corner number
-            # `number_of_corner_below`
+            # each part belongs to one integral, and lies behind one corner
             n_parts_of_chunk = n_parts[integral_numbers]
             integral_of_part = np.repeat(integral_numbers, n_parts_of_chunk)
             first_part_of_integral = np.cumsum(n_parts_of_chunk) - n_parts_of_chunk

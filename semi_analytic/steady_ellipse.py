@@ -805,7 +805,7 @@ def dissipation_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
     """Friction work W of forward and of reverse slip per steady cycle of each load ellipse, times
     pi E*/(2 f^2), (2, m) [force^2 per thickness^2], for any profile.
 
-    To ten digits, E* being the composite modulus; NaN where the quadrature does not converge.
+    Right to ten digits; NaN where the quadrature does not converge. E* is the composite modulus.
     `ellipses` holds the loads and angles of m ellipses, `contact` is the normal contact P(a) of the
     profile. Where the load of the slip zones is no small share of the mean of P, ln a(P) is looked
     up in a series, a(P) the contact half-width.
