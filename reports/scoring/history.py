@@ -383,10 +383,11 @@ def _history_by_loads(
         f"its instants were matched to the load path by {source_in_words}; the farthest is"
         f" {misfit:.1e} of the largest P away"
     ]
-    start_of_last_two = math.inf
+    # time at which the last two cycles begin
+    start_of_last_two_cycles = math.inf
     if path.period is not None:
-        start_of_last_two = path.cycle_start + (scene.cycles - 2) * path.period
-    if time[0] >= start_of_last_two - 1e-9:
+        start_of_last_two_cycles = path.cycle_start + (scene.cycles - 2) * path.period
+    if time[0] >= start_of_last_two_cycles - 1e-9:
         subject = "the instant lies" if len(time) == 1 else "all instants lie"
         notes.append(
             f"{subject} on the cycle, which comes back: one of the last of {scene.cycles} cycles"

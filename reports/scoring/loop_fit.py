@@ -963,7 +963,8 @@ def fit_loop(
     distances = search.residuals(friction, terms)[:-2]
     # correlation of neighbouring rows, and the systematic part of their distances
     misfit = misfit_of(distances, search.noise.displacement)
-    # widening: factor of an interval where neighbouring rows lie on one side of the loop
+    # widening: factor of an interval where neighbouring rows lie on one side of the loop;
+    # _CHI_SQUARED: 3.841, of one degree of freedom in 95 %
     largest_sum = least_sum + _CHI_SQUARED * misfit.widening**2 * max(
         least_sum / degrees_of_freedom, 1.0
     )

@@ -150,6 +150,7 @@ def fit_steady_rows(
     if rig_compliance is None:
         _require_loop_of_theory(candidate, loop, scene)
     chosen_rows, fit = _fit_at_constant_load(candidate, scene, curve)
+    # number of cycles that all measured rows cover
     fit = replace(fit, n_cycles=_branches_by_height(loop).n_cycles)
     # 1.5 % of the opening; only with a stated rig compliance, since else such rows were refused
     if candidate.share_of_opening > _LARGEST_SHARE_OF_OPENING:
@@ -358,6 +359,8 @@ def _tested_candidate(
     if branches.n_cycles >= _FEWEST_CYCLES:
         # (n,), in cycles; NO_CHANGE holds for fewer than 2.4 cycles
         phase = np.maximum.accumulate(branches.phase)
+        # of the first turning point behind the first row; a first half-cycle of less than a tenth
+        # of a cycle is taken together with the next one
         phase_of_turn = _phase_of_first_turn(phase)
         if phase_of_turn - phase[0] < _SHORTEST_FIRST_HALF_CYCLE:
             phase_of_turn += 0.5
