@@ -424,7 +424,7 @@ def engine_refusals(scene: Scene, source: str, *, finite_elements: bool = True) 
             return EngineRefusals(_NO_THEORY_OF_CURVED_FACES, "")
         return EngineRefusals("", "", finds_own_loads=True)
 
-    # Theory first, then the room on bodies of a finite size, then finite elements.
+    # Theory first, then whether the contact fits on bodies of a finite size, then finite elements.
     reason_of_theory = _refusal_of_theory(scene, source)
     if not reason_of_theory and not scene.bodies.half_planes:
         _require_face_wider_than_contact(scene, source)

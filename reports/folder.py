@@ -81,11 +81,11 @@ def replace_file(path: str | Path, content: bytes | memoryview) -> None:
     OSError
         Where it can't be written; the old file stays.
     """
-    file_handle, name = tempfile.mkstemp(
+    file_handle, hidden_file_name = tempfile.mkstemp(
         prefix=_prefix_of_hidden_names(), dir=Path(os.path.realpath(path)).parent
     )
     os.close(file_handle)
-    files.replace_file(path, content, Path(name))
+    files.replace_file(path, content, Path(hidden_file_name))
 
 
 def replace_text(path: Path, text: str) -> None:

@@ -139,8 +139,8 @@ def check_record(scene: Scene) -> RecordCheck | None:
         load_record.threshold is not None
         and max(load_record.threshold.P, load_record.threshold.Q) > 0
     ):
-        half_of_each = {"P": load_record.threshold.P / 2, "Q": load_record.threshold.Q / 2}
-        work_at_half_threshold = _work_of_record(scene, threshold=half_of_each)
+        half_thresholds = {"P": load_record.threshold.P / 2, "Q": load_record.threshold.Q / 2}
+        work_at_half_threshold = _work_of_record(scene, threshold=half_thresholds)
 
     # W of means over several rows, which remove noise.
     rows_per_mean = 1

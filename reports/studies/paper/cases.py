@@ -589,11 +589,11 @@ def _sweep(case: Case, largest_ratio: float = 6.0, count: int = 33) -> Sweep:
     )
 
     # W over A P1^2, max W(x) over A P1^2/a0
-    scale = case.compliance * case.unit_load**2
+    work_scale = case.compliance * case.unit_load**2
     peak = semi_analytic.peak_dissipation(**arguments)
-    work = semi_analytic.dissipation(**arguments).value / scale
+    work = semi_analytic.dissipation(**arguments).value / work_scale
     # the last one: place of the peak between permanent stick edge (0) and largest contact (1)
-    arrays = (friction, ratio, work, peak.value * case.unit_length / scale, peak.fraction)
+    arrays = (friction, ratio, work, peak.value * case.unit_length / work_scale, peak.fraction)
     return Sweep(*(read_only_copy(array) for array in arrays))
 
 

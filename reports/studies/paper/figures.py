@@ -879,20 +879,22 @@ def _figure_of_sweep(
     if pale_sweep is not None:
         pale_curves = getattr(pale_sweep, quantity)
         largest_value = max(largest_value, float(pale_curves.max()))
-        for number, (load_ratios, pale_curve) in enumerate(
+        for curve_number, (load_ratios, pale_curve) in enumerate(
             zip(pale_sweep.load_ratio, pale_curves, strict=True)
         ):
             # one label stands for all pale lines
-            pale_label = "" if number else "Hertz, same f"
+            pale_label = "" if curve_number else "Hertz, same f"
             marks.append(_line(load_ratios, pale_curve, pale_label, "faint solid fine"))
 
     # a curve for each coefficient of friction, with a dot at its begin, near gross sliding
-    for number, (friction, load_ratios, curve) in enumerate(
+    for curve_number, (friction, load_ratios, curve) in enumerate(
         zip(sweep.frictions, sweep.load_ratio, curves, strict=True)
     ):
         # _CURVE_LOOKS: look of each curve in the style sheet
-        marks.append(_line(load_ratios, curve, f"f = {friction:g}", _CURVE_LOOKS[number]))
-        marks += _text_at(float(load_ratios[0]), float(curve[0]), "", colour=f"{number}", dot=True)
+        marks.append(_line(load_ratios, curve, f"f = {friction:g}", _CURVE_LOOKS[curve_number]))
+        marks += _text_at(
+            float(load_ratios[0]), float(curve[0]), "", colour=f"{curve_number}", dot=True
+        )
     x_axis = Axis(1.0, float(sweep.load_ratio.max()), "P₀ / P₁")
     y_axis = Axis(0.0, 1.08 * largest_value, label)
     panel = _panel(name, x_axis, y_axis, marks, f"{label} over P₀/P₁", (620.0, 400.0))

@@ -147,10 +147,10 @@ class Dask:
         """Connect to the dask scheduler, or start a cluster on this machine; InputError where no
         scheduler answers or it has no workers.
 
-        `_address` is that of the scheduler, "" for a cluster of one's own; `_requested_width` is
-        how many tasks are worked on at once, None for all cores or threads. Afterwards `executor`
-        takes tasks, `width` is their number at once, and `_connections` are to be closed at the
-        end: the client, and the cluster.
+        `_option` is the user's option, for messages. `_address` is that of the scheduler, "" for a
+        cluster of one's own; `_requested_width` is how many tasks are worked on at once, None for
+        all cores or threads. Afterwards `executor` takes tasks, `width` is their number at once,
+        and `_connections` are to be closed at the end: the client, and the cluster.
         """
         try:
             from dask.config import set as set_dask
@@ -445,12 +445,12 @@ def tasks_of(sweep: PreparedSweep, n_workers: int) -> deque[Task]:
     """
     # _FE_AT_ONCE, _EXACT_AT_ONCE: 4 and 50 points
     points_at_once = _FE_AT_ONCE if "fe" in sweep.study.engines else _EXACT_AT_ONCE
-    n_waiting = len(sweep.waiting_points)
+    n_waiting_points = len(sweep.waiting_points)
     # of at most 4 points with finite elements, 50 without; about four tasks for each worker
-    task_size = max(1, min(points_at_once, -(-n_waiting // (4 * n_workers))))
+    task_size = max(1, min(points_at_once, -(-n_waiting_points // (4 * n_workers))))
     return deque(
         [*sweep.waiting_points[start : start + task_size]]
-        for start in range(0, n_waiting, task_size)
+        for start in range(0, n_waiting_points, task_size)
     )
 
 
