@@ -336,6 +336,7 @@ def _largest_measures(
         if value_of_theory:
             difference = f"{100 * (value_of_elements / value_of_theory - 1):+.2f} %"
         place_in_words = f"{_place(largest_entry['finite_elements'])}, {largest_entry['body']}"
+        # `minus`: with a real minus sign
         rows.append(
             (
                 f"{name} [{unit}]",
@@ -366,6 +367,7 @@ def _row_of_instant(instant: dict[str, Any]) -> tuple[str, ...]:
     from reports.units import number
 
     peak = instant["largest_nodal_von_mises"]
+    # `number`: as text, to six digits
     peak_in_words = f"{number(peak['value'])} at {_place(peak)}, {peak['body']}"
     tension = instant["tension_at_edge"]
     tension_in_words = "–"

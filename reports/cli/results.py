@@ -71,6 +71,7 @@ def score(result: str | None, options: Options) -> Answer:
         return _score_tractions(path, mapping, scene, options, tolerances, folder, command)
     except ConvergenceError as failure:
         sentence = f"the reference is not converged: {failure}"
+        # `complain` prints a line on stderr
         complain(f"halfplane: {scene.name}: {sentence}")
         return Answer(
             EXIT_NOT_CONVERGED,
@@ -427,5 +428,6 @@ def _cells(row: ValueRow) -> tuple[str, ...]:
         difference_text = "0"
     else:
         unit = "" if row.kind == "absolute" else " rel."
+        # `minus`: with a real minus sign
         difference_text = minus(f"{row.difference:+.1e}{unit}")
     return (row.key, value_a, value_b, difference_text, f"{row.tolerance:g}", row.verdict)

@@ -383,6 +383,7 @@ def _loads_in_words(solution: ContactSolution, source: str) -> str:
 
     scene = solution.scene
     unit_of_force, unit_of_length, _ = scene.unit_words
+    # `number`: as text, to six digits
     least_load = number(float(solution.tangential_load.min()))
     largest_load = number(float(solution.tangential_load.max()))
     largest_normal_load = number(float(solution.normal_load.max()))

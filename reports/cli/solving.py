@@ -116,6 +116,7 @@ def solving_command(solve_job: Callable[[Job], Answer]) -> Callable[[str, Option
             # a solution that converged gets the file name of its engine, which "" stands for
             stem = "" if partial_solution.record.converged else "partial"
             path = write_solution(partial_solution, folder, name=stem)
+            # `complain` prints a line on stderr
             complain(
                 f"halfplane: {stop}; what was solved is kept in {path}"
                 f" ({len(partial_solution.time) - 1} steps)"
@@ -306,6 +307,7 @@ def run(job: Job) -> Answer:
     options.settings()  # values out of range are refused before anything is solved
     if no_comparison := refusals.in_words(job.source):  # the reason, in a sentence
         _require_no_option_of_both(job, no_comparison)
+        # `complain` prints a line on stderr
         complain(f"halfplane: {job.scene.name}: no comparison. {no_comparison}")
         if job.scene.load.is_driven:
             return _answer_of_rig(job, refusals, no_comparison)
@@ -994,6 +996,7 @@ def _elements_of_rig(job: Job) -> tuple[ContactSolution | None, dict[str, Any]]:
         solution = solve_finite_elements(job)
     except InputError as reason:
         refusal = f"Finite elements do not take this scene: {reason}"
+        # `complain` prints a line on stderr
         complain(f"halfplane: {job.scene.name}: {refusal}")
         return None, {"refused": refusal}
     path = write_solution(solution, job.folder, states_loads=False)

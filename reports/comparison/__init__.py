@@ -280,6 +280,7 @@ def _notes_on_pair(pair: Pair) -> Iterator[str]:
     # field -> estimated largest error
     interpolation_errors = pair.reference_cycle.interpolation_errors
     if interpolation_errors:
+        # `in_template`: the text of that name in a template, filled with these values
         yield in_template("interpolated", interpolation_errors)
     # instants in contact whose load is too light to be judged
     light_count = int((pair.is_in_contact & ~pair.is_judged).sum())

@@ -396,6 +396,7 @@ def expected_rows(findings: Iterable[ExpectedNumber]) -> list[tuple[str, ...]]:
     A finding has the expected number (`expected`), the `value` of the engine (NaN: none), their
     relative `difference`, and `is_met`.
     """
+    # `minus`: with a real minus sign
     return [
         (
             finding.expected.quantity.replace("_", " "),

@@ -1230,6 +1230,7 @@ def drift(pair: Pair) -> MetricValue:
         if math.isnan(change):
             sentences.append(f"{engine_in_words(solution.engine)}: not known")
         elif change:
+            # `minus`: with a real minus sign
             change_in_words = minus(f"{change:+.1e}")
             sentences.append(
                 f"{engine_in_words(solution.engine)}: {change_in_words} in its last cycle"

@@ -105,6 +105,7 @@ def bulk_and_tilt_in_words(scene: Scene) -> str:
     'The upper body is tilted from −0.001 to 0.001 rad.'
     """
     # the template "bulk_and_tilt"; the function that it is given states a load over time in words
+    # words for the units of force, length and stress
     return in_template("bulk_and_tilt", scene.load, partial(_load_in_words, scene), *units(scene))
 
 
@@ -125,6 +126,7 @@ def _load_in_words(
         stands before a number or a cosine
     """
     if isinstance(value, Wave):
+        # `number`: as text, to six digits
         return (
             f"{preposition} {number(value.mean)} + {number(value.amplitude)} cos(t −"
             f" {number(value.phase_degrees)}°)".replace("− −", "+ ")
@@ -231,6 +233,7 @@ def _number_in_words(
     elif size and plus:
         sign = "+"
     unit = " %" if is_relative else ""
+    # `minus`: with a real minus sign
     return f"{sign}{minus(size_in_words)}{unit}"
 
 
@@ -295,6 +298,7 @@ def with_uncertainty(value: float, uncertainty: float | None) -> str:
     ('2.85 ± 0.06', '0.523 ± 0.011', '12 ± 35', '2.85', '0.00205749 ± 9e−08')
     """
     if uncertainty is None:
+        # `minus`: with a real minus sign
         return minus(f"{value:.3g}")
     if not (math.isfinite(uncertainty) and math.isfinite(value)):
         return f"{minus(f'{value:.3g}')} ± {minus(f'{uncertainty:.2g}')}"
@@ -608,6 +612,7 @@ def sentence_on_judging(comparison: JudgedPair, *, has_budget: bool) -> str:
     )
     if not is_judged:
         return ""
+    # `in_template`: the text of that name in a template, filled with these values
     return in_template(
         "how_judged",
         labels_judged_by_size(comparison),
@@ -639,6 +644,7 @@ def sentence_on_work(comparison: JudgedPair) -> str:
     if solution.dissipation:
         relative_uncertainty = solution.dissipation_uncertainty / solution.dissipation
         share_in_words = _number_in_words(relative_uncertainty, plus=False)
+    # `in_template`: the text of that name in a template, filled with these values
     return in_template(
         "uncertain_work",
         engine_in_words(solution.engine),
@@ -753,6 +759,7 @@ def first_table(comparison: JudgedPair) -> tuple[tuple[str, ...], list[dict[str,
         stated_of_reference, stated_of_result = metric.stated
         place = ""
         if metric.place is not None and metric.value is not None:
+            # `signed`: as text, to four digits
             place = f"x = {signed(float(f'{metric.place:.2g}'))} a"
         rows.append(
             {
@@ -807,6 +814,7 @@ def _value_with_stated_uncertainty(value: float, uncertainty: float | None, fact
     """
     if math.isnan(value):
         return "–"
+    # `minus`: with a real minus sign
     plain_text = minus(f"{factor * value:.5g}")
     if uncertainty is None or uncertainty <= _EXACT_SHARE * abs(value):
         return plain_text

@@ -103,6 +103,7 @@ def sketch(scene: Scene, half_width: float) -> Plate:
     shapes = (scene.bodies.lower, scene.bodies.upper)
     # The arguments after `columns` fill the caption: whether a half-plane is cut off, width of the
     # contact, ranges of P and Q in words, what acts beside P and Q, units.
+    # `number`: as text, to six digits
     return figure_with_texts(
         "bodies",
         [panel],
@@ -484,6 +485,7 @@ def _label_of_body(scene: Scene, name: str) -> str:
     _, unit_of_length, unit_of_stress = units(scene)
     sizes_in_words = ""
     if isinstance(shape, Cylinder):
+        # `number`: as text, to six digits
         sizes_in_words = f" R = {number(shape.radius)} {unit_of_length}"
     elif not isinstance(shape, HalfPlane):
         sizes_in_words = f" {number(shape.width)} × {number(shape.height)} {unit_of_length}"

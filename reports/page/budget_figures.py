@@ -303,6 +303,7 @@ def _blocks_of_bar(
             start = left_end
             left_end += length
         if length:
+            # `minus`: with a real minus sign
             label = minus(f"{name}: {length:+.3g} {unit}")
             ends = (start, start + length)
             yield Block(ends, (lower_edge + 0.14, lower_edge + 0.5), f"term-{index} edge", label)

@@ -49,6 +49,7 @@ def common_content(report: Report) -> dict[str, Any]:
     comparison = report.comparison
     scene = comparison.scene
     _, table_rows = first_table(comparison)
+    # `in_template`: the text of that name in a template, filled with these values
     return {
         "headline": report.first_sentence,
         "table": table_rows,

@@ -163,6 +163,7 @@ def difference_in_words(
     weights = np.maximum(lengths[is_known], 1e-300)
     rms = np.sqrt(np.average(difference[is_known] ** 2, weights=weights))
     worst_index = int(np.argmax(np.where(is_known, np.abs(difference), -1.0)))
+    # `minus`: with a real minus sign
     worst_position = position_template.format(minus(f"{positions[worst_index] + 0.0:.3g}"))
     largest_difference = difference[worst_index] + 0.0  # no "-0"
     rms_text = f"rms {_two_digits(rms)}{unit}"

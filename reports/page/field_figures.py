@@ -448,6 +448,7 @@ def dissipation_density(view: CycleView) -> Plate | None:
         f"w_result/{scale_in_words}": density_of_result,
     }
     # the arguments after the legend fill the caption
+    # `signed`: as text, to four digits
     return figure_with_texts(
         "dissipation_density",
         (density_panel, difference_panel),

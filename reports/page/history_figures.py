@@ -179,6 +179,7 @@ def discrepancies(view: CycleView) -> Plate:
             f"{metric.label}: {judged_ratios[worst_index]:.2g}{unit_in_words} at"
             f" {view.time[worst_index]:.3g}"
         )
+        # `minus`: with a real minus sign
         keys.append(Key(css, minus(text)))
     if has_tolerances:
         last_time = float(view.time[-1])
@@ -630,6 +631,7 @@ def hysteresis(view: CycleView) -> Plate | None:
     has_constant_p = np.ptp(view.result_cycle.normal_load) == 0 and view.result_cycle.tilt is None
     # The arguments after `view.keys` fill the caption: k of each engine, works, datum of U;
     # `alone`: whether the area of the loop alone is the friction work.
+    # `signed`: as text, to four digits
     return figure_with_texts(
         "hysteresis",
         panels,
@@ -729,6 +731,7 @@ def _works_in_words(comparison: JudgedPair) -> tuple[str, ...]:
         [bulk_work(cycle, scene.material) for cycle in cycles],
         [comparison.reference.dissipation, comparison.result.dissipation],
     )
+    # `minus`: with a real minus sign
     works_in_words = [
         f"{minus(f'{work_of_reference:.5g}')} and {minus(f'{work_of_result:.5g}')}"
         for work_of_reference, work_of_result in works

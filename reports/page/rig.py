@@ -284,6 +284,7 @@ def _loop_panel(
         Curve(displacement, load, key.css, key.text) for displacement, load, key in drawn_loops
     ]
     x_limits = axis_limits(*(curve.x for curve in curves))
+    # words for the units of force, length and stress
     return Panel(
         name,
         Axis(*x_limits, f"displacement U  [{units(rig_motion.scene)[1]}]"),
@@ -402,6 +403,7 @@ def rows_of(rig_motion: RigMotion) -> list[tuple[str, str]]:
         normal_in_words = f"{largest_normal_load:.6g}"
     least_tangential_load = np.min(rig_motion.tangential_load)
     largest_tangential_load = np.max(rig_motion.tangential_load)
+    # `minus`: with a real minus sign
     rows = [
         (f"stroke of the actuator [{unit_of_length}]", f"{actuator_stroke:.6g}"),
         (f"stroke of the contact [{unit_of_length}]", f"{contact_stroke:.6g}"),
@@ -445,6 +447,7 @@ def _rows_of_elements(by_theory: RigMotion, by_elements: RigMotion) -> list[tupl
     if dissipation_of_theory:
         work_in_words += f" ({100 * (dissipation / dissipation_of_theory - 1):+.3g} %)"
     tangential_load = by_elements.tangential_load
+    # `minus`: with a real minus sign
     rows = [
         (f"W by finite elements [{energy_unit(by_theory.scene)}]", minus(work_in_words)),
         (

@@ -307,6 +307,7 @@ def _dissipations(comparison: Comparison) -> Iterator[dict[str, str]]:
 
     def text_of_number(value: float | None, digits: int = 8) -> str:
         """A number to `digits` significant digits; a dash for None and NaN."""
+        # `minus`: with a real minus sign
         return "–" if value is None or np.isnan(value) else minus(f"{value:.{digits}g}")
 
     # theory with straight loads between the instants of the result; may be None
@@ -408,6 +409,7 @@ def _data_of_slider(view: CycleView) -> dict[str, Any]:
     }
     # tractions and slip as packed numbers; states as codes (instants, points)
     fields, states = _fields_of_slider(view, np.ix_(instant_indices, point_indices))
+    # words for the units of force, length and stress
     return {
         "instants": len(instant_indices),
         "points": len(point_indices),
