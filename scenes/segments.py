@@ -880,6 +880,7 @@ class HarmonicSegment(LoadSegment):
             return super()._time_inside(combination, wanted_change, total_change, begin, end)
         amplitude, lead = self.amplitude_and_lead(combination)
         n_half_turns = math.floor(((begin + end) / 2 + lead) / math.pi)
+        # t + lead = n_half_turns pi + arccos(cosine); cos(t + lead) rises over odd half turns.
         sign = -1.0 if n_half_turns % 2 else 1.0
         cosine = sign * (math.cos(begin + lead) + wanted_change / amplitude)
         time = n_half_turns * math.pi - lead + np.arccos(np.minimum(np.maximum(cosine, -1), 1))
@@ -1185,15 +1186,15 @@ def _horner_terms(coefficients: NDArray[np.complex128]) -> WaveTerms:
     """Terms of the sum of c_k exp(i k t) for Horner's scheme, from the highest k down to 0: pairs
     (c_k, difference of k from the term before, 0 for the first).
 
-    Terms with c_k = 0 are left out, but for k = 0. `coefficients` (m + 1,) are c_0, c_1, ...
+    Terms with c_k = 0 are left out, but for k = 0. `coefficients` (m + 1,) are c_0 to c_m.
     """
     terms = []
-    order_above = len(coefficients) - 1
+    k_above = len(coefficients) - 1
     # Of a thousand harmonics only one may be present: the absent ones cost nothing.
-    orders = [*(np.flatnonzero(coefficients[1:])[::-1] + 1).tolist(), 0]
-    for k in orders:
-        terms.append((complex(coefficients[k]), order_above - k))
-        order_above = k
+    present_harmonics = [*(np.flatnonzero(coefficients[1:])[::-1] + 1).tolist(), 0]
+    for k in present_harmonics:
+        terms.append((complex(coefficients[k]), k_above - k))
+        k_above = k
     return tuple(terms)
 
 

@@ -815,7 +815,7 @@ def _time_column(
 
     Where quantities are to be read, it is the column of "time" among them, if it is. Where every
     column is read, it is the first whose heading is a usual one of time. `columns_read` are the
-    numbers of the quantities' columns, in their order.
+    indices of the quantities' columns, in their order.
     """
     if "time" in request.quantities:
         return columns_read[request.quantities.index("time")]
@@ -1330,6 +1330,7 @@ class _RowReader:
         Iteration ends with a bare ValueError at a row with too few or too many cells, or with a
         point in a table with decimal commas. The caller then reads the rows cell by cell, which
         reports the fault.
+
         `layout` holds the separator (None for blanks), the headings, and the indices (from 0) of
         the columns that are read.
         """

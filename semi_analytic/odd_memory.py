@@ -317,14 +317,15 @@ def second_order_work(
     radius, modulus
         R of the parabola, E*
     span_before, next_span
-        the spans before and after these; of a steady cycle its own last and first
+        the spans before and after these; of a steady cycle its last and its first span
 
     Returns
     -------
     SecondOrderWork
         both matrices (4, 4), work = o . matrix o; the criteria; the reason where there is no matrix
     """
-    # _GAUSS_POINTS: 24 quadrature points of a span; _PANELS_OF_STROKE_END: 80.
+    # _GAUSS_POINTS: 24 quadrature points of a span; _PANELS_OF_STROKE_END: 80 panels of the slip
+    # zone at the smooth end of a stroke.
     strokes = _Strokes(tuple(spans), radius, span_before, next_span)
     try:
         strokes.require_no_limit_in_stick()

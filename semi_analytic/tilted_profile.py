@@ -531,6 +531,8 @@ class PiecewiseParabola(ConvexProfile):
         """
         if not self.is_parabola:
             return super().contact_centre_and_half_width(load_product, tilt)
+        # curvature[0]: h'' of the parabola; knots[0], slope_at_first_knot: a place on it and h'
+        # there.
         curvature = self.curvature[0]
         load_product, tilt = np.broadcast_arrays(
             np.asarray(load_product, dtype=float), np.asarray(tilt, dtype=float)
@@ -1392,9 +1394,10 @@ class TiltedProfile:
         m, c
             (n,) centre and half-length [length]
         load, tilt
-            (n,) P [force per thickness] and alpha [rad]
+            (n,) P [force per thickness] and tilt alpha [rad]
         """
-        # _compliance: A = 2/E*; logarithm(c): ln(2 L/c) with the datum length L.
+        # profile.approach: without the term (A P/pi) ln(2 L/c), L the datum length; _compliance: A
+        # = 2/E*; logarithm(c): ln(2 L/c).
         return self.profile.approach(m, c, tilt) + self._compliance / np.pi * load * self.logarithm(
             c
         )
