@@ -654,10 +654,10 @@ def _hold_permanent_stick(
     """
     stick_edges = edges["stick_edges"]
     uncertainty = edges["stick_edge_uncertainty"]
-    is_placed = np.isfinite(zone.places_by_load) & np.isfinite(permanent_edges.uncertainty)
+    is_located = np.isfinite(zone.places_by_load) & np.isfinite(permanent_edges.uncertainty)
     # left edges, of which the outermost is the smallest x, then right ones
     for column, outermost_place in enumerate((np.fmin, np.fmax)):
-        if is_placed[column]:
+        if is_located[column]:
             has_slip_zone = stick_edges[:, column] != edges["contact_edges"][:, column]
             is_turn = is_in_cycle & has_slip_zone & np.isin(time, zone.turn_times[column])
             stick_edges[is_turn, column] = permanent_edges.places[column]
@@ -718,8 +718,10 @@ def _zones_by_nodes(
     """
     first_node = np.argmax(is_closed, axis=1)
     last_node = len(x) - 1 - np.argmax(is_closed[:, ::-1], axis=1)
-    contact = np.stack([x[first_node], x[last_node]], axis=1)
-    return stick_edges(x, is_stuck, is_closed, contact, stick_may_be_anywhere=stick_may_be_anywhere)
+    outermost_places = np.stack([x[first_node], x[last_node]], axis=1)
+    return stick_edges(
+        x, is_stuck, is_closed, outermost_places, stick_may_be_anywhere=stick_may_be_anywhere
+    )
 
 
 def _is_creeping(slip: Array, is_closed: Mask, share: float) -> Mask:

@@ -150,11 +150,11 @@ def contact_with_uncertainty(answer: NodalAnswer, edges_by_load: EdgesByLoad) ->
         their uncertainty
     """
     edges_by_form = contact_edges(answer.x, answer.pressure, answer.gap, answer.is_closed, 1.0)
-    is_placed = edges_by_load.last_node >= 0
+    is_located = edges_by_load.last_node >= 0
     return Edges(
-        places=np.where(is_placed, edges_by_load.places, edges_by_form),
+        places=np.where(is_located, edges_by_load.places, edges_by_form),
         uncertainty=np.where(
-            is_placed, edges_by_load.uncertainty, _contact_uncertainty(answer, edges_by_form)
+            is_located, edges_by_load.uncertainty, _contact_uncertainty(answer, edges_by_form)
         ),
     )
 

@@ -1076,8 +1076,9 @@ def size_effect_basis(z: Complex, length: float) -> Array:
 
         s_xx + s_yy = 4 Re f,   s_yy - i s_xy = f(z) - f(conj z) + 2 i y conj f'(z)
 
-    There are seven powers j = 0 to 6. Each c_j counts twice, with factor 1 and i; the imaginary c_0
-    is a rotation without stress. `z` (n,) is x + i y, y <= 0; `length` is its unit [length].
+    There are seven powers j = 0 to 6 (`_N_TERMS`). Real and imaginary part of each c_j are two
+    terms, with factor 1 and i; the imaginary c_0 is left out, a rotation without stress. `z` (n,)
+    is x + i y, y <= 0; `length` is its unit [length].
 
     # notation: f potential, conj complex conjugate, f' derivative in z, u = z/length
     """

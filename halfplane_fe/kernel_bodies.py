@@ -94,9 +94,9 @@ class KernelValues(NamedTuple):
     along x by a pressing force (k_tn).
     """
 
-    inward_by_pressure: Array
-    along_by_shear: Array
-    along_by_pressure: Array
+    inward_displacement_by_pressure: Array
+    x_displacement_by_shear: Array
+    x_displacement_by_pressure: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,10 +148,13 @@ class CurvatureJumpKernels:
             self._phi(x), self._phi(s), self._phi_slope(s), x, s
         )
         tangential_kernel = (
-            chord_kernels.along_by_shear + 4 / (np.pi**2 * modulus) * divided_difference_of_phi
+            chord_kernels.x_displacement_by_shear
+            + 4 / (np.pi**2 * modulus) * divided_difference_of_phi
         )
         return KernelValues(
-            chord_kernels.inward_by_pressure, tangential_kernel, chord_kernels.along_by_pressure
+            chord_kernels.inward_displacement_by_pressure,
+            tangential_kernel,
+            chord_kernels.x_displacement_by_pressure,
         )
 
     def _phi(self, x: Array) -> Array:
@@ -220,18 +223,18 @@ class FaceKernels:
     ----------
     reach
         half-width of the side that may touch [length]
-    inward_by_pressure, along_by_shear
+    inward_displacement_by_pressure, x_displacement_by_shear
         (d+1, d+1) coefficients of k_nn and k_tt, symmetric [1 / stress]
-    along_by_pressure
+    x_displacement_by_pressure
         (d+1, d+1) coefficients of k_tn [1 / stress]
     jump_kernels
         singular part, added to the series; None for a flat face
     """
 
     reach: float
-    inward_by_pressure: Array
-    along_by_shear: Array
-    along_by_pressure: Array
+    inward_displacement_by_pressure: Array
+    x_displacement_by_shear: Array
+    x_displacement_by_pressure: Array
     jump_kernels: CurvatureJumpKernels | None = None
 
     def kernels_at(self, x: Array, s: Array) -> KernelValues:
@@ -241,16 +244,17 @@ class FaceKernels:
 
         Each is a Chebyshev series, a sum of coefficients times T_i(x/r) T_j(s/r), plus a singular
         part (`jump_kernels`) where the curvature of the face jumps; r is `reach`, the half-width of
-        the side that may touch. `inward_by_pressure`, `along_by_shear` and `along_by_pressure` of
-        the series are the coefficients (d+1, d+1), d its degree in x and in s.
+        the side that may touch. `inward_displacement_by_pressure`, `x_displacement_by_shear` and
+        `x_displacement_by_pressure` are the coefficients (d+1, d+1) of the three series, d their
+        degree in x and in s.
         """
-        degree = len(self.inward_by_pressure) - 1
+        degree = len(self.inward_displacement_by_pressure) - 1
         polynomials_of_x = np.polynomial.chebyshev.chebvander(x / self.reach, degree)
         polynomials_of_s = np.polynomial.chebyshev.chebvander(s / self.reach, degree)
         smooth_kernels = KernelValues(
-            polynomials_of_x @ self.inward_by_pressure @ polynomials_of_s.T,
-            polynomials_of_x @ self.along_by_shear @ polynomials_of_s.T,
-            polynomials_of_x @ self.along_by_pressure @ polynomials_of_s.T,
+            polynomials_of_x @ self.inward_displacement_by_pressure @ polynomials_of_s.T,
+            polynomials_of_x @ self.x_displacement_by_shear @ polynomials_of_s.T,
+            polynomials_of_x @ self.x_displacement_by_pressure @ polynomials_of_s.T,
         )
         if self.jump_kernels is None:
             return smooth_kernels
@@ -270,8 +274,8 @@ class FaceKernels:
 
         It is the derivative along x of the displacement along x, which is a Chebyshev series in
         x/r and s/r, of degree d in each; r is `reach`, the half-width of the side that may touch.
-        `along_by_pressure` and `along_by_shear` (d+1, d+1) are its coefficients by a pressing force
-        and by a force along x.
+        `x_displacement_by_pressure` and `x_displacement_by_shear` (d+1, d+1) are its coefficients
+        by a pressing force and by a force along x.
 
         Parameters
         ----------
@@ -281,13 +285,15 @@ class FaceKernels:
             (m,) forces at s into the body, and along +x [force per thickness]
         """
         derivative = np.polynomial.chebyshev.chebder
-        degree = len(self.inward_by_pressure) - 1
+        degree = len(self.inward_displacement_by_pressure) - 1
         polynomials_of_x = np.polynomial.chebyshev.chebvander(x / self.reach, degree - 1)
         polynomials_of_s = np.polynomial.chebyshev.chebvander(s / self.reach, degree)
         series_by_pressing = (
-            derivative(self.along_by_pressure) @ polynomials_of_s.T @ pressing_force
+            derivative(self.x_displacement_by_pressure) @ polynomials_of_s.T @ pressing_force
         )
-        series_by_shear = derivative(self.along_by_shear) @ polynomials_of_s.T @ force_along_x
+        series_by_shear = (
+            derivative(self.x_displacement_by_shear) @ polynomials_of_s.T @ force_along_x
+        )
         return np.asarray(polynomials_of_x @ (series_by_pressing + series_by_shear) / self.reach)
 
 
@@ -322,11 +328,15 @@ def fitted_kernels(
     if jump_kernels is not None:
         singular_kernels = jump_kernels.kernels_at(kernels.x, kernels.x_of_forces)
         kernels = kernels._replace(
-            inward_by_pressure=kernels.inward_by_pressure - singular_kernels.inward_by_pressure,
-            along_by_shear=kernels.along_by_shear - singular_kernels.along_by_shear,
-            along_by_pressure=kernels.along_by_pressure - singular_kernels.along_by_pressure,
+            inward_displacement_by_pressure=kernels.inward_displacement_by_pressure
+            - singular_kernels.inward_displacement_by_pressure,
+            x_displacement_by_shear=kernels.x_displacement_by_shear
+            - singular_kernels.x_displacement_by_shear,
+            x_displacement_by_pressure=kernels.x_displacement_by_pressure
+            - singular_kernels.x_displacement_by_pressure,
             # By reciprocity k_nt(x, s) = -k_tn(s, x); the singular part of k_tn is symmetric.
-            outward_by_shear=kernels.outward_by_shear + singular_kernels.along_by_pressure,
+            outward_displacement_by_shear=kernels.outward_displacement_by_shear
+            + singular_kernels.x_displacement_by_pressure,
         )
 
     # Polynomials at all places: chebyshev returns T_0 to T_degree, (n, degree + 1).
@@ -345,7 +355,8 @@ def fitted_kernels(
         [(products(i, j) + products(j, i)).ravel() for i, j in even_pairs], axis=1
     )
     even_kernels = np.stack(
-        [kernels.inward_by_pressure.ravel(), kernels.along_by_shear.ravel()], axis=1
+        [kernels.inward_displacement_by_pressure.ravel(), kernels.x_displacement_by_shear.ravel()],
+        axis=1,
     )
     even_coefficients = np.linalg.lstsq(even_terms, even_kernels, rcond=None)[0]
     symmetric_coefficients = np.zeros((2, degree + 1, degree + 1))
@@ -358,7 +369,7 @@ def fitted_kernels(
     terms_of_k_tn = np.stack([products(i, j).ravel() for i, j in odd_pairs], axis=1)
     terms_of_minus_k_nt = np.stack([products(j, i).ravel() for i, j in odd_pairs], axis=1)
     odd_kernels = np.concatenate(
-        [kernels.along_by_pressure.ravel(), -kernels.outward_by_shear.ravel()]
+        [kernels.x_displacement_by_pressure.ravel(), -kernels.outward_displacement_by_shear.ravel()]
     )
     odd_coefficients = np.linalg.lstsq(
         np.concatenate([terms_of_k_tn, terms_of_minus_k_nt]), odd_kernels, rcond=None
@@ -474,10 +485,10 @@ class KernelPair:
                 continue
             kernels: FaceKernels = getattr(body, mesh)
             displacements = kernels.kernels_at(x, x)  # by unit forces at all nodes
-            normal_compliance = normal_compliance + displacements.inward_by_pressure
-            tangential_compliance = tangential_compliance + displacements.along_by_shear
+            normal_compliance = normal_compliance + displacements.inward_displacement_by_pressure
+            tangential_compliance = tangential_compliance + displacements.x_displacement_by_shear
             if self.lower is not self.upper:
-                coupling = coupling + sign * displacements.along_by_pressure
+                coupling = coupling + sign * displacements.x_displacement_by_pressure
         return normal_compliance, tangential_compliance, coupling
 
 

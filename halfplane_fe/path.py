@@ -425,6 +425,7 @@ def _separation_error(
             f" {normal_load:.6g}; finite elements follow bodies that touch: keep it above 0, or"
             " take half-plane theory"
         )
+    # _ADVICE_ON_LITTLE_LOAD, _ADVICE_ON_UNLOADING: sentences on what to change
     advice = _ADVICE_ON_LITTLE_LOAD if normal_load > 0 else ""
     largest_force = max(abs(normal_load), abs(worst_instant.tangential_load))
     if largest_force <= _ROUNDING_OF_LIMIT * largest_load:

@@ -106,10 +106,10 @@ class RemainderKernels(NamedTuple):
         (n,) places on the face, in ascending order [length]
     x_of_forces
         (m,) places of the forces [length]
-    inward_by_pressure, along_by_shear
+    inward_displacement_by_pressure, x_displacement_by_shear
         (n, m) k_nn, inwards by a pressing unit force, and k_tt, along +x by one along +x
         [1 / stress]
-    along_by_pressure, outward_by_shear
+    x_displacement_by_pressure, outward_displacement_by_shear
         (n, m) k_tn, along +x by a pressing unit force, and k_nt, outwards by one along +x
         [1 / stress]
     unknowns
@@ -118,10 +118,10 @@ class RemainderKernels(NamedTuple):
 
     x: Array
     x_of_forces: Array
-    inward_by_pressure: Array
-    along_by_shear: Array
-    along_by_pressure: Array
-    outward_by_shear: Array
+    inward_displacement_by_pressure: Array
+    x_displacement_by_shear: Array
+    x_displacement_by_pressure: Array
+    outward_displacement_by_shear: Array
     unknowns: int
 
     @property
@@ -132,7 +132,9 @@ class RemainderKernels(NamedTuple):
         # notation: k_tn displacement along x by a pressing force, k_nt outwards by a force along x
         """
         nodes = np.abs(self.x[:, None] - self.x_of_forces).argmin(axis=0)
-        mismatch = self.along_by_pressure[nodes] + self.outward_by_shear[nodes].T
+        mismatch = (
+            self.x_displacement_by_pressure[nodes] + self.outward_displacement_by_shear[nodes].T
+        )
         return float(np.abs(mismatch).max())
 
 
@@ -196,10 +198,10 @@ def remainder_kernels(
         x=x,
         x_of_forces=forces.x,
         # a pull moves the face out as far as a push moves it in
-        inward_by_pressure=displacement_outwards[:, 1],
-        along_by_shear=displacement_along_x[:, 0],
-        along_by_pressure=-displacement_along_x[:, 1],
-        outward_by_shear=displacement_outwards[:, 0],
+        inward_displacement_by_pressure=displacement_outwards[:, 1],
+        x_displacement_by_shear=displacement_along_x[:, 0],
+        x_displacement_by_pressure=-displacement_along_x[:, 1],
+        outward_displacement_by_shear=displacement_outwards[:, 0],
         unknowns=len(free_dofs),
     )
     return _with_chord_slopes(kernels, y, forces.y, material) if y.any() else kernels
@@ -259,10 +261,14 @@ def _with_chord_slopes(
 
     kernels_of_chord = kernels_of_slope(slope, material)
     return kernels._replace(
-        inward_by_pressure=kernels.inward_by_pressure + kernels_of_chord.inward_by_pressure,
-        along_by_shear=kernels.along_by_shear + kernels_of_chord.along_by_shear,
-        along_by_pressure=kernels.along_by_pressure + kernels_of_chord.along_by_pressure,
-        outward_by_shear=kernels.outward_by_shear + kernels_of_chord.outward_by_shear,
+        inward_displacement_by_pressure=kernels.inward_displacement_by_pressure
+        + kernels_of_chord.inward_displacement_by_pressure,
+        x_displacement_by_shear=kernels.x_displacement_by_shear
+        + kernels_of_chord.x_displacement_by_shear,
+        x_displacement_by_pressure=kernels.x_displacement_by_pressure
+        + kernels_of_chord.x_displacement_by_pressure,
+        outward_displacement_by_shear=kernels.outward_displacement_by_shear
+        + kernels_of_chord.outward_displacement_by_shear,
     )
 
 
@@ -272,16 +278,16 @@ class KernelsOfSlope(NamedTuple):
 
     Attributes
     ----------
-    inward_by_pressure, along_by_shear
+    inward_displacement_by_pressure, x_displacement_by_shear
         inwards by a pressing force; along +x by a force along +x
-    along_by_pressure, outward_by_shear
+    x_displacement_by_pressure, outward_displacement_by_shear
         along +x by a pressing force; outwards by a force along +x
     """
 
-    inward_by_pressure: Array
-    along_by_shear: Array
-    along_by_pressure: Array
-    outward_by_shear: Array
+    inward_displacement_by_pressure: Array
+    x_displacement_by_shear: Array
+    x_displacement_by_pressure: Array
+    outward_displacement_by_shear: Array
 
 
 def kernels_of_slope(slope: Array, material: Elastic) -> KernelsOfSlope:
@@ -306,10 +312,10 @@ def kernels_of_slope(slope: Array, material: Elastic) -> KernelsOfSlope:
     cross_term = slope / (1 + slope**2)
     angle_term = k * np.arctan(slope)
     return KernelsOfSlope(
-        inward_by_pressure=-c * (log_term - depth_term),
-        along_by_shear=-c * (log_term + depth_term),
-        along_by_pressure=-c * (cross_term + angle_term),
-        outward_by_shear=c * (cross_term - angle_term),
+        inward_displacement_by_pressure=-c * (log_term - depth_term),
+        x_displacement_by_shear=-c * (log_term + depth_term),
+        x_displacement_by_pressure=-c * (cross_term + angle_term),
+        outward_displacement_by_shear=c * (cross_term - angle_term),
     )
 
 
@@ -500,7 +506,8 @@ def face_series(kernels: RemainderKernels, degree: int = _LARGEST_DEGREE) -> Fac
     even_powers = [(i, j) for i, j in even_exponents(degree) if i <= j]
     even_terms = np.stack([(x**i * s**j + x**j * s**i).ravel() for i, j in even_powers], axis=1)
     direct_kernels = np.stack(
-        [kernels.inward_by_pressure.ravel(), kernels.along_by_shear.ravel()], axis=1
+        [kernels.inward_displacement_by_pressure.ravel(), kernels.x_displacement_by_shear.ravel()],
+        axis=1,
     )
     coefficients = np.linalg.lstsq(even_terms, direct_kernels, rcond=None)[0]
     # Those of the power series; equal powers of x and s stand twice in a term.
@@ -515,7 +522,7 @@ def face_series(kernels: RemainderKernels, degree: int = _LARGEST_DEGREE) -> Fac
     terms_by_shear = np.stack([(s**i * x**j).ravel() for i, j in odd_powers], axis=1)
     odd_terms = np.concatenate([terms_by_pressure, terms_by_shear])
     cross_kernels = np.concatenate(
-        [kernels.along_by_pressure.ravel(), -kernels.outward_by_shear.ravel()]
+        [kernels.x_displacement_by_pressure.ravel(), -kernels.outward_displacement_by_shear.ravel()]
     )
     cross_coefficients = np.linalg.lstsq(odd_terms, cross_kernels, rcond=None)[0]
     first_coefficients = cross_coefficients / half_length  # k_tn = e x - a s + ...

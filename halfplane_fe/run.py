@@ -682,7 +682,7 @@ class _Follower:
         run (`self.run`) receives the states, the index at which the revolution starts, and the
         change of its forces.
         """
-        start_of_cycle = self.run.states[-1]
+        start_state = self.run.states[-1]
         self.run.cycle_starts.append(len(self.run.iterations))
         self.follow_segments(segments, self.pace.steps_per_cycle, f"revolution {number + 1}")
 
@@ -690,10 +690,10 @@ class _Follower:
         states_of_cycle = self.run.states[self.run.cycle_starts[-1] :]
         self.run.close_cycle(excess(self.problem, states_of_cycle))
 
-        change = _relative_change_of_forces(
-            start_of_cycle, self.run.states[-1], self.problem.friction
+        change_of_forces = _relative_change_of_forces(
+            start_state, self.run.states[-1], self.problem.friction
         )
-        self.run.force_change_by_cycle.append(change)
+        self.run.force_change_by_cycle.append(change_of_forces)
 
     def follow_segments(
         self, segments: tuple[LoadSegment, ...], n_increments_of_longest: float, title: str

@@ -72,8 +72,8 @@ def check_supports(scene: Scene) -> None:
     for name, body in (("lower", scene.bodies.lower), ("upper", scene.bodies.upper)):
         if not is_pushed or not isinstance(body, Block | Pad):
             continue
-        held_by_ends = has_free_ends(body) and has_bulk_stress(prescribed_path(scene))
-        if body.base == "rollers" and body.sides == "free" and not held_by_ends:
+        is_held_by_ends = has_free_ends(body) and has_bulk_stress(prescribed_path(scene))
+        if body.base == "rollers" and body.sides == "free" and not is_held_by_ends:
             raise InputError(
                 f"bodies.{name}: nothing holds the {body.kind} against the tangential load, it"
                 " slides off: its base is on rollers and its sides are free; take base = 'fixed'"

@@ -768,7 +768,7 @@ def scatter_of_nodes(pressure: Array, node: int) -> float:
     >>> scatter_of_nodes(np.array([5.0, 5, 5, 5, 5, 6, 5, 5, 5, 5, 5]), node=5)
     1.0
     """
-    # _BESIDE_LARGEST_PRESSURE: nodes on either side
+    # _BESIDE_LARGEST_PRESSURE: four nodes on either side; a fourth difference takes two more
     n_nodes_beside = _BESIDE_LARGEST_PRESSURE + 2
     pressure_around = pressure[max(node - n_nodes_beside, 0) : node + n_nodes_beside + 1]
     fourth_differences = np.diff(pressure_around, n=4)

@@ -332,20 +332,26 @@ def test_bodies_of_unlike_materials(material: Elastic, bodies: str, history: str
 
 # ---------------------------------------------------------------------------------- planted faults
 def without_tangential_kernel(kernels: FaceKernels) -> FaceKernels:
-    return dataclasses.replace(kernels, along_by_shear=0 * kernels.along_by_shear)
+    return dataclasses.replace(kernels, x_displacement_by_shear=0 * kernels.x_displacement_by_shear)
 
 
 def without_normal_kernel(kernels: FaceKernels) -> FaceKernels:
-    return dataclasses.replace(kernels, inward_by_pressure=0 * kernels.inward_by_pressure)
+    return dataclasses.replace(
+        kernels, inward_displacement_by_pressure=0 * kernels.inward_displacement_by_pressure
+    )
 
 
 def with_coupling_turned(kernels: FaceKernels) -> FaceKernels:
-    return dataclasses.replace(kernels, along_by_pressure=-kernels.along_by_pressure)
+    return dataclasses.replace(
+        kernels, x_displacement_by_pressure=-kernels.x_displacement_by_pressure
+    )
 
 
 def with_places_exchanged(kernels: FaceKernels) -> FaceKernels:
     """Where the force is and where the face moves."""
-    return dataclasses.replace(kernels, along_by_pressure=kernels.along_by_pressure.T)
+    return dataclasses.replace(
+        kernels, x_displacement_by_pressure=kernels.x_displacement_by_pressure.T
+    )
 
 
 FAULTS = {
@@ -430,10 +436,12 @@ def test_the_fit_is_the_kernels_of_the_mesh() -> None:
     kernels = face_kernels("lower", Block(width=4.0, height=2.0), profile, STEEL, 1000.0)
     fitted = fitted_kernels(kernels)
     of_fit = np.polynomial.chebyshev.chebgrid2d(
-        kernels.x / fitted.reach, kernels.x_of_forces / fitted.reach, fitted.along_by_pressure
+        kernels.x / fitted.reach,
+        kernels.x_of_forces / fitted.reach,
+        fitted.x_displacement_by_pressure,
     )
-    largest = np.abs(kernels.along_by_pressure).max()
-    np.testing.assert_allclose(of_fit, kernels.along_by_pressure, atol=2e-3 * largest)
+    largest = np.abs(kernels.x_displacement_by_pressure).max()
+    np.testing.assert_allclose(of_fit, kernels.x_displacement_by_pressure, atol=2e-3 * largest)
 
 
 # -------------------------------------------------------------------------------------- what is not

@@ -173,10 +173,10 @@ def quadrilateral_kernels(shape, material, x_of_forces, reach):
     return RemainderKernels(
         x=basis.doflocs[0, face[0]],
         x_of_forces=np.asarray(x_of_forces),
-        inward_by_pressure=-answers[1, 1],
-        along_by_shear=answers[0, 0],
-        along_by_pressure=answers[0, 1],
-        outward_by_shear=answers[1, 0],
+        inward_displacement_by_pressure=-answers[1, 1],
+        x_displacement_by_shear=answers[0, 0],
+        x_displacement_by_pressure=answers[0, 1],
+        outward_displacement_by_shear=answers[1, 0],
         unknowns=int(np.count_nonzero(~held)),
     )
 
