@@ -315,7 +315,9 @@ def uncertain_value(
     correlation
         (n, n) correlation matrix of the inputs
     """
-    estimates = {by_input.key: by_input.changes[key] for by_input in changes_by_inputs}
+    estimates = {
+        change_by_input.key: change_by_input.changes[key] for change_by_input in changes_by_inputs
+    }
     changes_of_value = np.array([estimate.value for estimate in estimates.values()])
     second_order = math.hypot(*(estimate.uncertainty for estimate in estimates.values()))
 
@@ -782,6 +784,7 @@ def _reason_without_values(scene: Scene) -> str:
     """
     if not (scene.load.is_driven and scene.bodies.faces_are_true):
         return ""
+    # `_curved_kind`: the kind of the body whose face is curved, such as "pad"
     return (
         "under a prescribed displacement theory needs what the bodies add to half-planes, which is"
         f" known of flat faces, and that of a {_curved_kind(scene)} is curved. `halfplane sweep`"

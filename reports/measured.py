@@ -667,16 +667,16 @@ def _last_whole_cycle(rows: Array, time: Array, work_so_far: Array) -> LoadCycle
     if len(turning_rows) < 3:
         return None
     times, _, loads_at_turns = rows[turning_rows].T.tolist()
-    start, _, end = times
-    work_at_start, work_at_end = np.interp([start, end], time, work_so_far).tolist()
+    start_time, _, end_time = times
+    work_at_start, work_at_end = np.interp([start_time, end_time], time, work_so_far).tolist()
     largest_load = max(loads_at_turns)
     least_load = min(loads_at_turns)
     return LoadCycle(
         count=1.0,
         range=largest_load - least_load,
         mean=(largest_load + least_load) / 2,
-        start=start,
-        end=end,
+        start=start_time,
+        end=end_time,
         dissipation=work_at_end - work_at_start,
     )
 

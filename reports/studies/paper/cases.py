@@ -525,10 +525,10 @@ class Formulas:
         sum_over_spans = 0.0
         for span in self.case.slip_spans[phase]:
             # when the point begins and ends to slip in this span of time; no later end if never
-            start, end = (float(time[0]) for time in slip_times(span, edge_load))
-            if end > start:
+            start_time, end_time = (float(time[0]) for time in slip_times(span, edge_load))
+            if end_time > start_time:
                 # `delay`: what times of the load path are later than those of the span
-                sum_over_spans += integral(rate, start + span.delay, end + span.delay)
+                sum_over_spans += integral(rate, start_time + span.delay, end_time + span.delay)
         return sum_over_spans
 
 

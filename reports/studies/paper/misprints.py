@@ -322,10 +322,10 @@ def _sliding_condition(case: Case) -> VerdictAndNumbers:
     # share of the circles between both limits that slide: 99 for each coefficient of friction
     # AGREEMENT_TOLERANCE: 1e-9
     limits_differ = np.abs(friction - 1) > AGREEMENT_TOLERANCE  # they are equal at f = 1
-    width_between = (mended_limit - printed_limit)[limits_differ]
+    difference_of_limits = (mended_limit - printed_limit)[limits_differ]
     fractions = np.linspace(0.01, 0.99, 99)[:, None]
-    ratios_between = printed_limit[limits_differ] + width_between * fractions
-    sliding_share = float(np.mean(slides(friction[limits_differ], ratios_between)))
+    ratios_between_limits = printed_limit[limits_differ] + difference_of_limits * fractions
+    sliding_share = float(np.mean(slides(friction[limits_differ], ratios_between_limits)))
 
     # whether circles slide just below the mended limit and not just above it
     margin = 1e-10
@@ -340,7 +340,7 @@ def _sliding_condition(case: Case) -> VerdictAndNumbers:
         # at friction[4] = 1 and friction[1] = 0.4
         "apart at f = 1": _relative_error(float(printed_limit[4]), float(mended_limit[4])),
         "sliding share between": sliding_share,
-        "circles between": ratios_between.size,
+        "circles between": ratios_between_limits.size,
         "mended limit at f = 0.4": float(mended_limit[1]),
         "printed limit at f = 0.4": float(printed_limit[1]),
     }

@@ -81,7 +81,7 @@ def sweep_state(store: Store) -> Mapping[str, Any]:
     ]
 
     # the rate of the last 40 results (_N_LATEST_RESULTS), by the times of their files
-    n_waiting = len(points) - len(table)
+    n_waiting_points = len(points) - len(table)
     times_of_results = []
     for address in set(table["address"]):
         with suppress(FileNotFoundError):  # set aside meanwhile
@@ -90,8 +90,8 @@ def sweep_state(store: Store) -> Mapping[str, Any]:
     counts = {"done": len(table) - len(failures), "failed": len(failures)}
     return {
         "title": study.get("title", ""),
-        "points": counts | {"waiting": n_waiting, "total": len(points)},
-        "seconds_left": n_waiting / rate if n_waiting and rate else None,
+        "points": counts | {"waiting": n_waiting_points, "total": len(points)},
+        "seconds_left": n_waiting_points / rate if n_waiting_points and rate else None,
         "damaged": store.damaged(),
         "failures": failures,
         "notes": [

@@ -128,10 +128,14 @@ class Store:
         try:
             # {"format": ..., "sha256": checksum of the result as text, "result": ...}
             content = parsed_json(path.read_text(encoding="utf-8"))
-            answer = content["result"]
-            checksum_fits = content["sha256"] == checksum(canonical_json(answer))
-            if content["format"] == _FORMAT and checksum_fits and answer["address"] == address:
-                return dict(answer)
+            stored_result = content["result"]
+            checksum_fits = content["sha256"] == checksum(canonical_json(stored_result))
+            if (
+                content["format"] == _FORMAT
+                and checksum_fits
+                and stored_result["address"] == address
+            ):
+                return dict(stored_result)
         except FileNotFoundError:
             return None
         except OSError as fault:
@@ -204,27 +208,27 @@ class Store:
         rows = []
         column_types: dict[str, type] = {}  # of the quantities, in the order in which they come
         for point in points:
-            answer = self.read(point.address)
-            if answer is None:
+            stored_result = self.read(point.address)
+            if stored_result is None:
                 continue
             # the first stores have neither notes of the record nor notes on quantities
-            notes = [*answer.get("record", {}).get("notes", ())]
-            for name, note in answer.get("notes", {}).items():
+            notes = [*stored_result.get("record", {}).get("notes", ())]
+            for name, note in stored_result.get("notes", {}).items():
                 # a note without a name is on all quantities
                 notes.append(f"{name}: {note}" if name else note)
             rows.append(
                 {
                     "number": point.number,
                     **point.coordinates,
-                    **answer["figures"],
-                    "status": answer["status"],
-                    "seconds": answer["seconds"],
-                    "reason": answer["reason"],
+                    **stored_result["figures"],
+                    "status": stored_result["status"],
+                    "seconds": stored_result["seconds"],
+                    "reason": stored_result["reason"],
                     "notes": "; ".join(notes),
                     "address": point.address,
                 }
             )
-            column_types |= dict.fromkeys(answer["figures"], float)
+            column_types |= dict.fromkeys(stored_result["figures"], float)
 
         # the columns in their order, each once; STATUS_COLUMNS: the last ones, from status on
         axis_columns = points[0].coordinates if points else ()

@@ -197,12 +197,12 @@ class Deck:
         it is a half-plane with a bulk stress sigma; else None. E' = E/(1 - nu^2).
         """
         stress = self.bulk_stress[body_number]
-        name = ("lower", "upper")[body_number]
+        body_name = ("lower", "upper")[body_number]
         if stress is None or not stress.any():
             return None
-        if not isinstance(getattr(self.scene.bodies, name), HalfPlane):
+        if not isinstance(getattr(self.scene.bodies, body_name), HalfPlane):
             return None
-        material = getattr(self.scene.material, name)
+        material = getattr(self.scene.material, body_name)
         return np.asarray(stress * (1 - material.poisson_ratio**2) / material.young_modulus)
 
     def end_stresses(self, body_number: int) -> tuple[Array, Array] | None:
