@@ -624,11 +624,11 @@ def revolution_of(task: Task, run: PathRun, arrays: Mapping[str, Any]) -> Revolu
     first_step = 1  # row of the stored instants
     if run.cycle_starts:
         first_step = int(np.searchsorted(run.stored_indices, run.cycle_starts[-1])) + 1
-    load = arrays["normal_load"][first_step:]
+    normal_load = arrays["normal_load"][first_step:]
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
-    work_unit = 2 / modulus * (scene.friction.coefficient * np.max(load)) ** 2  # A f^2 P^2
+    work_unit = 2 / modulus * (scene.friction.coefficient * np.max(normal_load)) ** 2  # A f^2 P^2
     return Revolution(
-        load=load,
+        load=normal_load,
         contact_half_width=arrays["contact_half_width"][first_step:],
         stick_half_width=arrays["stick_half_width"][first_step:],
         dissipation=float(arrays["dissipation"] / work_unit) if work_unit > 0 else 0.0,

@@ -298,7 +298,7 @@ def on_half_planes(scene: Scene, datum: float) -> Scene:
     return scene.vary(bodies=Bodies(), rig={"datum_length": datum})
 
 
-def _scales_at(scene: Scene, load: float, work_counts: Counter[str]) -> Scales:
+def _scales_at(scene: Scene, load_unit: float, work_counts: Counter[str]) -> Scales:
     """Length and load scales of a contact, read off a run along its load path on a coarse mesh.
 
     Where the contact touches an end of the finely meshed part of the face, that part is enlarged by
@@ -310,7 +310,7 @@ def _scales_at(scene: Scene, load: float, work_counts: Counter[str]) -> Scales:
     ----------
     scene
         bodies, materials, profile, friction and loads
-    load
+    load_unit
         largest normal load, which loads are divided by [force per thickness]
     work_counts
         counts condensations
@@ -324,7 +324,7 @@ def _scales_at(scene: Scene, load: float, work_counts: Counter[str]) -> Scales:
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
     # The bodies on a coarse mesh; `pair.largest_face_half_width`: most of the half-width of the
     # narrower face. The contact takes 0.6 to 0.85 of the part of the face that is meshed finely.
-    pair = _CoarsePair(scene, load, modulus, work_counts)
+    pair = _CoarsePair(scene, load_unit, modulus, work_counts)
     face_half_width = _fitting_size(pair)
     # _COARSE_STEPS_OF_RECORD: increments of a revolution, 16; _COARSE_STEPS: 48
     steps = _COARSE_STEPS_OF_RECORD if is_plain_record(scene) else _COARSE_STEPS
@@ -362,7 +362,7 @@ def _scales_of_run(
         the contact problem with the places of its nodes, and its states along the load path
     """
     scene = pair.scene
-    load = pair.load
+    load_unit = pair.load
     modulus = pair.modulus
 
     # Half-width at the largest load, and outermost place that touches; scaled.
@@ -400,20 +400,22 @@ def _scales_of_run(
         half_width=face_half_width * half_width,
         inner=min(face_half_width * innermost_edge, first_kink),
         reach=face_half_width * max(reach, half_width),
-        load=load * state_at_largest_load.normal_load if scene.load.states_approach else load,
+        load=load_unit * state_at_largest_load.normal_load
+        if scene.load.states_approach
+        else load_unit,
         modulus=modulus,
         element=1 / (_N_ELEMENTS * half_width),
-        dissipation=float(run.nodal_work_by_cycle[-1].sum()) * load**2 / modulus,
+        dissipation=float(run.nodal_work_by_cycle[-1].sum()) * load_unit**2 / modulus,
         largest_pressure=float(
             np.max(state_at_largest_load.pressure / problem.interface.face_lengths)
         )
-        * load
+        * load_unit
         / face_half_width,
         values=run_values(
             from_datum(scene, run, scene.profile.datum_length / face_half_width),
             problem.interface.face_lengths,
-            displacement_unit=load / modulus,
-            stress_unit=load / face_half_width,
+            displacement_unit=load_unit / modulus,
+            stress_unit=load_unit / face_half_width,
         ),
     )
 
@@ -471,14 +473,14 @@ def estimate_room(scene: Scene, work_counts: Counter[str]) -> RoomForContact:
         If the contact reaches past the end of the narrower face.
     """
     short_scene = _with_extreme_rows(scene)
-    load = largest_load(short_scene)
+    load_unit = largest_load(short_scene)
     if short_scene.load.states_approach:
-        load = _load_of_approach(short_scene, work_counts)
+        load_unit = _load_of_approach(short_scene, work_counts)
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
 
     # The bodies on a coarse mesh; `pair.largest_face_half_width`: most of the half-width of the
     # narrower face.
-    pair = _CoarsePair(short_scene, load, modulus, work_counts)
+    pair = _CoarsePair(short_scene, load_unit, modulus, work_counts)
     face_half_width = _size_near_contact(pair)
     while True:
         try:
@@ -533,43 +535,47 @@ def _with_extreme_rows(scene: Scene) -> Scene:
     Of P, Q, Q/P, bulk stress and tilt the rows of the largest and the smallest value stay, with the
     first and the last row. Other scenes are returned as they are.
 
-    Rows of the record are (time, P, Q). `load.optional_column_kinds` names its further columns: of
-    bulk stress, tilt or moment. Each is one number, or a tuple with one for each row.
+    Rows of the record are (time, P, Q). Its `optional_column_kinds` names further columns: of bulk
+    stress, tilt or moment. Each is one number, or a tuple with one for each row.
     """
-    load = scene.load
-    if not isinstance(load, TimeSeriesLoad) or len(load.kept_rows()) <= _MOST_ROWS:
+    load_record = scene.load
+    if not isinstance(load_record, TimeSeriesLoad) or len(load_record.kept_rows()) <= _MOST_ROWS:
         return scene
 
     # Rows (n, 3) that count, and further columns (n,) by name.
-    first_row, row_beyond = load.row_bounds()
-    rows = load.rows.values[first_row:row_beyond] if load.has_bulk_or_tilt else load.kept_rows()
+    first_row, row_beyond = load_record.row_bounds()
+    rows = (
+        load_record.rows.values[first_row:row_beyond]
+        if load_record.has_bulk_or_tilt
+        else load_record.kept_rows()
+    )
     further_columns = {
-        name: np.array(getattr(load, name)[first_row:row_beyond])
-        for name in load.optional_column_kinds
-        if isinstance(getattr(load, name), tuple)
+        name: np.array(getattr(load_record, name)[first_row:row_beyond])
+        for name in load_record.optional_column_kinds
+        if isinstance(getattr(load_record, name), tuple)
     }
 
     # Numbers of the extreme rows of each column.
     # _LEAST_LOAD_RATIO: 1e-6
-    safe_load = np.maximum(rows[:, 1], _LEAST_LOAD_RATIO * rows[:, 1].max())  # P, not near 0
-    columns = [rows[:, 1], rows[:, 2], rows[:, 2] / safe_load, *further_columns.values()]
+    safe_normal_load = np.maximum(rows[:, 1], _LEAST_LOAD_RATIO * rows[:, 1].max())  # P, not near 0
+    columns = [rows[:, 1], rows[:, 2], rows[:, 2] / safe_normal_load, *further_columns.values()]
     row_numbers = {0, len(rows) - 1}
     for column in columns:
         row_numbers |= {int(np.argmin(column)), int(np.argmax(column))}
     sorted_numbers = sorted(row_numbers)
-    short_load = TimeSeriesLoad(
+    short_record = TimeSeriesLoad(
         rows=rows[sorted_numbers],
-        repeats=load.repeats,
+        repeats=load_record.repeats,
         **{
             name: tuple(column[sorted_numbers].tolist()) for name, column in further_columns.items()
         },
         **{
-            name: getattr(load, name)
-            for name in load.optional_column_kinds
-            if name not in further_columns and getattr(load, name) is not None
+            name: getattr(load_record, name)
+            for name in load_record.optional_column_kinds
+            if name not in further_columns and getattr(load_record, name) is not None
         },
     )
-    return scene.model_copy(update={"load": short_load})
+    return scene.model_copy(update={"load": short_record})
 
 
 @dataclass(eq=False)
