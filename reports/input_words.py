@@ -306,6 +306,7 @@ def _draws_in_words(draws: Draws, scene: Scene) -> str:
     `impossible` are fractions of the `count` draws. `scene` gives the unit.
     """
     unit = energy_unit(scene)
+    # WORK: "dissipation"
     drawn_work = draws.values[WORK]
     mean_in_words = with_uncertainty(drawn_work.mean, drawn_work.uncertainty)
     text = (
@@ -349,25 +350,25 @@ def rows_of_theory_values(effects: InputEffects, scene: Scene) -> list[tuple[str
         uncertain_input.key: uncertain_input.words for uncertain_input in effects.inputs
     }
     table: list[tuple[str, ...]] = []
-    for value in effects.values.values():
-        unit = _unit_of_value(value, scene)
+    for theory_value in effects.values.values():
+        unit = _unit_of_value(theory_value, scene)
         changes_in_words = [
-            f"{input_in_words[key]} {_in_percent(value.changes[key], value.value)}"
-            for key in value.keys_by_size_of_change[:3]
+            f"{input_in_words[key]} {_in_percent(theory_value.changes[key], theory_value.value)}"
+            for key in theory_value.keys_by_size_of_change[:3]
         ]
         table.append(
             (
-                f"{value.words} [{unit}]",
-                significant(value.value, 6),
-                significant(value.uncertainty, 2),
-                significant(100 * value.relative_uncertainty, 2),
+                f"{theory_value.words} [{unit}]",
+                significant(theory_value.value, 6),
+                significant(theory_value.uncertainty, 2),
+                significant(100 * theory_value.relative_uncertainty, 2),
                 ", ".join(changes_in_words) or "–",
             )
         )
     if effects.draws is not None:
         for key, drawn_value in effects.draws.values.items():
-            value = effects.values[key]
-            name = f"{value.words}, {effects.draws.count:,} draws [{_unit_of_value(value, scene)}]"
+            theory_value = effects.values[key]
+            name = f"{theory_value.words}, {effects.draws.count:,} draws [{_unit_of_value(theory_value, scene)}]"
             cells = (significant(drawn_value.mean, 6), significant(drawn_value.uncertainty, 2))
             table.append(
                 (name, *cells, significant(100 * drawn_value.relative_uncertainty, 2), "all")

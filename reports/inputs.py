@@ -645,8 +645,8 @@ class _ScalingLaws:
         """The change of each value V by one standard uncertainty of the input x called `key`:
         u x dV/dx, u being the `relative_uncertainty` of x.
 
-        Its error is the second order u^2 x^2 V''/2 of V = c x^n. With the change u n V this is
-        change (change - u V)/(2 V); 0 where V is 0.
+        Its uncertainty is the change of second order, u^2 x^2 V''/2, for a power law V = c x^n.
+        With the change u n V this is change (change - u V)/(2 V); 0 where V is 0.
 
         Parameters
         ----------
@@ -761,10 +761,10 @@ def with_blocks(scene: Scene) -> Scene:
         return scene
     # Bodies to be replaced, by name: each a block with all keys of the pad but "kind".
     blocks = {}
-    for name in ("lower", "upper"):
-        body = getattr(scene.bodies, name)
+    for body_name in ("lower", "upper"):
+        body = getattr(scene.bodies, body_name)
         if isinstance(body, Pad):
-            blocks[name] = Block(**body.model_dump(exclude={"kind"}))
+            blocks[body_name] = Block(**body.model_dump(exclude={"kind"}))
     return scene.vary(bodies=blocks) if blocks else scene
 
 
@@ -1107,7 +1107,7 @@ def draws_of_work(scene: Scene, reason: str) -> Draws | None:
     drawn_changes = drawn_changes_of(scene, n_draws)
     compute_values = values_of_ellipses if is_ellipse else values_one_by_one
 
-    # W and more by name, (count,) each; and which draws slide, (count,).
+    # W and more by name, (n_draws,) each; and which draws slide, (n_draws,).
     values, is_sliding = compute_values(scene, drawn_changes)
     # Fractions of the draws; WORK is "dissipation".
     sliding_share = float(np.mean(is_sliding))
@@ -1275,10 +1275,10 @@ def _numbers_of_drawn_profiles(scene: Scene, drawn_changes: Mapping[str, Array])
 
     # Sum of the curvatures of the cylinders, from which the profile's radius follows.
     sum_of_curvatures: Any = 0.0
-    for body in ("lower", "upper"):
-        cylinder = getattr(scene.bodies, body)
+    for body_name in ("lower", "upper"):
+        cylinder = getattr(scene.bodies, body_name)
         if isinstance(cylinder, Cylinder):
-            change = drawn_changes.get(f"bodies.{body}.radius", np.zeros(()))
+            change = drawn_changes.get(f"bodies.{body_name}.radius", np.zeros(()))
             sum_of_curvatures = sum_of_curvatures + 1 / (cylinder.radius * (1 + change))
     if scene.bodies.relative_radius() is not None:
         numbers["radius"] = 1 / sum_of_curvatures

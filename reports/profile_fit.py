@@ -333,7 +333,7 @@ def _work_of_ellipse(scene: Scene) -> float:
     InputError
         Where it has no value, such as under gross sliding.
     """
-    load = scene.load
+    load_ellipse = scene.load
     keys_of_load = (
         "mean_normal_load",
         "normal_amplitude",
@@ -346,7 +346,7 @@ def _work_of_ellipse(scene: Scene) -> float:
         profile=scene.profile,
         material=scene.material,
         friction_coefficient=scene.friction.coefficient,
-        **{name: getattr(load, name) for name in keys_of_load},
+        **{name: getattr(load_ellipse, name) for name in keys_of_load},
     )
     if batch.reason:
         reason = semi_analytic.Reason(int(batch.reason)).name.lower()

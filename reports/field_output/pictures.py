@@ -285,8 +285,8 @@ def mesh(
     legend_entries = [Key("mesh-lower", "lower body"), Key("mesh-upper", "upper body")]
     boundaries: list[Mark] = []
     if with_boundaries:
-        boundaries, keys_of_boundaries = _marks_of_boundaries(bodies, half_width)
-        legend_entries += keys_of_boundaries
+        boundaries, entries_of_boundaries = _marks_of_boundaries(bodies, half_width)
+        legend_entries += entries_of_boundaries
 
     # a panel for each view; the boundaries are drawn on the first
     panels = []

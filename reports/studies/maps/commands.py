@@ -68,7 +68,6 @@ def make_map(name: str, options: Options) -> Answer:
 
     def terminal_output() -> Iterator[Part]:
         """What the terminal shows: the table of least heights, and the path of the page."""
-        # Sheet: a table on the terminal, of title, heads and rows
         title = "height/a from which theory is within 1; 5; 10 %"
         # Sheet: a table on the terminal, of title, heads and rows
         yield Sheet(title, pages.HEADS_OF_HEIGHTS, pages.rows_of_heights(shown_tables))

@@ -497,11 +497,16 @@ class Formulas:
         normal_load, _ = self.loads(t)
         normal_load_rate, _ = self.rates(t)
         # C dP/dt arccosh(x/c), c being the contact half-width under `stick_edge_load`
-        part_by_slip = self.multiplied_load_rate(phase, t) * self.arccosh_ratio(
+        part_by_stick_edge = self.multiplied_load_rate(phase, t) * self.arccosh_ratio(
             x, self.stick_edge_load(phase, t)
         )
         part_by_load = sign * normal_load_rate * self.arccosh_ratio(x, normal_load)
-        return self.case.compliance * self.case.friction / math.pi * (part_by_slip - part_by_load)
+        return (
+            self.case.compliance
+            * self.case.friction
+            / math.pi
+            * (part_by_stick_edge - part_by_load)
+        )
 
     def engine_slip(self, x: float, start: float, end: float) -> float:
         """The slip s that a point at `x` [length] gains between two times (later minus earlier), by

@@ -949,7 +949,7 @@ def _falls_towards_far_loads(paper: Paper) -> dict[str, VerdictAndNumbers]:
     # Exponents n of P0^n, between neighbouring loads. At constant radius, not constant a0: the peak
     # goes as 1/a0, and a0 grows like sqrt(P0).
     peak_exponents = _exponents(hertz_sweep, "peak") - 0.5
-    least_gap = float(np.min(peak_exponents - _exponents(hertz_sweep, "work")))
+    least_difference = float(np.min(peak_exponents - _exponents(hertz_sweep, "work")))
 
     # at which loads the figure of merit is largest
     merits = [sweep.work / sweep.peak for sweep in paper.sweeps]
@@ -964,8 +964,8 @@ def _falls_towards_far_loads(paper: Paper) -> dict[str, VerdictAndNumbers]:
             {"largest step": largest_rise["peak"]},
         ),
         "work falls faster than its peak": (
-            verdict_of_condition(least_gap > 0),
-            falls | {"least gap of exponents": least_gap},
+            verdict_of_condition(least_difference > 0),
+            falls | {"least gap of exponents": least_difference},
         ),
         "best designs close to sliding": (
             verdict_of_condition(best_columns == {0}),
