@@ -524,8 +524,8 @@ def _value_of_input(scene: HasInputs, key: str) -> float | None:
     """Value, in the scene's units, of the input that an uncertainty is stated for; None for a load,
     whose uncertainty scales all its values alike.
 
-    `key` is "friction" or a load (no point), "table.name", such as "profile.radius", or
-    "table.body.name", such as "material.upper.poisson_ratio".
+    `key` is "friction" or a load such as "normal_load" (no dot in it), "table.name", such as
+    "profile.radius", or "table.body.name", such as "material.upper.poisson_ratio".
 
     Raises
     ------

@@ -238,13 +238,13 @@ def _si_size(unit: str, kind: str) -> tuple[float, bool] | None:
         numerator, slash, denominator = unit.replace(" ", "").partition("/")
     numerator = _unit_symbol(numerator)
     denominator = _unit_symbol(denominator)
-    per_length = bool(slash)
+    is_per_length = bool(slash)
     # _UNITS_OF_FILES: for each kind, the SI sizes of its units by their symbols
     sizes = _UNITS_OF_FILES[kind]
     lengths = _UNITS_OF_FILES["length"]
-    if numerator not in sizes or (per_length and denominator not in lengths):
+    if numerator not in sizes or (is_per_length and denominator not in lengths):
         return None
-    return sizes[numerator] / lengths.get(denominator, 1.0), per_length
+    return sizes[numerator] / lengths.get(denominator, 1.0), is_per_length
 
 
 def _unit_symbol(word: str) -> str:

@@ -182,13 +182,13 @@ def compare(
         a solution that the scales are taken from, where the reference holds few instants;
         `reference` if None
     tolerances
-        key of a metric -> largest |E| admitted; it has priority over those of the scene. Without
-        either, bodies for which half-plane theory is exact are judged by the tolerances of the
-        project's own engines, and real bodies are not judged
+        key of a metric -> largest size of its value that is admitted; it has priority over those of
+        the scene. Without either, bodies for which half-plane theory is exact are judged by the
+        tolerances of the project's own engines, and real bodies are not judged
     effects
-        what finite bodies add to half-planes, `halfplane_fe.body_effects(scene)`. The displacements
-        of half-plane theory are then U + c_t Q and approach + c_n P, which can be compared with
-        those of the bodies; without it they count from another place
+        what finite bodies add to half-planes, `halfplane_fe.body_effects(scene)`: the compliances
+        c_t and c_n. The displacements of half-plane theory are then U + c_t Q and approach + c_n P,
+        which can be compared with those of the bodies; without it they count from another place
 
     Raises
     ------
@@ -271,8 +271,9 @@ def _notes_on_pair(pair: Pair) -> Iterator[str]:
     places, and the notes of both solutions.
 
     `pair` holds reference and result. Its masks (k,): `is_in_contact` where a point carries
-    pressure, `is_judged` where also P is at least 0.1 P_ref. `effects` are the compliances that
-    lead from one datum of displacements to the other, where one is needed and known.
+    pressure, `is_judged` where also P is at least a tenth of the reference load. `effects` are the
+    compliances that lead from one datum of displacements to the other, where one is needed and
+    known.
     """
     from reports.charts.templating import in_template
 

@@ -218,9 +218,9 @@ def coarser_mesh_and_settings(
     """Settings of mesh and solver for a mesh with all surface elements `factor` times larger, but
     at most 0.25 a, a the half-width of the contact.
 
-    Element sizes in `mesh` are over a. The stiffnesses of a penalty layer are stated in E*/h, h the
-    element size. They are multiplied by the factor too, so that the layer keeps its stiffness
-    wherever no size is limited.
+    Element sizes in `mesh` are over a. The stiffnesses of a penalty layer are stated in E*/h, E*
+    the contact modulus, h the element size. They are multiplied by the factor too, so that the
+    layer keeps its stiffness wherever no size is limited.
     """
     # elements in the middle of the contact, and at its edges
     middle_size = min(_LARGEST_ELEMENT_SIZE, factor * mesh.element_size)

@@ -86,9 +86,9 @@ def scales_of_reference(reference: ContactSolution) -> Scales:
     - P_ref, the mean normal load where P and Q go round an ellipse, else the largest normal load of
       the last cycle;
     - a_ref, the half-width of contact at P_ref, interpolated linearly between the instants;
-    - p_ref = 2 P_ref/(pi a_ref);
+    - p_ref = 2 P_ref/(pi a_ref), the largest pressure of a Hertz contact of that load and width;
     - f, the friction coefficient, 1 for a frictionless scene;
-    - A = 2/E*, the compliance of the materials.
+    - A = 2/E*, the compliance of the materials, E* their contact modulus.
     """
     load_history = reference.scene.load
     if isinstance(load_history, EllipseLoad):  # P and Q go round an ellipse

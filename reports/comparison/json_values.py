@@ -54,7 +54,8 @@ _FIELDS_OF_METRIC = (
 
 def metric_content(metric: Metric, scene: Scene, is_covered: bool | None) -> dict[str, Any]:
     """A metric of a comparison, as JSON values by key: its numbers, verdict and texts; whether its
-    value is finite or missing ("finite"); the instant and x/a_ref of its worst error.
+    value is finite or missing ("finite"); the instant and place of its worst error, x over the
+    half-width at the reference load (a_ref).
 
     `is_covered`: whether its stated uncertainty covers its known error, None where that is not
     known. Texts on the last cycle are changed to the whole path where the loads of `scene` do not

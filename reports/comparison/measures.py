@@ -577,7 +577,8 @@ def dissipation(pair: Pair) -> MetricValue:
     on the same points as the result. The table shows the W of `pair.plain_reference`, the same
     solution with its own rule and points. `pair.scales.dissipation` is A f^2 P_ref^2.
 
-    # notation: A = 2/E* compliance of the materials, f friction coefficient, P_ref reference load
+    # notation: A = 2/E* compliance of the materials (E* contact modulus), f friction coefficient,
+    # P_ref reference load
     """
     # the two W of the reference differ for an external result only
     metric_value = _difference_of_extremes(
@@ -599,8 +600,8 @@ def largest_dissipation_density(pair: Pair) -> MetricValue:
     the place x/a_ref of the result's largest value. Over A f^2 P_ref^2/a_ref
     (`pair.scales.dissipation_density`) where the reference does no friction work.
 
-    # notation: A = 2/E* compliance of the materials, f friction coefficient, P_ref reference load,
-    # a_ref half-width at it
+    # notation: A = 2/E* compliance of the materials (E* contact modulus), f friction coefficient,
+    # P_ref reference load, a_ref half-width at it
     """
     # last cycles: `dissipation_density` is w at the common points, (n,)
     reference_cycle = pair.reference_cycle
@@ -879,8 +880,8 @@ def contact_edge(pair: Pair) -> MetricValue:
 
 
 def stick_edge(pair: Pair) -> MetricValue:
-    """Outward shift of the worse edge of the stick zone over a_ref, at the worst of the judged
-    instants at which result and reference both have a stick zone.
+    """Outward shift of the worse edge of the stick zone over a_ref, the half-width at the reference
+    load, at the worst of the judged instants at which result and reference both have a stick zone.
 
     Left out is an instant at which full stick comes or goes one instant earlier in one of them. The
     note counts the instants at which the two differ in full stick, partial slip or full slip. NaN,
@@ -1082,8 +1083,8 @@ def tangential_displacement(pair: Pair) -> MetricValue:
     enough load, 0.1 P_ref (`pair.is_judged`). A note says where U of half-planes is given with the
     compliances of the bodies (`pair.effects`).
 
-    # notation: U_ref that of the reference, A = 2/E* compliance of the materials, f friction
-    # coefficient, P_ref reference load
+    # notation: U_ref that of the reference, A = 2/E* compliance of the materials (E* contact
+    # modulus), f friction coefficient, P_ref reference load
     """
     if pair.lacks_common_datum:
         return _metric_without_value(_REASON_NO_DATUM)
@@ -1163,8 +1164,10 @@ def dissipation_of_steps(pair: Pair) -> MetricValue:
 
     Finite elements correct their own W for the curve of the path within an increment. W on the
     polygon is multiplied by the same factor, so that only the rest of the error is left. Where the
-    reference dissipates nothing the difference is over A f^2 P_ref^2 (`pair.scales.dissipation`):
-    A = 2/E* compliance of the materials, f friction coefficient, P_ref reference load.
+    reference dissipates nothing the difference is over A f^2 P_ref^2 (`pair.scales.dissipation`).
+
+    # notation: A = 2/E* compliance of the materials (E* contact modulus), f friction coefficient,
+    # P_ref reference load
     """
     # theory with straight loads between the instants; on the smooth path where there is none
     reference_on_polygon = pair.polygon_reference or pair.reference
@@ -1197,7 +1200,8 @@ def bulk_term(pair: Pair) -> MetricValue:
     `pair.scales.dissipation`) the difference is over A f^2 P_ref^2, and marked `absolute`. No value
     where the load path does not repeat, or where a solution states no m_q (`shear_moment`).
 
-    # notation: A = 2/E* compliance of the materials, f friction coefficient, P_ref reference load
+    # notation: A = 2/E* compliance of the materials (E* contact modulus), f friction coefficient,
+    # P_ref reference load
     """
     reference_cycle = pair.reference_cycle
     result_cycle = pair.result_cycle
@@ -1248,8 +1252,8 @@ def dissipation_density(pair: Pair) -> MetricValue:
     Over A f^2 P_ref^2/a_ref (`pair.scales.dissipation_density`) and marked `absolute` where the
     reference does no friction work anywhere: no more than 1e-12 of that. A NaN counts as work.
 
-    # notation: A = 2/E* compliance of the materials, f friction coefficient, P_ref reference load,
-    # a_ref half-width at it
+    # notation: A = 2/E* compliance of the materials (E* contact modulus), f friction coefficient,
+    # P_ref reference load, a_ref half-width at it
     """
     # last cycles: `dissipation_density` is w at the common points, (n,)
     reference_cycle = pair.reference_cycle

@@ -152,7 +152,7 @@ def reason_by_missing_field(solution: ContactSolution) -> dict[str, str]:
 
 def judged_metrics(pair: Pair, tolerances: Mapping[str, float]) -> tuple[Metric, ...]:
     """Every metric that a comparison has, in the order of the table, with its value and the
-    tolerance that judges it, from `tolerances` (key -> |E| admitted).
+    tolerance that judges it, from `tolerances` (key -> largest size of the value admitted).
 
     A metric that needs a field which a solution lacks has no value, and the reason as its note. It
     keeps its tolerance, unless it is one of shear or slip and the contact carries no shear. Other
@@ -211,8 +211,8 @@ def _reason_for_none(metric: Metric, reasons_by_engine: Mapping[str, Mapping[str
 def tolerances_of(
     scene: Scene, is_theory_exact: bool, tolerances: Mapping[str, float] | None = None
 ) -> dict[str, float]:
-    """Key of a metric -> largest |E| admitted: that of `tolerances`, else that of the scene, else
-    that of the project's own engines where theory is exact for the bodies.
+    """Key of a metric -> largest size of its value admitted: that of `tolerances`, else that of the
+    scene, else that of the project's own engines where theory is exact for the bodies.
 
     A metric whose tolerance is infinite is not judged, and is left out. `is_theory_exact`: whether
     the bodies are half-planes whose normal and shear tractions are not coupled.

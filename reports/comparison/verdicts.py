@@ -15,7 +15,7 @@ class Verdict(StrEnum):
 
 
 def verdict_on(error: float, tolerance: float, uncertainty: float | None = None) -> Verdict:
-    """Whether the size of `error` lies within `tolerance`, both in one unit.
+    """Whether the size of an error E lies within `tolerance`, both in one unit.
 
     Within if |E| + u <= tolerance, outside if |E| - u > tolerance, else undecided. Where no
     uncertainty u is known, |E| alone decides. An error that is not finite is outside; an

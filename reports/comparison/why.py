@@ -138,10 +138,10 @@ class Why(PythonNumbers):
     def main_cause(self) -> str:
         """In words, the cause of most of the difference of W between finite elements and theory.
 
-        "" where the difference is not split or not resolved, where the largest part has the other
-        sign or is not resolved, where it is less than half of the sum of the sizes of all parts, or
-        where the unexplained part is more than a third of it. Resolved: larger than two
-        uncertainties. `parts` maps a cause to its part of the difference with uncertainty.
+        "" where the difference is not split or not resolved, or where the largest part has the
+        other sign or is not resolved. "" too where that part is less than half of the sum of the
+        sizes of all parts, or the unexplained part more than a third of it. Resolved: larger than
+        two uncertainties. `parts` maps a cause to its part of the difference with uncertainty.
 
         >>> parts = {"tilt": Estimate(0.03, 0.001), "strain": Estimate(-0.004, 0.001)}
         >>> Why(Estimate(0.027, 0.001), parts).main_cause
@@ -152,15 +152,16 @@ class Why(PythonNumbers):
         if not self.parts:
             return ""
         cause = max(self.parts, key=lambda name: abs(self.parts[name].value))
-        change = self.parts[cause]
-        size = abs(change.value)
+        largest_part = self.parts[cause]
+        size = abs(largest_part.value)
         sum_of_sizes = sum(abs(part.value) for part in self.parts.values())
         is_resolved = abs(self.difference.value) > 2 * self.difference.uncertainty
-        has_same_sign = math.copysign(1.0, change.value) == math.copysign(
+        has_same_sign = math.copysign(1.0, largest_part.value) == math.copysign(
             1.0, self.difference.value
         )
         is_main = (
-            size >= _LEAST_SHARE_OF_MAIN_CAUSE * sum_of_sizes and size > 2 * change.uncertainty
+            size >= _LEAST_SHARE_OF_MAIN_CAUSE * sum_of_sizes
+            and size > 2 * largest_part.uncertainty
         )
         is_mostly_explained = abs(self.unexplained_part.value) <= _LARGEST_UNEXPLAINED_SHARE * size
         return cause if is_resolved and has_same_sign and is_main and is_mostly_explained else ""

@@ -739,7 +739,7 @@ def first_table(comparison: JudgedPair) -> tuple[tuple[str, ...], list[dict[str,
 
     A metric with a quantity of its own, such as the largest pressure, is a `headline`: it has
     `amounts` in reference and result, and `stated`, their uncertainties by the solutions
-    themselves. `place` is x/a_ref of the result's amount.
+    themselves. `place` is that of the result's amount, x over the half-width at the reference load.
     """
     solution_names = [
         {"semi_analytic": "theory"}.get(solution.engine, engine_in_words(solution.engine))

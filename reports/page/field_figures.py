@@ -63,7 +63,8 @@ def tractions(view: CycleView) -> Plate:
     instant: the tractions, and their difference.
 
     `view` holds the last cycles of both solutions, with tractions (k instants, n points), points
-    `x` over a_ref, and the numbered instants (`chosen_events`, each with index and label).
+    `x` over a_ref (half-width at the reference load), and the numbered instants (`chosen_events`,
+    each with index and label).
 
     A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV. A
     `Cell` is a stack of panels.
@@ -112,7 +113,8 @@ def traction_panels(
     moves_with_slider: bool = False,
 ) -> tuple[Panel, Panel]:
     """Two panels for one instant: pressure p and shear q of both engines over x; and below it the
-    difference, result minus reference, in per cent of p_ref and f p_ref.
+    difference, result minus reference, in per cent of p_ref (reference pressure) and f p_ref (f the
+    friction coefficient).
 
     Parameters
     ----------
@@ -200,6 +202,9 @@ def _tractions_at(
     """The x/a_ref of the points that are drawn, (n,); and by letter, "p" or "q", a pair of arrays
     (k, n): p/p_ref or q/(f p_ref) of the reference and of the result at these points.
 
+    # notation: p pressure, q shear traction, p_ref and a_ref pressure and half-width at the
+    # reference load, f friction coefficient
+
     The k instants are `instants` (indices) in their order, without repetitions. `view` holds the
     last cycles of both solutions, all points over a_ref, and the largest that is drawn.
     """
@@ -268,8 +273,8 @@ def _strip_of_states(view: CycleView, engine: EngineView, strip_number: int) -> 
     by open, stick and slip, with the engine's name. The page's slider recolours it.
 
     `strip_number` counts from 0 at the top. `view` holds the instant that is shown, and the largest
-    x/a_ref that is drawn; `engine` its last cycle, with states (k, n) as codes 0 to 3. Heights are
-    in pixels.
+    x that is drawn, over the half-width at the reference load; `engine` its last cycle, with states
+    (k, n) as codes 0 to 3. Heights are in pixels.
 
     `Block` is a rectangle, `Note` a text and `Group` marks that the page's script replaces
     together.
@@ -298,7 +303,8 @@ def state_map(view: CycleView) -> Plate:
     one of where they differ.
 
     `view` holds the last cycles of both solutions, with states (k instants, n points) as codes 0 to
-    3, the instants `time` (k,), the points `x` over a_ref, and the largest of them that is drawn.
+    3, the instants `time` (k,), the points `x` over the half-width at the reference load, and the
+    largest of them that is drawn.
 
     A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV. `Bitmap`
     is an image over the panel.

@@ -218,7 +218,8 @@ def slip_histories(view: CycleView) -> Plate:
     the cycle.
 
     `view` holds the last cycles of both solutions: `engines` (cycle with slip (k, n), name) of
-    reference and result, points `x` over a_ref (n,), and the axis of time.
+    reference and result, points `x` over a_ref (n,), the half-width at the reference load, and the
+    axis of time.
 
     A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV. `Key` is
     an entry of the legend.

@@ -303,6 +303,9 @@ def _dissipations(comparison: Comparison) -> Iterator[dict[str, str]]:
     the closed integral of Q dU, under bulk stress of Q dU − m_q d(eps); "bulk" and "normal" work of
     bulk stress and of P; "apart" |(loop + normal work)/W − 1|; "cycles" W of every cycle. Work of P
     below 1e-12 W is round-off and shown as 0.
+
+    # notation: q shear traction, A = 2/E* compliance of the materials (E* contact modulus), f
+    # friction coefficient, P_ref reference load, m_q moment of the shear, eps bulk strain
     """
 
     def text_of_number(value: float | None, digits: int = 8) -> str:
@@ -389,7 +392,8 @@ def _data_of_slider(view: CycleView) -> dict[str, Any]:
     the instants and points that the page holds, and how many there are in all.
 
     `view` holds the last cycles of both solutions: `time`, loads and displacements (k,) at k
-    instants, points `x` over a_ref (n,), and the instants that figures mark (`chosen_events`).
+    instants, points `x` over the half-width at the reference load (n,), and the instants that
+    figures mark (`chosen_events`).
     """
     scene = view.scene
     # indices of the instants and points that the page holds: about 200 instants at most, and
@@ -471,7 +475,8 @@ def _fields_of_slider(
     codes of the states, that of the reference (0 to 3) plus 4 times that of the result.
 
     `view` holds the last cycles of both solutions, with arrays (k instants, n points), and the
-    scales p_ref and f p_ref by which p and q are divided.
+    scales p_ref (reference pressure) and f p_ref (f the friction coefficient) by which p and q are
+    divided.
     """
     field_and_scale = {
         "p": ("pressure", view.scales.pressure),
