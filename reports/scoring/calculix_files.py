@@ -138,6 +138,7 @@ def read_frd(
                     name, components = lines.components_below()
                     times[time] = None
                     block_names[name] = None
+                    # characters of a node's number; records with their continuations
                     label_width, records = lines.records_below(
                         line, f"records of block {name}", header_line
                     )

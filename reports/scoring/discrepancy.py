@@ -357,8 +357,8 @@ def discrepancy_of(comparison: Comparison) -> Discrepancy | None:
     if not len(usable_instants):
         return None
     n_instants = min(len(usable_instants), _MOST_INSTANTS)
-    evenly_spaced_places = np.linspace(0, len(usable_instants) - 1, n_instants).round().astype(int)
-    instants = usable_instants[np.unique(evenly_spaced_places)]
+    even_indices = np.linspace(0, len(usable_instants) - 1, n_instants).round().astype(int)
+    instants = usable_instants[np.unique(even_indices)]
 
     # tractions of both at these instants, and which of them count
     reference_cycle = comparison.reference_cycle

@@ -237,6 +237,7 @@ def _history_by_time(
     # notation: P normal load, Q tangential load
     """
     path = scene.load.path()
+    # end of the last load segment, or of the last cycle
     if path.period is None:
         last_time = path.initial_loading[-1].end
     else:
@@ -496,8 +497,8 @@ def _times_in_order(
     # a step back by a 3000th of a revolution costs as much as a mean step ahead
     step_back = (path.period or duration) / _DIVISOR_OF_STEP_BACK
 
-    # cost of each place of an instant: of the way to it, and of its distance from the loads
-    # for each instant, samples at which the path is nearest to its loads
+    # places of each instant: samples at which the path is nearest to its loads. The cost of a place
+    # is that of the way to it, and of its distance from the loads.
     places = [_nearest_samples(squares_of_instant) for squares_of_instant in squared_distances]
     # of equal matches the earlier one counts
     cost = _COST_OF_A_CYCLE_AHEAD * (times[places[0]] - times[0]) / duration

@@ -196,7 +196,7 @@ def _closed_loop_and_gap_error(
     if len(rows_in_standstill) > 1:  # U moves on while Q stands: the loop closes where U returns
         row_after, fraction_of_step = _where_displacement_returns(displacement, rows_in_standstill)
         is_last_row = row_after == len(displacement) - 1 and fraction_of_step == 1
-        if is_last_row:  # which may be a step before the first one
+        if is_last_row:  # the cycle may lack the step from the last row to the first one
             largest_displacement_step = float(
                 np.max(np.abs(np.diff(displacement[rows_in_standstill])))
             )
@@ -209,8 +209,8 @@ def _closed_loop_and_gap_error(
         )
         for values in (displacement, load)
     )
-    # U that does not come back closes by a chord at the first Q: an error of the gap times Q from
-    # its mean there.
+    # Where U does not come back, a chord at the first Q closes the loop: an error of the gap in U
+    # times the distance of this Q from the middle.
     error_by_gap = 0.0
     gap_of_displacement = displacement_at_end - float(displacement[0])
     if abs(gap_of_displacement) > largest_scatter_of_displacement:

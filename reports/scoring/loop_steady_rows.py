@@ -103,7 +103,7 @@ def fit_steady_rows(
     loop
         U, Q and time of the rows, and their file `source`
     rig_compliance
-        C of the rig between the places where U is measured [1/stress]; None fits it
+        compliance C of the rig between the places where U is measured [1/stress]; None fits it
 
     Returns
     -------
@@ -185,7 +185,7 @@ def _steadiest_rows(
         memory curve of half-plane theory: U over half the change of Q since a turning point, from
         which every branch of the loop follows
     rig_compliance
-        C of the rig between the places where U is measured [1/stress]; None fits it
+        compliance C of the rig between the places where U is measured [1/stress]; None fits it
 
     Raises
     ------
@@ -333,7 +333,7 @@ def _tested_candidate(
         memory curve of theory: U over half the change of Q since a turning point, from which loops
         are built
     rig_compliance
-        C of the rig [1/stress]; None fits it
+        compliance C of the rig [1/stress]; None fits it
 
     # notation: f coefficient of friction, Q tangential load, sigma standard deviation of the noise
     #           of U, U relative tangential displacement
@@ -736,7 +736,7 @@ def _fit_where_load_varies(
 ) -> FittedLoop:
     """Fit the coefficient of friction f to a measured loop whose scene has a varying normal load P
     and two branches of Q in a cycle: theory's loop between the turning points of Q is fitted to
-    the rows. `rig_compliance` is C of the rig [1/stress]; None fits it too.
+    the rows. `rig_compliance` is the compliance C of the rig [1/stress]; None fits it too.
 
     # notation: Q tangential load, U relative tangential displacement
     """

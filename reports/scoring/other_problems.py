@@ -280,7 +280,7 @@ def _fit_of_adhesion(discrepancy: Discrepancy) -> ProblemFit | None:
     None where the result has no tension next to both edges, and where p0 or p1 would not be
     positive. `discrepancy` holds the tractions of result and reference.
 
-    # notation: p pressure
+    # notation: p pressure, p0 and p1 fitted factors
     """
     pressure = discrepancy.result_tractions[PRESSURE]
     largest_pressure = pressure.max(axis=1, keepdims=True)
@@ -408,7 +408,7 @@ def _fit_of_limited_pressure(discrepancy: Discrepancy) -> ProblemFit | None:
     result_pressure = discrepancy.result_tractions[PRESSURE]
     limit = float(np.median(result_pressure[result_pressure > 0.9 * result_pressure.max()]))
     limited_pressures = []
-    most_on_limit = 0
+    most_points_on_limit = 0
     for pressure, load, weights in zip(
         result_pressure, discrepancy.normal_load, discrepancy.weight, strict=True
     ):
@@ -420,8 +420,8 @@ def _fit_of_limited_pressure(discrepancy: Discrepancy) -> ProblemFit | None:
         limited_pressures.append(trial_pressures[best_trial])
         # where elastic theory exceeds the limit by a tenth
         is_on_limit = elastic_pressures[best_trial] > _LEAST_RATIO_TO_LIMIT * limit
-        most_on_limit = max(most_on_limit, int(np.sum(is_on_limit)))
-    if most_on_limit < _FEWEST_ON_LIMIT:
+        most_points_on_limit = max(most_points_on_limit, int(np.sum(is_on_limit)))
+    if most_points_on_limit < _FEWEST_ON_LIMIT:
         return None
     is_above_limit = discrepancy.reference_tractions[PRESSURE] > limit
     return ProblemFit(
@@ -433,9 +433,9 @@ def _fit_of_limited_pressure(discrepancy: Discrepancy) -> ProblemFit | None:
         judged_points=_points_in_contact(discrepancy, np.array(limited_pressures)),
         sentence_values={"limit": limit / discrepancy.comparison.scales.pressure},
         evidence=(
-            f"{most_on_limit} points of one instant have {limit:.4g}, and no point has more than"
-            f" {result_pressure.max() / limit:.3g} times that, where the reference exceeds it at"
-            f" {int(is_above_limit.sum())} points",
+            f"{most_points_on_limit} points of one instant have {limit:.4g}, and no point has more"
+            f" than {result_pressure.max() / limit:.3g} times that, where the reference exceeds it"
+            f" at {int(is_above_limit.sum())} points",
         ),
     )
 
@@ -462,14 +462,14 @@ def _fit_of_gaps(discrepancy: Discrepancy) -> ProblemFit | None:
     is_in_gap = (
         result_pressure <= _LARGEST_OPEN_PRESSURE_SHARE * largest_pressure
     ) & is_well_inside
-    # numbers of points of the gaps, over all instants
-    gap_lengths = [
-        length
+    # number of points of each gap, over all instants
+    point_counts = [
+        point_count
         for is_in_gap_at_instant in is_in_gap
-        for length in _run_lengths(is_in_gap_at_instant)
+        for point_count in _run_lengths(is_in_gap_at_instant)
     ]
     # of two points and more; two at an instant at least
-    n_long_gaps = sum(length >= _FEWEST_IN_GAP for length in gap_lengths)
+    n_long_gaps = sum(point_count >= _FEWEST_IN_GAP for point_count in point_counts)
     pressure_over_gaps = np.where(is_in_gap, reference_pressure, 0.0)
     load_over_gaps = np.trapezoid(pressure_over_gaps, discrepancy.x, axis=1)
     load_of_reference = np.trapezoid(reference_pressure, discrepancy.x, axis=1)
@@ -478,7 +478,7 @@ def _fit_of_gaps(discrepancy: Discrepancy) -> ProblemFit | None:
     has_few_gaps = n_long_gaps < _FEWEST_GAPS * len(result_pressure)
     if has_few_gaps or least_share < _LEAST_SHARE_OVER_GAPS:
         return None
-    # integral of the pressure over P
+    # integral of the pressure over P: it differs from 1 by more than a tenth
     if abs(discrepancy.resultant_ratio - 1) > _LARGEST_IMBALANCE:
         return None
     # judged on the gaps alone: the problem says that they are open, and nothing of the zones

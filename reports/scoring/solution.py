@@ -120,16 +120,16 @@ def solution_of_surface(
         )
     # field -> (number of instants, reason)
     missing_fields = _missing_fields(surface, history.time, _instants_of_cycle(scene, history.time))
-    has_work = "dissipation" not in missing_fields
+    has_dissipation = "dissipation" not in missing_fields
     solution_without_zones = _solution_without_zones(
         surface, mapping, scene, history, missing_fields
     )
     # states, edges and work from its tractions and slip
     solution, method_in_words = _solution_with_zones(
-        solution_without_zones, uses_slip=surface.slip is not None, adds_dissipation=has_work
+        solution_without_zones, uses_slip=surface.slip is not None, adds_dissipation=has_dissipation
     )
     notes = [*surface.notes, *history.notes, method_in_words]
-    if has_work:
+    if has_dissipation:
         notes.append(
             "its dissipation is the sum of q ds of its own shear and slip over the"
             f" {len(solution.last_cycle)} instants of a cycle"
@@ -359,10 +359,12 @@ def reference_by_same_rule(
         return reference, ()
     # name of a field that the result lacks -> reason
     missing_fields = reason_by_missing_field(result)
-    has_work = np.array_equal(reference.time, result.time) and "dissipation" not in missing_fields
+    has_dissipation = (
+        np.array_equal(reference.time, result.time) and "dissipation" not in missing_fields
+    )
     # states, edges and work from the tractions of the reference; edges are (n_steps, 2)
     reference_by_rule, _ = _solution_with_zones(
-        reference, uses_slip="slip" not in missing_fields, adds_dissipation=has_work
+        reference, uses_slip="slip" not in missing_fields, adds_dissipation=has_dissipation
     )
 
     # Stick edges are judged at the instants at which the rule finds those of the reference, within
@@ -391,7 +393,7 @@ def reference_by_same_rule(
             " edges, which are not judged"
         )
     sentences = [f"{sentence}."]
-    if has_work:
+    if has_dissipation:
         excess_percent = 0.0
         if reference.dissipation:
             excess_percent = 100 * (reference_by_rule.dissipation / reference.dissipation - 1)
