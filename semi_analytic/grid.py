@@ -377,7 +377,9 @@ class Grid:
         end = contact.end[:, None]
         return (self._cell_numbers >= begin) & (self._cell_numbers < end)
 
-    def _solve_normal(self, load: float, tilt: float, gap_without_tilt: Array) -> NormalSolution:
+    def _solve_normal(
+        self, normal_load: float, tilt: float, gap_without_tilt: Array
+    ) -> NormalSolution:
         """Pressure, cells in contact and normal approach of each grid under the load P and the tilt
         alpha: p > 0 where the gap is 0, and p = 0 where it is open.
 
@@ -386,7 +388,7 @@ class Grid:
 
         Parameters
         ----------
-        load, tilt
+        normal_load, tilt
             P [force per thickness]; alpha
         gap_without_tilt
             (g, k) gap between the unloaded faces without tilt, with what the shear adds, of g grids
@@ -423,15 +425,15 @@ class Grid:
                     contact.begin[grids_of_size, None] + np.arange(n_cells),
                 )
                 approach[grids_of_size] = (
-                    load / self.cell_width
+                    normal_load / self.cell_width
                     + unloaded_gap[cells_in_contact] @ cell_stiffness.traction_per_shift
                 ) / cell_stiffness.total_per_shift
-                pressure_by_height = (
+                pressure_by_gap = (
                     unloaded_gap[cells_in_contact] @ cell_stiffness.root.T
                 ) @ cell_stiffness.root
                 pressure[cells_in_contact] = (
                     approach[grids_of_size, None] * cell_stiffness.traction_per_shift
-                    - pressure_by_height
+                    - pressure_by_gap
                 )
             # _compliance: C (k, k) of all cells.
             is_in_contact = self._contact_mask(contact)
@@ -441,8 +443,8 @@ class Grid:
                 break
             # All cells from the first to the last that touches.
             first_cell = np.argmax(is_touching, axis=1)
-            cell_behind_last = self.cells - np.argmax(is_touching[:, ::-1], axis=1)
-            contact = ContactCells(first_cell, cell_behind_last - first_cell)
+            number_after_last_cell = self.cells - np.argmax(is_touching[:, ::-1], axis=1)
+            contact = ContactCells(first_cell, number_after_last_cell - first_cell)
         else:
             raise ArithmeticError("the contact area does not converge")
         if np.any(contact.begin == 0) or np.any(contact.end == self.cells):
@@ -450,10 +452,14 @@ class Grid:
         return NormalSolution(pressure, contact, approach)
 
     def _solve_tangential(
-        self, force: float, displacement: Array, friction_limit: Array, cells_before: ContactCells
+        self,
+        tangential_load: float,
+        displacement: Array,
+        friction_limit: Array,
+        cells_before: ContactCells,
     ) -> TangentialSolution:
         """Shear q, slip s, direction of slip and displacement U of all grids after an increment to
-        the tangential force Q = `force`. Newly touched cells are given slip from before the touch.
+        the tangential load Q. Newly touched cells are given slip from before the touch.
 
         Ahead of an edge of contact that advances, slip grows as the root of the distance. A cell
         that is touched after a fraction t of the increment has then made 2/3 t of the slip that it
@@ -462,7 +468,7 @@ class Grid:
 
         Parameters
         ----------
-        force
+        tangential_load
             Q at the end of the increment [force per thickness]
         displacement
             (g, k) tangential displacement of the faces that q does not cause, of g grids of k cells
@@ -487,10 +493,15 @@ class Grid:
             group = groups_to_solve.pop()
             try:
                 early_slip = self._solve_increment_of(
-                    force, displacement, friction_limit, cells_in_both, slip_at_begin, group
+                    tangential_load,
+                    displacement,
+                    friction_limit,
+                    cells_in_both,
+                    slip_at_begin,
+                    group,
                 ).slip
             except ArithmeticError:
-                # The force is more than the earlier cells can carry: new ones start without slip.
+                # Q is more than the earlier cells can carry: new ones start without slip.
                 if len(group) > 1:
                     groups_to_solve += np.split(group, len(group))
                 else:
@@ -504,12 +515,17 @@ class Grid:
                 is_new_cell, _SLIP_SHARE_BEFORE_TOUCH * (early_slip - slip_at_begin[group]), 0.0
             )
         return self._solve_increment_of(
-            force, displacement, friction_limit, contact, slip_at_begin, np.arange(len(self.x))
+            tangential_load,
+            displacement,
+            friction_limit,
+            contact,
+            slip_at_begin,
+            np.arange(len(self.x)),
         )
 
     def _solve_increment_of(
         self,
-        force: float,
+        tangential_load: float,
         displacement: Array,
         friction_limit: Array,
         contact: ContactCells,
@@ -517,7 +533,7 @@ class Grid:
         grids: NDArray[np.intp],
     ) -> TangentialSolution:
         """Shear q, slip s, direction of slip and displacement U of some grids under a tangential
-        force, where the cells in contact are known. Which of them slide is found by an active set.
+        load, where the cells in contact are known. Which of them slide is found by an active set.
 
         q = q_0 - G v, with q_0 of full stick and the slip v of the increment. G is the stiffness of
         the cells in contact. Matrices have the size of the largest contact: where a grid has fewer
@@ -525,7 +541,7 @@ class Grid:
 
         Parameters
         ----------
-        force
+        tangential_load
             Q [force per thickness]
         displacement
             tangential displacement of the faces that q does not cause, (g, k) for g grids of k
@@ -561,7 +577,7 @@ class Grid:
         # q_0: by Q with the same displacement of all cells, and by what keeps each cell at its slip
         # before the increment
         shear_in_full_stick = (
-            force
+            tangential_load
             / self.cell_width
             / cell_stiffness.total_per_shift
             * cell_stiffness.traction_per_shift
@@ -594,7 +610,7 @@ class Grid:
 
         # U from equilibrium: the sum of q is Q over the cell width.
         rigid_displacement = (
-            force / self.cell_width
+            tangential_load / self.cell_width
             + (slip_in_columns - free_slip) @ cell_stiffness.traction_per_shift
         ) / cell_stiffness.total_per_shift
         # _compliance (k, k): displacements of the cells by unit tractions on them.
@@ -602,7 +618,7 @@ class Grid:
         return TangentialSolution(all_shear, all_slip, all_directions, rigid_displacement)
 
     def _step_to_loads(
-        self, load: float, force: float, strain: float, tilt: float
+        self, normal_load: float, tangential_load: float, strain: float, tilt: float
     ) -> dict[str, Any]:
         """Bring all grids by one implicit increment to the loads P and Q, the bulk strain eps and
         the tilt alpha; the fields at its end, by their names in `GridFields`.
@@ -618,34 +634,36 @@ class Grid:
 
         Parameters
         ----------
-        load, force
+        normal_load, tangential_load
             P and Q at the end of the increment [force per thickness]
         strain, tilt
             eps and alpha there
         """
         displacement_by_strain: Array = -strain * self.x  # of the faces, without shear, (g, k)
         # Solutions: pressure, cells in contact and approach; shear, slip, its directions and U.
-        if load <= 0:
+        if normal_load <= 0:
             normal_solution, tangential_solution = self._solution_without_contact(
                 displacement_by_strain
             )
         # Without coupling the normal solution depends on P and alpha only: it is kept for the next
         # cycle.
         elif not self.dundurs_beta:
-            if (load, tilt) not in self._normal_by_load:
-                self._normal_by_load[load, tilt] = self._solve_normal(load, tilt, self._height)
-            normal_solution = self._normal_by_load[load, tilt]
+            if (normal_load, tilt) not in self._normal_by_load:
+                self._normal_by_load[normal_load, tilt] = self._solve_normal(
+                    normal_load, tilt, self._height
+                )
+            normal_solution = self._normal_by_load[normal_load, tilt]
             cells_before = self._contact
             self._contact = normal_solution.contact
             tangential_solution = self._solve_tangential(
-                force,
+                tangential_load,
                 displacement_by_strain,
                 self.friction * normal_solution.pressure,
                 cells_before,
             )
         else:
             normal_solution, tangential_solution = self._solve_in_turn(
-                load, force, tilt, displacement_by_strain
+                normal_load, tangential_load, tilt, displacement_by_strain
             )
         shear, slip, slip_directions, displacement_in_grid = tangential_solution
 
@@ -657,13 +675,13 @@ class Grid:
             np.int8
         )
         fields: dict[str, Any] = {
-            "loads": np.array([load, force, strain, tilt]),
+            "loads": np.array([normal_load, tangential_load, strain, tilt]),
             "pressure": normal_solution.pressure,
             "shear": shear,
             "slip": slip,
             "state": contact_state,
-            "approach": normal_solution.approach - self.datum_compliance * load,
-            "displacement": displacement_in_grid - self.datum_compliance * force,
+            "approach": normal_solution.approach - self.datum_compliance * normal_load,
+            "displacement": displacement_in_grid - self.datum_compliance * tangential_load,
             "moment": self.cell_width * np.sum(self.x * normal_solution.pressure, axis=1),
             "shear_moment": self.cell_width * np.sum(self.x * shear, axis=1),
             "density": work_per_area,
@@ -701,7 +719,7 @@ class Grid:
         return normal_solution, tangential_solution
 
     def _solve_in_turn(
-        self, load: float, force: float, tilt: float, displacement_by_strain: Array
+        self, normal_load: float, tangential_load: float, tilt: float, displacement_by_strain: Array
     ) -> tuple[NormalSolution, TangentialSolution]:
         """Normal and tangential solution of all grids after an increment between unlike bodies,
         solved in turn until the shear changes no more.
@@ -713,7 +731,7 @@ class Grid:
 
         Parameters
         ----------
-        load, force, tilt
+        normal_load, tangential_load, tilt
             P and Q [force per thickness] and the tilt alpha at the end of the increment
         displacement_by_strain
             tangential displacement of the faces by bulk strain, (g, k) for g grids of k cells
@@ -732,12 +750,12 @@ class Grid:
             # pressure.
             gap_by_shear = shear_of_last_turn @ self._coupling.T
             # _height: gap between the unloaded faces.
-            normal_solution = self._solve_normal(load, tilt, self._height + gap_by_shear)
+            normal_solution = self._solve_normal(normal_load, tilt, self._height + gap_by_shear)
             self._contact = normal_solution.contact
             friction_limit = self.friction * normal_solution.pressure
             displacement_by_pressure = normal_solution.pressure @ self._coupling.T
             tangential_solution = self._solve_tangential(
-                force,
+                tangential_load,
                 displacement_by_strain + displacement_by_pressure,
                 friction_limit,
                 cells_before,
@@ -785,12 +803,12 @@ class Grid:
         `slip` returns that slip at points x. Where |q| would exceed f p, cells slip further in the
         increment that is made here.
         """
-        load, force, strain, tilt = loads.tolist()
+        normal_load, tangential_load, strain, tilt = loads.tolist()
         # The cells of each grid take the slip at their middles.
         self.slip = np.stack([slip(x) for x in self.x])
         # Cells in contact under these loads; _height: gap between the unloaded faces.
-        self._contact = self._solve_normal(load, tilt, self._height).contact
-        self._step_to_loads(load, force, strain, tilt)
+        self._contact = self._solve_normal(normal_load, tilt, self._height).contact
+        self._step_to_loads(normal_load, tangential_load, strain, tilt)
 
     def follow(self, loads: Array) -> GridFields:
         """Pressure, shear, slip, work and displacements of the grids at the end of each of n
@@ -806,11 +824,15 @@ class Grid:
             the grid.
         """
         fields_of_increments = []
-        for load, force, strain, tilt in loads.tolist():
+        for normal_load, tangential_load, strain, tilt in loads.tolist():
             try:
-                fields_of_increments.append(self._step_to_loads(load, force, strain, tilt))
+                fields_of_increments.append(
+                    self._step_to_loads(normal_load, tangential_load, strain, tilt)
+                )
             except ArithmeticError as fault:
-                raise ArithmeticError(f"{fault} at P = {load:.6g}, Q = {force:.6g}") from fault
+                raise ArithmeticError(
+                    f"{fault} at P = {normal_load:.6g}, Q = {tangential_load:.6g}"
+                ) from fault
         # From one dictionary per increment to one array per field.
         fields = {}
         for name in fields_of_increments[0]:
@@ -923,12 +945,13 @@ def _work_of_loads_between(fields_before: dict[str, Any], fields_at_end: dict[st
     Both arguments hold fields by name, before the increment and at its end: "loads" (P, Q, bulk
     strain eps, tilt); "shear_moment", m_q = int x q dx, and "displacement", U, (g,) each.
     """
-    _, force_before, strain_before, _ = fields_before["loads"]
-    _, force, strain, _ = fields_at_end["loads"]
+    _, tangential_load_before, strain_before, _ = fields_before["loads"]
+    _, tangential_load, strain, _ = fields_at_end["loads"]
     mean_moment = (fields_at_end["shear_moment"] + fields_before["shear_moment"]) / 2
     displacement_change = fields_at_end["displacement"] - fields_before["displacement"]
     return np.asarray(
-        (force + force_before) / 2 * displacement_change - mean_moment * (strain - strain_before)
+        (tangential_load + tangential_load_before) / 2 * displacement_change
+        - mean_moment * (strain - strain_before)
     )
 
 
@@ -1278,10 +1301,10 @@ def _state_at(grid: Grid, fields: GridFields, instant: int, x: Array, compliance
     """
     n_grids = len(grid.x)
     # Of an increment: Q and bulk strain.
-    _, force, strain, _ = fields.loads[instant]
+    _, tangential_load, strain, _ = fields.loads[instant]
     # U against the datum of the compliance, at the grid's length; datum_compliance: change of U per
     # Q if the datum moves there from 1.
-    displacement = fields.displacement[instant] + grid.datum_compliance * force
+    displacement = fields.displacement[instant] + grid.datum_compliance * tangential_load
 
     # By the shear of all cells, (g, m).
     displacement_by_shear = np.matmul(compliance, fields.shear[instant][..., None])[..., 0]
@@ -1826,9 +1849,9 @@ def _run_coarse_and_fine(
     # path.cycle: segments of a cycle, empty without one; path.period: its duration or None;
     # _PathInIncrements: the path in so many increments a cycle.
     path = loads.path
-    increments = request.increments
-    coarse_path = _PathInIncrements(loads, increments // 2)
-    fine_path = _PathInIncrements(loads, increments)
+    increments_per_cycle = request.increments
+    coarse_path = _PathInIncrements(loads, increments_per_cycle // 2)
+    fine_path = _PathInIncrements(loads, increments_per_cycle)
     coarse_cells = request.cells // 2
     is_last_cycle_alone = request.steady and time is None and path.period is not None
 
@@ -1856,7 +1879,7 @@ def _run_coarse_and_fine(
 
     # Instants of the answer, if none are given: about every second increment.
     if time is None:
-        time = _default_times(path, n_cycles, increments, is_last_cycle_alone)
+        time = _default_times(path, n_cycles, increments_per_cycle, is_last_cycle_alone)
     time = np.asarray(time, dtype=float)
 
     # Grids by themselves are stored, and compared, at every so many instants.

@@ -802,11 +802,11 @@ def _smooth_end(
     # notation: a_s' rate of f alpha - s eps, alpha tilt, eps bulk strain
     """
     segment = span.segment
-    slip_load = slip_combination(span.direction, span.friction)
+    s_q_minus_f_p = slip_combination(span.direction, span.friction)
     middle_time = (span.begin.time + span.end.time) / 2
     # Rates of s Q - f P; `time` is taken as the end of the stroke.
     rate_at_begin, rate_in_middle, rate_at_end = (
-        abs(float(segment.rate_of(slip_load, rate_time)))
+        abs(float(segment.rate_of(s_q_minus_f_p, rate_time)))
         for rate_time in (span.begin.time, middle_time, time)
     )
     largest_rate = max(rate_at_begin, rate_in_middle, rate_at_end)
@@ -818,8 +818,8 @@ def _smooth_end(
         return None
     # Second rate by a difference of rates around the end, with 1e-4 of the segment's duration.
     time_increment = _DERIVATIVE_STEP * (segment.end - segment.start)
-    rate_after = float(segment.rate_of(slip_load, time + time_increment))
-    rate_before = float(segment.rate_of(slip_load, time - time_increment))
+    rate_after = float(segment.rate_of(s_q_minus_f_p, time + time_increment))
+    rate_before = float(segment.rate_of(s_q_minus_f_p, time - time_increment))
     second_rate = (rate_before - rate_after) / (2 * time_increment)  # N'', of N = f P - s Q
     if second_rate <= 0:
         return None
@@ -855,6 +855,9 @@ def _work_at_stroke_end(span: Span, radius: float, n_panels: int) -> Array:
     sides of the slip zone stop one after the other, which leaves tangential loads dT on flat
     punches at loads eta. Their work is f int (P - eta) dT. `n_panels` are those of this integral;
     `radius` is R of the parabola.
+
+    # notation: N'' second rate of f P - s Q, a_s' rate of f alpha - s eps there, alpha tilt, eps
+    #           bulk strain, s direction of slip
     """
     stick_edge_load = span.end.normal_load - float(span.slip_zone_load(span.end.time))
     # None where the stroke ends at a vertex of the load path.
@@ -874,6 +877,10 @@ def _work_at_passed_end(span: Span, radius: float, n_panels: int) -> Array:
     It is over (alpha_P, alpha_Q, e_P, e_Q). A load dT left at eta adds f (P - eta) dT, P being the
     normal load when the stick edge passes eta. `n_panels` are those of this integral; `radius` is
     R of the parabola.
+
+    # notation: N'' second rate of f P - s Q, a_s' rate of f alpha - s eps at that smooth end, alpha
+    #           tilt, eps bulk strain, s direction of slip, M(eta) tangential force of the flat
+    #           punches up to the load eta
     """
     piece = span.sticking_piece
     if piece is None or not is_at_coulomb_limit(piece, -span.direction, span.friction):
@@ -890,13 +897,13 @@ def _work_at_passed_end(span: Span, radius: float, n_panels: int) -> Array:
     is_passed = (eta < stick_edge_load_at_begin) & (eta >= stick_edge_load_at_end)
     eta = eta[is_passed]
     # The stick edge is at eta when s Q - f P of the path equals s M(eta) - f eta.
-    slip_load = slip_combination(span.direction, span.friction)
+    s_q_minus_f_p = slip_combination(span.direction, span.friction)
     change_to_begin = float(
-        combination_change(piece.anchor, span.segment, slip_load, span.begin.time)
+        combination_change(piece.anchor, span.segment, s_q_minus_f_p, span.begin.time)
     )
     change_to_eta = slip_combination_on_piece(piece, span.direction, span.friction, eta)
     passing_time = span.segment.time_of(
-        slip_load, change_to_eta - change_to_begin, span.begin.time, span.end.time
+        s_q_minus_f_p, change_to_eta - change_to_begin, span.begin.time, span.end.time
     )
     load = span.segment.loads(passing_time)[0]
     integral = float(np.sum(load_left_at_eta[is_passed] * (load - eta)))
@@ -945,11 +952,11 @@ def _one_sided_slip_ratios(span: Span, radius: float, modulus: float) -> Iterato
         centre_distance = stick_edge.centre_distance(radius)
         yield centre_distance / (half_width * (1 - stick_ratio))[:, None]
     for direction in directions:
-        slip_load = slip_combination(direction, span.friction)
-        slip_load_rate = np.abs(span.segment.rate_of(slip_load, time))  # |N'|
+        s_q_minus_f_p = slip_combination(direction, span.friction)
+        rate_of_s_q_minus_f_p = np.abs(span.segment.rate_of(s_q_minus_f_p, time))  # |N'|
         # Ratio 2; a_s' as coefficients (n, 4).
         edge_function_over_rate = ratio_of_edge_functions / np.maximum(
-            slip_load_rate, np.finfo(float).tiny
+            rate_of_s_q_minus_f_p, np.finfo(float).tiny
         )
         tilt_rate = _equivalent_tilt_coefficients(span.friction, direction, *load_rates)
         yield np.pi * modulus / 2 * edge_function_over_rate[:, None] * tilt_rate
