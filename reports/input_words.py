@@ -277,15 +277,15 @@ def _main_input_in_words(effects: InputEffects) -> str:
     """
     # WORK, PEAK: "dissipation" and "peak_pressure"
     for key in (WORK, PEAK):
-        value = effects.values.get(key)
-        if value is None or not value.keys_by_size_of_change:
+        theory_value = effects.values.get(key)
+        if theory_value is None or not theory_value.keys_by_size_of_change:
             continue
         # Key of an input -> its name.
         input_in_words = {
             uncertain_input.key: uncertain_input.words for uncertain_input in effects.inputs
         }
-        first_key, *other_keys = value.keys_by_size_of_change
-        sizes = {input_key: abs(change.value) for input_key, change in value.changes.items()}
+        first_key, *other_keys = theory_value.keys_by_size_of_change
+        sizes = {input_key: abs(change.value) for input_key, change in theory_value.changes.items()}
         name_of_input = input_in_words[first_key]
         statement = f"{name_of_input[:1].upper()}{name_of_input[1:]} matters most"
         if key != WORK:
@@ -368,7 +368,8 @@ def rows_of_theory_values(effects: InputEffects, scene: Scene) -> list[tuple[str
     if effects.draws is not None:
         for key, drawn_value in effects.draws.values.items():
             theory_value = effects.values[key]
-            name = f"{theory_value.words}, {effects.draws.count:,} draws [{_unit_of_value(theory_value, scene)}]"
+            unit = _unit_of_value(theory_value, scene)
+            name = f"{theory_value.words}, {effects.draws.count:,} draws [{unit}]"
             cells = (significant(drawn_value.mean, 6), significant(drawn_value.uncertainty, 2))
             table.append(
                 (name, *cells, significant(100 * drawn_value.relative_uncertainty, 2), "all")

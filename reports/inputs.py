@@ -550,7 +550,7 @@ def changes_of_theory(
     Returns
     -------
     list of _ChangeByInput
-        For each input its key, and the change of each value by name with its error.
+        For each input its key, and the change of each value by name with its uncertainty.
     """
 
     def values_at(changed_scene: Scene) -> _ValueByName:
@@ -598,7 +598,7 @@ def _change_by_laws(
     Returns
     -------
     _ChangeByInput
-        The key and the change of each value by name, with its error.
+        The key and the change of each value by name, with its uncertainty.
     """
     key = uncertain_input.key
     standard_uncertainty = uncertain_input.standard_uncertainty
@@ -1008,8 +1008,8 @@ def _works_by_quick_formula(scene: Scene, effects: BodyEffects) -> tuple[float, 
     """
     import semi_analytic
 
-    load = scene.load
-    assert isinstance(load, EllipseLoad)  # for the type checker: see `quick_formula_holds`
+    load_ellipse = scene.load
+    assert isinstance(load_ellipse, EllipseLoad)  # for the type checker: see `quick_formula_holds`
 
     def work_with_effects(body_effects: BodyEffects | None) -> float:
         """Friction work W of a cycle with the elastic responses `body_effects` that finite bodies
@@ -1019,11 +1019,11 @@ def _works_by_quick_formula(scene: Scene, effects: BodyEffects) -> tuple[float, 
             profile=scene.profile,
             material=scene.material,
             friction_coefficient=scene.friction.coefficient,
-            mean_normal_load=load.mean_normal_load,
-            normal_amplitude=load.normal_amplitude,
-            mean_tangential_load=load.mean_tangential_load,
-            tangential_amplitude=load.tangential_amplitude,
-            phase_degrees=load.phase_degrees,
+            mean_normal_load=load_ellipse.mean_normal_load,
+            normal_amplitude=load_ellipse.normal_amplitude,
+            mean_tangential_load=load_ellipse.mean_tangential_load,
+            tangential_amplitude=load_ellipse.tangential_amplitude,
+            phase_degrees=load_ellipse.phase_degrees,
             effects=body_effects,
         )
         # `value`: the dissipation W

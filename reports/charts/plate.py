@@ -94,15 +94,15 @@ def _ticks_of_powers(lower_end: float, upper_end: float, count: int) -> list[flo
     """Ticks of a logarithmic axis from `lower_end` to `upper_end`: powers of ten, at most about
     `count` of them; where there are fewer than three, with two and five times them.
     """
-    first_power = np.ceil(np.log10(lower_end) - 1e-9)
-    last_power = np.floor(np.log10(upper_end) + 1e-9)
-    powers = np.arange(first_power, last_power + 1)
-    if len(powers) >= 3:
-        stride = -(-len(powers) // (count + 1))
-        return [10.0**power for power in powers[::stride]]
-    powers = np.arange(np.floor(np.log10(lower_end)), np.ceil(np.log10(upper_end)) + 1)
-    numbers = [digit * 10.0**power for power in powers for digit in (1, 2, 5)]
-    return [n for n in numbers if lower_end * (1 - 1e-9) <= n <= upper_end * (1 + 1e-9)]
+    first_exponent = np.ceil(np.log10(lower_end) - 1e-9)
+    last_exponent = np.floor(np.log10(upper_end) + 1e-9)
+    exponents = np.arange(first_exponent, last_exponent + 1)
+    if len(exponents) >= 3:
+        stride = -(-len(exponents) // (count + 1))
+        return [10.0**exponent for exponent in exponents[::stride]]
+    exponents = np.arange(np.floor(np.log10(lower_end)), np.ceil(np.log10(upper_end)) + 1)
+    numbers = [digit * 10.0**exponent for exponent in exponents for digit in (1, 2, 5)]
+    return [tick for tick in numbers if lower_end * (1 - 1e-9) <= tick <= upper_end * (1 + 1e-9)]
 
 
 def _even_ticks(lower_end: float, upper_end: float, count: int) -> list[float]:
@@ -498,13 +498,13 @@ class Plate:
             for column, stack in enumerate(stacks_of_row):
                 top_of_panel = top_of_row
                 for panel in stack:
-                    box = {
+                    place_and_size = {
                         "x": sum(widths[:column]),
                         "y": top_of_panel,
                         "width": panel.width,
                         "height": panel.height,
                     }
-                    elements.append(_panel_svg(panel, is_standalone=True, **box))
+                    elements.append(_panel_svg(panel, is_standalone=True, **place_and_size))
                     top_of_panel += panel.height
                 bottom_of_row = max(bottom_of_row, top_of_panel)
             top_of_row = bottom_of_row

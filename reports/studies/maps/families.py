@@ -108,7 +108,7 @@ class Kind:
 
         # the load P0 at which the contact's half-width is 1 mm; P1 = P0/3, Q1 = f P0/3
         mean_load = float(contact_of(scene.profile, scene.material).load(1.0))
-        load = EllipseLoad(
+        load_ellipse = EllipseLoad(
             mean_normal_load=mean_load,
             normal_amplitude=mean_load / 3,
             mean_tangential_load=1.1 / 3 * place.friction * mean_load,
@@ -116,7 +116,7 @@ class Kind:
             phase_degrees=90.0,
             initial_loading="straight",
         )
-        return scene.vary(load=load)
+        return scene.vary(load=load_ellipse)
 
     def places(self, heights: tuple[float, ...]) -> list[Place]:
         """The points of a map at these heights: for each width and friction coefficient all

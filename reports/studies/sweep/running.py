@@ -514,9 +514,8 @@ class _RunOfTasks:
         signal of Ctrl-C, or of the system to end. `pool.width` is how many tasks are worked on at
         once.
         """
-        task_by_future: dict[
-            Future[str], Task
-        ] = {}  # tasks handed out, by the future of their answer
+        # tasks handed out, by the future of their answer
+        task_by_future: dict[Future[str], Task] = {}
         while (tasks or task_by_future) and not signals:
             # hand out, as JSON text
             while tasks and len(task_by_future) <= self.pool.width:

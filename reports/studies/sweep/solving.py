@@ -558,8 +558,8 @@ def _solve(question: Question) -> dict[str, Any]:
 def _record_of_solution(solution: ContactSolution | None) -> dict[str, Any]:
     """How a solution came about, as JSON values. They are convergence, notes, numbers of instants
     ("steps") and surface points, its last time, the first cycle that is steady, counts and seconds
-    of the work. "worst" is the worst residual of each law of contact and equilibrium. Empty without
-    a solution.
+    of the computation. "worst" is the worst residual of each law of contact and equilibrium. Empty
+    without a solution.
     """
     if solution is None:
         return {}
