@@ -134,11 +134,11 @@ class Compliance(NamedTuple):
         # notation: U tangential displacement
         """
         product_of_normal_load, product_of_tangential_load = self.tilt_products
-        load = np.asarray(normal_load)
+        normal_loads = np.asarray(normal_load)
         return np.asarray(
-            -load
+            -normal_loads
             * (
-                product_of_normal_load * load
+                product_of_normal_load * normal_loads
                 + product_of_tangential_load * np.asarray(tangential_load)
             )
         )
@@ -732,21 +732,26 @@ class _StepSolver:
         self._logarithm_integrals = [0.0]
         self._second_moments = [0.0]
 
-    def row_under_loads(self, load: float, force: float) -> Row:
-        """Loads P = `load` and Q = `force`, the curvatures that they add to gap and faces, and the
-        edge of contact under them, with the loads of the flat punches up to that edge.
+    def row_under_loads(self, normal_load: float, tangential_load: float) -> Row:
+        """Loads P and Q, the curvatures that they add to gap and faces, and the edge of contact
+        under them, with the loads of the flat punches up to that edge.
         """
         # N, N_Q of the gap per P and per Q; T, T_P of the faces per Q and per P.
         curvatures = self._compliance.curvatures
-        gap_curvature = curvatures.normal * load + curvatures.normal_under_shear * force
-        face_curvature = curvatures.tangential * force + curvatures.tangential_under_pressure * load
+        gap_curvature = (
+            curvatures.normal * normal_load + curvatures.normal_under_shear * tangential_load
+        )
+        face_curvature = (
+            curvatures.tangential * tangential_load
+            + curvatures.tangential_under_pressure * normal_load
+        )
         # Coordinate s of the edge of contact in the table of punches; then the loads of the punches
         # up to it: of the profile, of x^2/2 and of x^4/24.
-        edge_s = self._edge_s(load, gap_curvature)
+        edge_s = self._edge_s(normal_load, gap_curvature)
         edge_loads = self._table.punch_loads_at(edge_s)
         return Row(
-            normal_load=load,
-            tangential_load=force,
+            normal_load=normal_load,
+            tangential_load=tangential_load,
             normal_curvature=gap_curvature,
             tangential_curvature=face_curvature,
             normal_fourth=0.0,
@@ -810,7 +815,11 @@ class _StepSolver:
         return (end,)
 
     def solved_step(
-        self, state: MemoryState, end: _Instant, force_before: float, free_displacement: float
+        self,
+        state: MemoryState,
+        end: _Instant,
+        tangential_load_before: float,
+        free_displacement: float,
     ) -> _SolvedStep:
         """Tangential load Q at the instant `end` of a rig, with the memory of friction and gross
         sliding there.
@@ -823,7 +832,7 @@ class _StepSolver:
         ----------
         state
             memory of friction at the begin of the step
-        force_before
+        tangential_load_before
             Q there
         free_displacement
             part of U_act by earlier sliding and separation [length]
@@ -848,8 +857,10 @@ class _StepSolver:
         # Trial with the Q before: the actuator must push forward or back from there.
         # Each trial adds pieces of memory curve, which are discarded after it.
         n_pieces = len(memory.pieces)
-        force = min(max(force_before, -friction_limit), friction_limit)
-        memory_step, displacement = self._step_and_displacement(state, end.normal_load, force)
+        tangential_load = min(max(tangential_load_before, -friction_limit), friction_limit)
+        memory_step, displacement = self._step_and_displacement(
+            state, end.normal_load, tangential_load
+        )
         self._discard_pieces(n_pieces)
         direction = 1 if displacement <= target_displacement else -1
 
@@ -865,39 +876,53 @@ class _StepSolver:
         self._discard_pieces(n_pieces)
 
         # Newton's method: missing displacement over d(U + Q/k_s)/dQ, within the bracket.
-        lower_force, upper_force = sorted((force, direction * friction_limit))
+        least_tangential_load, largest_tangential_load = sorted(
+            (tangential_load, direction * friction_limit)
+        )
         # _FORCE_TOLERANCE_SHARE: 1e-13 of f times the largest P of the path.
         tolerance = _FORCE_TOLERANCE_SHARE * memory.friction * memory.largest_load
         for _ in range(_MOST_ITERATIONS):
-            force_change = (target_displacement - displacement) / self._compliance_at(
+            change_of_tangential_load = (target_displacement - displacement) / self._compliance_at(
                 memory_step, end.normal_load
             )
-            is_in_bracket = lower_force <= force + force_change <= upper_force
-            new_force = force + force_change if is_in_bracket else (lower_force + upper_force) / 2
-            force_change = new_force - force
-            force = new_force
-            memory_step, displacement = self._step_and_displacement(state, end.normal_load, force)
-            if abs(force_change) <= tolerance or displacement == target_displacement:
-                return _SolvedStep(self.row_under_loads(end.normal_load, force), memory_step)
+            is_in_bracket = (
+                least_tangential_load
+                <= tangential_load + change_of_tangential_load
+                <= largest_tangential_load
+            )
+            new_tangential_load = (
+                tangential_load + change_of_tangential_load
+                if is_in_bracket
+                else (least_tangential_load + largest_tangential_load) / 2
+            )
+            change_of_tangential_load = new_tangential_load - tangential_load
+            tangential_load = new_tangential_load
+            memory_step, displacement = self._step_and_displacement(
+                state, end.normal_load, tangential_load
+            )
+            if abs(change_of_tangential_load) <= tolerance or displacement == target_displacement:
+                return _SolvedStep(
+                    self.row_under_loads(end.normal_load, tangential_load), memory_step
+                )
             self._discard_pieces(n_pieces)
             if displacement < target_displacement:
-                lower_force = force
+                least_tangential_load = tangential_load
             else:
-                upper_force = force
+                largest_tangential_load = tangential_load
         raise NotFoundError(
             f"at time {end.time:.6g} no Q was found that moves the actuator by"
             f" {end.actuator_displacement:.6g}"
         )
 
     def _step_and_displacement(
-        self, state: MemoryState, load: float, force: float
+        self, state: MemoryState, normal_load: float, tangential_load: float
     ) -> tuple[MemoryStep, float]:
-        """Memory of friction after a step from `state` to the loads P = `load`, Q = `force`, and
-        the displacement U + Q/k_s of the actuator there [length]; k_s is the spring of the rig.
+        """Memory of friction after a step from `state` to the loads P and Q, and the displacement
+        U + Q/k_s of the actuator there [length]; k_s is the spring of the rig.
 
         The pieces of the new memory curve are stored.
         """
-        row = self.row_under_loads(load, force)
+        row = self.row_under_loads(normal_load, tangential_load)
         step = self._memory.step(state, row)
         return step, self._displacement(row, step)
 
@@ -951,8 +976,8 @@ class _StepSolver:
         displacement_by_tilt = compliance.displacement_by_tilt(row.normal_load, row.tangential_load)
         return displacement + float(displacement_by_tilt)
 
-    def _compliance_at(self, step: MemoryStep, load: float) -> float:
-        """Compliance d(U + Q/k_s)/dQ of the actuator at the end of a step under P = `load`
+    def _compliance_at(self, step: MemoryStep, normal_load: float) -> float:
+        """Compliance d(U + Q/k_s)/dQ of the actuator at the end of a step under P = `normal_load`
         [1/stress], by the half-width that sticks there; at least 1e-9 of the table's largest.
         """
         # Coordinates s in the table of punches: inner end of an inner slip zone, else the stick
@@ -960,13 +985,15 @@ class _StepSolver:
         stick_edge_s = step.inner_zone_s[0] if step.inner_zone_direction else step.stick_edge_s
         half_width = float(self._table.half_width(stick_edge_s))
         least_half_width = 1e-9 * float(self._table.half_width(self._table.largest_s))
-        return float(self._compliance.actuator_compliance(max(half_width, least_half_width), load))
+        return float(
+            self._compliance.actuator_compliance(max(half_width, least_half_width), normal_load)
+        )
 
-    def _edge_s(self, load: float, gap_curvature: float) -> float:
-        """s of the edge of contact under P = `load`; 0 if the bodies are apart."""
-        if self._memory.is_unloaded(load):
+    def _edge_s(self, normal_load: float, gap_curvature: float) -> float:
+        """s of the edge of contact under P = `normal_load`; 0 if the bodies are apart."""
+        if self._memory.is_unloaded(normal_load):
             return 0.0
-        return self._cached_edge_s(load, gap_curvature)
+        return self._cached_edge_s(normal_load, gap_curvature)
 
     def _integrate_new_pieces(self) -> None:
         """Store int ln(2 L/c) dF and int (c^2/2) dF up to the top of each new piece of memory
