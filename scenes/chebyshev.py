@@ -117,7 +117,7 @@ class SeriesAsPowers:
         [-1, 1], by Horner's rule, in the shape of t; outside, the powers of the first or last part
         are continued.
 
-        `number` says for each place which of the n functions is evaluated there, 0 to n - 1, in the
+        `number` is the index, 0 to n - 1, of the function that is evaluated at each place, in the
         shape of t.
         """
         # In place, since this is the innermost loop of many integrals: first in units of parts from

@@ -124,7 +124,7 @@ def require_readable_size(path: Path, role: str, most_bytes: int, advice: str = 
 
 
 def parsed_json(text: str) -> Any:
-    """What the JSON text says; ValueError for every fault of it: brackets nested by the thousand,
+    """The content of a JSON text; ValueError for every fault of it: brackets nested by the thousand,
     integers beyond every float.
 
     >>> parsed_json('{"n": 3}')
@@ -237,7 +237,7 @@ def _whole_number(digits: str) -> int:
 @contextmanager
 def within_memory(path: Path, most_bytes: int) -> Generator[None, None, None]:
     """Context manager in which the memory of this process may grow by `most_bytes` and no more,
-    while a library unpacks a file that somebody else has made (POSIX only).
+    while a library unpacks a file from elsewhere (POSIX only).
 
     A terabyte of zeros is a megabyte when compressed, and shows its size only while it is unpacked.
     With the limit the allocation fails, not the machine. Systems without such limits have none.

@@ -659,7 +659,7 @@ def reduced_record(
     which the turning points or the ends of straight lines within a tolerance are taken.
 
     The first and the last row (or mean) always stay. Arrays are read-only and cached, since each
-    solution asks for them.
+    solution needs them.
 
     Parameters
     ----------

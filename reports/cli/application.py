@@ -677,7 +677,7 @@ def ended_by_signals() -> Generator[list[int], None, None]:
     signals_received: list[int] = []  # by their numbers
 
     def end_program(number: int, _frame: object) -> None:
-        """Note the signal of that number, and raise KeyboardInterrupt."""
+        """Append the number of a signal to the list, and raise KeyboardInterrupt."""
         signals_received.append(number)
         raise KeyboardInterrupt
 
@@ -757,7 +757,7 @@ def _function_of(command_row: _Command) -> Callable[..., int]:
     signature = Signature(parameters)
 
     def command(*operands: Any, **options: Any) -> int:
-        """Do what the command line asks for, print its answer, and return the exit code."""
+        """Do the work of the command, print its answer, and return the exit code."""
         bound_arguments = signature.bind(*operands, **options)
         bound_arguments.apply_defaults()
         values = dict(bound_arguments.arguments)

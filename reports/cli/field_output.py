@@ -255,7 +255,7 @@ def _parts(
         names of the files that were written
     measures
         as in fields.json: an entry for each fatigue measure and body with its largest value by
-        both engines; empty where no fatigue measure was asked for
+        both engines; empty where none was requested
     pvd_file
         path of the collection that ParaView opens
 

@@ -106,7 +106,7 @@ def _check_loop_options(path: Path, options: Options) -> None:
 
 def _folder_of(path: Path, is_loop: bool) -> Path:
     """The default output folder of the command `score`: out/score-NAME for a result file NAME.csv.
-    `path` is the result file; `is_loop` says that it is a measured loop.
+    `path` is the result file; `is_loop`: whether it is a measured loop.
 
     Raises
     ------

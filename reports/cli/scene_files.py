@@ -270,7 +270,7 @@ def _notes_and_remarks(
 
 
 def _question_in_words(scene: Scene) -> list[str]:
-    """Sentences on what a scene asks: its question, its bodies, what theory leaves out of them."""
+    """Sentences on a scene: its question, its bodies, what theory leaves out of them."""
     from reports.comparison.words import (
         bodies_in_words,
         idealisation_in_words,

@@ -138,8 +138,8 @@ class Metric(MetricValue):
 def reason_by_missing_field(solution: ContactSolution) -> dict[str, str]:
     """Fields that some metric needs and a solution lacks: name of the field -> reason.
 
-    The solution states them in `work.skipped` (name -> count and reason), whether its engine was
-    not asked for the field or an external result does not have it. `METRICS` is the table of all
+    The solution states them in `work.skipped` (name -> count and reason), whether the field was
+    not requested of its engine or an external result does not have it. `METRICS` is the table of all
     metrics, by key; `needs` are the fields that a metric is computed from.
     """
     needed_fields: set[str] = set()

@@ -41,8 +41,8 @@ def engine_in_words(engine: str) -> str:
 
 
 def has_coupled_tractions(scene: Scene) -> bool:
-    """Whether normal and shear tractions of these materials feel each other: Dundurs' beta is not
-    0, and there is friction.
+    """Whether normal and shear tractions of these materials are coupled: Dundurs' beta is not 0,
+    and there is friction.
     """
     if scene.material.alike or not scene.friction.coefficient:
         return False
@@ -58,7 +58,7 @@ def is_corrected(solution: ContactSolution) -> bool:
 
 def are_half_planes(scene: Scene) -> bool:
     """Whether theory is exact for the bodies of `scene`: half-planes whose normal and shear
-    tractions do not feel each other.
+    tractions are not coupled.
 
     Unlike materials couple the two by Dundurs' beta, which theory leaves out: that is an
     idealisation too.
@@ -115,7 +115,7 @@ class Pair:
     @cached_property
     def is_in_contact(self) -> Mask:
         """(k,) whether any point carries pressure at an instant, in reference or result. A NaN
-        counts as pressure: it must not hide.
+        counts as pressure, so that it is not overlooked.
         """
         has_pressure = (self.reference_cycle.pressure != 0) | (self.result_cycle.pressure != 0)
         return has_pressure.any(axis=1)

@@ -7,7 +7,7 @@ from enum import StrEnum
 
 
 class Verdict(StrEnum):
-    """What an error and its uncertainty say of a tolerance."""
+    """Whether an error is within a tolerance, by its uncertainty."""
 
     WITHIN = "within"
     OUTSIDE = "outside"

@@ -82,7 +82,7 @@ def text_on_part_of_path(text: str, scene: Scene) -> str:
 
 
 def question_in_words(scene: Scene) -> str:
-    """A sentence on what a scene asks: bodies, material, friction, loads, with units."""
+    """A sentence on the question of a scene: bodies, material, friction, loads, with units."""
     return in_template(
         "question", scene, *units(scene)[1:], load_unit(scene), bulk_and_tilt_in_words(scene)
     )
@@ -691,7 +691,7 @@ def reading_in_words(name: str, read_as: ReadAs) -> str:
 
 def notebook_html(comparison: JudgedPair, *, has_budget: bool) -> str:
     """A comparison as an HTML fragment for a notebook: headline, table of the values of both
-    solutions, verdict, and how the verdict was reached. `has_budget` says that an error budget was
+    solutions, verdict, and how the verdict was reached. `has_budget`: whether an error budget was
     measured.
     """
     heads, rows = cells_of_first_table(comparison)  # of text
@@ -1163,7 +1163,8 @@ def _rows_of_loop_work(solution: ContactSolution) -> Iterator[tuple[str, str]]:
     of the tangential load Q and the bulk stress together (`loop_work`), of the bulk stress alone,
     of the normal load P. The last two only where there is such work.
 
-    In the labels U is the tangential displacement, V the approach, m_q the moment of the shear.
+    In the labels U is the tangential displacement, V the approach, m_q the moment of the shear, M
+    that of the pressure.
     """
     unit = energy_unit(solution.scene)
     bulk_work = values_of_unsymmetric(solution).get("bulk_work")

@@ -202,11 +202,11 @@ def _tractions_at(
     """The x/a_ref of the points that are drawn, (n,); and by letter, "p" or "q", a pair of arrays
     (k, n): p/p_ref or q/(f p_ref) of the reference and of the result at these points.
 
-    # notation: p pressure, q shear traction, p_ref and a_ref pressure and half-width at the
-    # reference load, f friction coefficient
-
     The k instants are `instants` (indices) in their order, without repetitions. `view` holds the
     last cycles of both solutions, all points over a_ref, and the largest that is drawn.
+
+    # notation: p pressure, q shear traction, p_ref and a_ref pressure and half-width at the
+    # reference load, f friction coefficient
     """
     is_drawn = np.abs(view.x) <= view.largest_x * 1.02
     instants_once = np.array(list(dict.fromkeys(instants)))

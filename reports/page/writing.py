@@ -114,7 +114,7 @@ def write(
     Raises
     ------
     InputError
-        If the folder can't be written to, or VTU or stress is asked of a result without bodies.
+        If the folder can't be written to, or VTU or stress is requested of a result without bodies.
     """
     if not isinstance(report, Report):
         report = Report(report)
