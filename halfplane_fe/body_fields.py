@@ -913,6 +913,7 @@ def stress(
     elif bulk_stress.any() or any(
         step_tractions is not None for step_tractions in tractions_at_steps
     ):
+        # Stress by the elements, and its fit next to the contact; None where a support is near.
         nodal_fields = _nodal_fields(solution, body_number, steps, bulk_stress)
         near_contact = _near_contact(solution, body_number, nodal_fields, tractions_at_steps)
         size_effect = None if near_contact is None else near_contact.size_effect

@@ -698,7 +698,7 @@ def _half(side: _Side, is_closed: Mask, is_stuck: Mask | None = None) -> Mask:
         sticks_in_contact = is_stuck & is_closed
         rank = np.cumsum(sticks_in_contact, axis=1)  # number of sticking nodes up to each
         n_sticking_nodes = rank[:, -1:]
-        # Counted from the left whichever side looks, so that both have one middle.
+        # Counted from the left for both sides, so that they have one middle.
         middle_rank = (n_sticking_nodes + 1) // 2 if is_right else n_sticking_nodes // 2 + 1
         middle_node = np.argmax(sticks_in_contact & (rank == middle_rank), axis=1)
         middle = np.where(n_sticking_nodes > 0, side.x[middle_node][:, None], middle)

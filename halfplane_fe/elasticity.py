@@ -487,14 +487,14 @@ def _mirror_images(system: System) -> Indices | None:
     """
     # Nodes in order of x and in order of -x are mirror images of each other.
     places = system.mesh.p  # (2, n_nodes)
-    nodes_from_left = np.lexsort((places[1], places[0]))
-    nodes_from_right = np.lexsort((places[1], -places[0]))
+    nodes_left_to_right = np.lexsort((places[1], places[0]))
+    nodes_right_to_left = np.lexsort((places[1], -places[0]))
     if not np.array_equal(
-        places[:, nodes_from_left] * [[-1.0], [1.0]], places[:, nodes_from_right]
+        places[:, nodes_left_to_right] * [[-1.0], [1.0]], places[:, nodes_right_to_left]
     ):
         return None
-    images_of_nodes = np.empty_like(nodes_from_left)
-    images_of_nodes[nodes_from_left] = nodes_from_right
+    images_of_nodes = np.empty_like(nodes_left_to_right)
+    images_of_nodes[nodes_left_to_right] = nodes_right_to_left
 
     # Degrees of freedom: u_x and u_y of each node in turn, then the pressures at the corners.
     images_of_displacements = (2 * images_of_nodes[:, None] + [0, 1]).ravel()
@@ -505,8 +505,8 @@ def _mirror_images(system: System) -> Indices | None:
 
     def sorted_columns(numbers: Indices) -> Indices:
         """Columns of a table of numbers, each sorted, the columns in lexicographic order."""
-        rows = np.sort(numbers, axis=0)
-        return rows[:, np.lexsort(rows)]
+        sorted_numbers = np.sort(numbers, axis=0)
+        return sorted_numbers[:, np.lexsort(sorted_numbers)]
 
     # Elements, contact, reactions and supports must have mirror images among themselves.
     for dofs in (
@@ -837,14 +837,14 @@ def _held_on_arc(
     """
     all_arc_dofs = system.reaction_dofs.ravel()
     # Part of each motion in the two translations and the rotation, (n_arc_numbers, 3).
-    rigid_in_subspace = (
+    rigid_motions_in_subspace = (
         subspace.motions(all_arc_dofs, arc_numbers).T @ rigid_motions(system.mesh)[all_arc_dofs]
     )
-    _, triangular_factor, pivots = qr(rigid_in_subspace.T, mode="economic", pivoting=True)
-    n_rigid = np.count_nonzero(
+    _, triangular_factor, pivots = qr(rigid_motions_in_subspace.T, mode="economic", pivoting=True)
+    n_rigid_motions = np.count_nonzero(
         np.abs(triangular_factor.diagonal()) > 1e-6 * np.abs(triangular_factor[0, 0])
     )
-    return arc_numbers[pivots[:n_rigid]], np.sort(arc_numbers[pivots[n_rigid:]])
+    return arc_numbers[pivots[:n_rigid_motions]], np.sort(arc_numbers[pivots[n_rigid_motions:]])
 
 
 # Share of the rows from which on a column of L_ti counts as a dense one: of the shares tried it
@@ -1073,7 +1073,9 @@ def displacement_fields(
 
     Mixed elements of nearly incompressible materials have a further unknown, returned too: r =
     lambda_1 div u, the part of the mean stress that they do not take from u. Lame's lambda is
-    divided into two parts for this, lambda_1 being the one that acts through r (see `split_lame`).
+    divided into two parts for this: 2 G, and the rest lambda_1, which acts through r.
+
+    # notation: G shear modulus, u displacement
 
     Parameters
     ----------
@@ -1115,9 +1117,9 @@ def displacement_fields(
     held_dofs = system.held_dofs
     if system.half_plane_arcs:
         # The ends of the arc hold a half-disc without a force, since the loads balance.
-        left_x, left_y = system.reaction_dofs[:, 0]
-        right_y = system.reaction_dofs[1, -1]
-        ends_of_arc = [left_x, left_y, right_y]
+        left_x_dof, left_y_dof = system.reaction_dofs[:, 0]
+        right_y_dof = system.reaction_dofs[1, -1]
+        ends_of_arc = [left_x_dof, left_y_dof, right_y_dof]
         held_dofs = np.concatenate([held_dofs, ends_of_arc])
     free_dofs = np.setdiff1d(np.arange(len(nodal_loads)), held_dofs)
     # The unknowns: displacements of the nodes, then r/G at the corners of mixed elements.

@@ -234,23 +234,24 @@ def arc_forces(
     elements = line_elements(arc, order, _N_GAUSS_POINTS)
     x, y = elements.places.reshape(2, -1)
     tangent_x, tangent_y = elements.tangents
-    scaled_normal = np.stack([tangent_y.ravel(), -tangent_x.ravel()])  # outward, times arc length
+    # outward, times the length of arc of each Gauss point
+    normals_by_length = np.stack([tangent_y.ravel(), -tangent_x.ravel()])
 
     # Tractions by unit forces, and their consistent nodal forces. In subscripts of einsum d is the
     # direction, e element, g Gauss point, m force.
-    traction_forces = surface_force_traction(x, y, scaled_normal, x_of_forces).reshape(
+    traction_forces = surface_force_traction(x, y, normals_by_length, x_of_forces).reshape(
         2, *tangent_x.shape, -1
     )
     nodal_forces = np.zeros((2, arc.shape[1], traction_forces.shape[-1]))
     for nodes, shape_values in zip(elements.nodes.T, elements.shapes, strict=True):
         nodal_forces[:, nodes] += np.einsum("g,degm->dem", shape_values, traction_forces)
 
-    displacement = surface_force_displacement(
+    displacements = surface_force_displacement(
         x, y, x_of_forces, material.young_modulus, material.poisson_ratio, datum_length
     )
     n_components = 2 * len(x)
     return (
         nodal_forces.reshape(2 * arc.shape[1], -1),
         traction_forces.reshape(n_components, -1),
-        displacement.reshape(n_components, -1),
+        displacements.reshape(n_components, -1),
     )

@@ -641,9 +641,8 @@ class _CoarsePair:
         interface = unscaled_faces.scaled(size, 1 / self.modulus)
         # displacements are over P/E*, P the largest load
         scaled_gap = initial_gap(self.scene, unscaled_faces) * self.modulus / self.load
-        no_layer = Layer(
-            np.zeros_like(unscaled_faces.x), np.zeros_like(unscaled_faces.x)
-        )  # exact contact law
+        # compliances of a layer between the faces: 0, the exact contact law
+        no_layer = Layer(np.zeros_like(unscaled_faces.x), np.zeros_like(unscaled_faces.x))
         return ContactProblem(
             interface,
             scaled_gap,

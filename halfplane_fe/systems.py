@@ -60,13 +60,13 @@ LuFactors = tuple[Array, NDArray[np.int32]]
 _MOST_BASE_BYTES = 80_000_000
 _FEWEST_BASES = 4
 # Equations in which a set may differ from its base: beyond that the set becomes a base itself.
-_MOST_UPDATED_ROWS = 110
+_MOST_UPDATED_EQUATIONS = 110
 # Bits of `_equation_bits` by state: OPEN, STICK, SLIP_FORWARD, SLIP_REVERSE.
 _NORMAL_EQUATION_BITS = np.array([1, 2, 2, 2], dtype=np.int8)
 _TANGENTIAL_EQUATION_BITS = np.array([2 + 4, 1, 2, 4], dtype=np.int8)
 # Equations in which a base may differ from one with factors for its values to be updates of those:
 # of 700 nodes updates cost less than factors up to there.
-_MOST_ROWS_FROM_ORIGIN = 300
+_MOST_EQUATIONS_FROM_ORIGIN = 300
 # Sets of which `newton_correction` keeps the factors: the iterations of an increment go to and fro
 # between few of them.
 _MOST_FACTORISED_SETS = 8
@@ -929,9 +929,10 @@ class Systems:
         those of the new states are to be computed from. Also whether each equation differs (2 n,).
 
         It is the base that served these states before, else the one that differs in the fewest
-        equations. If these are more than 110 (`_MOST_UPDATED_ROWS`), the new states become a base
-        themselves. Its responses then come from its own factorised equations, or from a factorised
-        base, its origin, that differs in no more than 300 (`_MOST_ROWS_FROM_ORIGIN`).
+        equations. If these are more than 110 (`_MOST_UPDATED_EQUATIONS`), the new states become a
+        base themselves. Its responses then come from its own factorised equations, or from a
+        factorised base, its origin, that differs in no more than 300
+        (`_MOST_EQUATIONS_FROM_ORIGIN`).
 
         Raises
         ------
@@ -943,15 +944,15 @@ class Systems:
         if not (self._displacement_needs_no_stick or STICK in node_states):
             raise SingularSet("no node sticks: the bodies slide on each other")
 
-        # A cached base, that of these states before or the nearest one. Equation bits: type of the
-        # each equation; two differ if they have no bit in common.
+        # A cached base, that of these states before or the nearest one. Equation bits: type of each
+        # equation; two differ if they have no bit in common.
         key = node_states.tobytes()
         equation_bits = _equation_bits(np.concatenate([node_states, node_states]))
         base = next(
             (cached_base for cached_base in self._bases if key in cached_base.sets_served), None
         )
         if base is None:
-            base = self._nearest_base(self._bases, equation_bits, _MOST_UPDATED_ROWS)
+            base = self._nearest_base(self._bases, equation_bits, _MOST_UPDATED_EQUATIONS)
 
         # A new base; open nodes count as sliding like their neighbours in it.
         if base is None:
@@ -960,7 +961,7 @@ class Systems:
                 cached_base for cached_base in self._bases if cached_base.origin is None
             ]
             origin = self._nearest_base(
-                factorised_bases, _equation_bits(equation_states), _MOST_ROWS_FROM_ORIGIN
+                factorised_bases, _equation_bits(equation_states), _MOST_EQUATIONS_FROM_ORIGIN
             )
             base = self._new_base(equation_states, origin)
 

@@ -214,7 +214,7 @@ def _deviations_from_neighbours(x: Array, values: Array) -> Array:
 
 
 def norm_uncertainties(
-    x: Array, pressure: Array, shear: Array, counts: Mask, friction: float
+    x: Array, pressure: Array, shear: Array, is_counted: Mask, friction: float
 ) -> dict[str, float]:
     """Relative uncertainties of p and q in the L2 norm over x, "pressure" and "shear": over the
     norm of p, and of f p.
@@ -228,7 +228,7 @@ def norm_uncertainties(
         (n,) nodes in ascending order [length]
     pressure, shear
         (k, n) [stress]
-    counts
+    is_counted
         (k,) instants that count, all of them in contact
     friction
         f; 0 has no error of q
@@ -237,7 +237,7 @@ def norm_uncertainties(
     # instants.
     shares_of_p = [0.0]
     shares_of_q = [0.0]
-    instants = np.flatnonzero(counts)
+    instants = np.flatnonzero(is_counted)
     # Some instants at a time: of a fine mesh with thousands of steps each copy takes gigabytes.
     # _AT_ONCE: number of instants of a block
     for start_of_block in range(0, len(instants), _AT_ONCE):

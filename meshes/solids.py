@@ -71,12 +71,11 @@ def half_disc(
         MeshTri2 of six-node triangles with curved arc for order 2, MeshTri of three-node ones for
         order 1; MeshQuad2 of nine-node quadrilaterals, MeshQuad.
     """
-    # gmsh draws in units of the half-width of the fine part of the contact face; `element_size` is
-    # a formula in x and y
+    # gmsh draws in units of the half-width of the fine part of the contact face
     length_unit = grading.outer
     unit_grading = scaled_grading(grading, 1 / length_unit).grading_for_gmsh(cells)
-    element_size = size_formula(unit_grading, growth)
-    unit_mesh = mirrored_mesh(lambda: _draw_quarter(unit_grading), element_size, order, cells)
+    formula_of_size = size_formula(unit_grading, growth)
+    unit_mesh = mirrored_mesh(lambda: _draw_quarter(unit_grading), formula_of_size, order, cells)
     mesh = unit_mesh.scaled(float(length_unit))
     exact_area = np.pi * grading.radius**2 / 2
     return BodyMesh(name, mesh, grading, mesh_quality(mesh, exact_area))
@@ -156,10 +155,10 @@ def solid(
     length_unit = grading.outer
     unit_grading = scaled_grading(grading, 1 / length_unit).grading_for_gmsh(cells)
     outline = _Outline(shape, face, length_unit)
-    element_size = size_formula(unit_grading, growth, outline.sharp_corners)
+    formula_of_size = size_formula(unit_grading, growth, outline.sharp_corners)
     unit_mesh = mirrored_mesh(
         lambda: outline.draw(unit_grading, growth),
-        element_size,
+        formula_of_size,
         order,
         cells,
         outline.points_on_true_face,
@@ -398,7 +397,7 @@ class _Outline:
         highest point. `_face.arc` is (x where an arc begins, its radius), None without one.
         """
         geometry = gmsh.model.geo
-        face_end = self._half_width
+        face_end_x = self._half_width
 
         # One arc, where the contact ends on it.
         if self._face.arc is not None:
@@ -406,14 +405,14 @@ class _Outline:
                 np.array(self._face.arc) / self._length_unit
             ).tolist()
             if start >= arc_begin:
-                last_point = geometry.addPoint(face_end, -self._face_drop, 0)
+                last_point = geometry.addPoint(face_end_x, -self._face_drop, 0)
                 centre_point = geometry.addPoint(arc_begin, -radius, 0)
                 return [geometry.addCircleArc(first_point, centre_point, last_point)], last_point
 
         # Else one line of a flat face, or a polygon.
-        face_x = np.array([face_end])
+        face_x = np.array([face_end_x])
         if not self._face.is_flat:
-            face_x = self._graded_abscissae(start, face_end, size, growth)
+            face_x = self._graded_abscissae(start, face_end_x, size, growth)
         face_points = [first_point] + [
             geometry.addPoint(float(x), -float(y), 0)
             for x, y in zip(face_x, self._rounded_depth(face_x), strict=True)

@@ -316,8 +316,8 @@ def test_answers_of_a_base_are_updates_of_another_one_to_rounding(
     rows_apart: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """As are those by factors of its own; of bases that are near enough one alone is factorised."""
-    monkeypatch.setattr(systems, "_MOST_UPDATED_ROWS", 12)
-    monkeypatch.setattr(systems, "_MOST_ROWS_FROM_ORIGIN", rows_apart)
+    monkeypatch.setattr(systems, "_MOST_UPDATED_EQUATIONS", 12)
+    monkeypatch.setattr(systems, "_MOST_EQUATIONS_FROM_ORIGIN", rows_apart)
     monkeypatch.setattr(systems, "_N_NEIGHBOURS", 2)
     set_systems = random_systems()
     for number, states in enumerate(sets(40)):
@@ -380,8 +380,8 @@ def test_bytes_kept_stay_within_the_bound(
     base_bytes = 8 * (122**2 + 120 * (3 + 2 * n))  # of a base all of whose answers are there
     monkeypatch.setattr(systems, "_MOST_BASE_BYTES", bound := 3 * base_bytes)
     monkeypatch.setattr(systems, "_FEWEST_BASES", 2)
-    monkeypatch.setattr(systems, "_MOST_UPDATED_ROWS", 40)
-    monkeypatch.setattr(systems, "_MOST_ROWS_FROM_ORIGIN", rows_apart)
+    monkeypatch.setattr(systems, "_MOST_UPDATED_EQUATIONS", 40)
+    monkeypatch.setattr(systems, "_MOST_EQUATIONS_FROM_ORIGIN", rows_apart)
     set_systems = random_systems(n=n)
     reached = []
     for states in sets(300, n, every):
