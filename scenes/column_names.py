@@ -213,8 +213,8 @@ def aliases_of(column: str) -> tuple[str, ...]:
 
 
 def normalised_name(name: str) -> str:
-    """The name of a column up to its first "[" or "(", where a unit begins, reduced to lower-case
-    letters and digits, so that spellings of one name compare equal.
+    """The name of a column up to its first "[" or "(", where a unit begins, in lower-case letters
+    and digits alone: spellings of one name then compare equal.
 
     Accents, blanks, underscores and other signs go. A single letter keeps its case: P is a load and
     p a pressure. A colon stays: "points:0" is a name of x.

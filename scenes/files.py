@@ -124,8 +124,8 @@ def require_readable_size(path: Path, role: str, most_bytes: int, advice: str = 
 
 
 def parsed_json(text: str) -> Any:
-    """The content of a JSON text; ValueError for every fault of it: brackets nested by the thousand,
-    integers beyond every float.
+    """The content of a JSON text. ValueError for every fault of it, such as brackets nested by the
+    thousand, or integers beyond every float.
 
     >>> parsed_json('{"n": 3}')
     {'n': 3}

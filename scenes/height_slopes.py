@@ -106,8 +106,8 @@ class HeightSlope:
 
 
 def slope_of_height(height: Function, edges: Array) -> HeightSlope:
-    """Derivative h' of a profile's height for x > 0, the height being given by a function only,
-    with the errors of load and stiffness that round-off in the height causes.
+    """Derivative h' of a profile's height for x > 0, from a function that gives the height only;
+    and the errors of load and stiffness that round-off in the height causes.
 
     The height is approximated by Chebyshev series on intervals, which are differentiated. Where it
     has few digits near x = 0, as R - sqrt(R^2 - x^2) has, one polynomial in x^2 takes their place.

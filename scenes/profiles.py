@@ -929,8 +929,8 @@ class Tabulated(FromFile):
 
 
 def one_side_of_profile(points: Array, asymmetry: float) -> tuple[Array, Array]:
-    """Arrays x (k,) and h (k,) [length] of one side x >= 0 of a measured symmetric profile, from
-    rows of one side or of both, which are then averaged; h is 0 at x = 0.
+    """Arrays x (k,) and h (k,) [length] of one side x >= 0 of a measured symmetric profile; h is 0
+    at x = 0. The rows are those of one side, or of both, which are then averaged.
 
     Parameters
     ----------

@@ -300,8 +300,8 @@ class Scene(Frozen):
     def _check_profile(self) -> None:
         """Refuse a profile that does not fit the bodies (ValueError).
 
-        Its characteristic length (`datum_length`) must be a number that can be squared, its radius
-        that of cylinders that touch, and its arcs must go beyond the width of a pad.
+        Its characteristic length (`datum_length`) must be a number that can be squared. Its radius
+        must be that of cylinders that touch, and its arcs must go beyond the width of a pad.
         """
         datum_length = self.profile.datum_length
         # Relative radius of the cylinders; None where no body is one.

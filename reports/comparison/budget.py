@@ -760,9 +760,9 @@ def _mesh_term(metric: Metric, comparison: Comparison, refinements: Refinements)
 
 
 def _with_stated_uncertainties(term: Term, metric: Metric, comparison: Comparison) -> Term:
-    """The `term` of the mesh in a metric, its uncertainty raised to the largest that the run itself
-    states of the metric, of its contact or stick edge, or of its pressure peak. An infinite one
-    raises nothing. All are in the unit of the metric.
+    """The `term` of the mesh in a metric, with at least the uncertainty that the run itself states.
+    That is the largest of those of the metric, of its contact or stick edge, and of its pressure
+    peak. An infinite one raises nothing. All are in the unit of the metric.
     """
     stated_uncertainties = (
         metric.uncertainty or 0.0,

@@ -96,9 +96,9 @@ def masks_of_isolated_values(result_cycle: Cycle, reference_cycle: Cycle) -> dic
     instants, n points) of "pressure", "shear" and "slip".
 
     A value is isolated if it is a spike: 5 times as large as its neighbours in x and in time, and 3
-    times as large as all values that do not stand out so. A pressure or shear is isolated too if
-    its difference from the reference is 5 times as large as its neighbours and as all others, and
-    above a tenth of the largest reference. Such a pressure lies away from the edges of contact,
+    times as large as all values that do not stand out so. A pressure or shear is isolated too by
+    its difference from the reference. That is 5 times as large as its neighbours and as all others,
+    and above a tenth of the largest reference. Such a pressure lies away from the edges of contact,
     such a shear from those of stick too. The difference of the slip is not used: each solution
     counts slip from another origin.
     """

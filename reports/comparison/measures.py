@@ -121,8 +121,8 @@ class MetricValue(PythonNumbers):
 
     @property
     def is_on_points_of_result(self) -> bool:
-        """Whether the metric compares the result with the reference on the result's points and
-        instants, and not with the amount of the reference, which may lie between them.
+        """Whether the metric compares result and reference on the result's points and instants. The
+        amount of the reference may lie between these.
 
         `amounts` holds the quantity itself in reference and result, such as the largest pressure.
         `value` is the difference over `denominator`. On the result's points it is not the
@@ -881,7 +881,7 @@ def contact_edge(pair: Pair) -> MetricValue:
 
 def stick_edge(pair: Pair) -> MetricValue:
     """Outward shift of the worse edge of the stick zone over a_ref, the half-width at the reference
-    load, at the worst of the judged instants at which result and reference both have a stick zone.
+    load. It is that at the worst of the judged instants at which both solutions have a stick zone.
 
     Left out is an instant at which full stick comes or goes one instant earlier in one of them. The
     note counts the instants at which the two differ in full stick, partial slip or full slip. NaN,

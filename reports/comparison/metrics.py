@@ -138,8 +138,8 @@ class Metric(MetricValue):
 def reason_by_missing_field(solution: ContactSolution) -> dict[str, str]:
     """Fields that some metric needs and a solution lacks: name of the field -> reason.
 
-    The solution states them in `work.skipped` (name -> count and reason), whether the field was
-    not requested of its engine or an external result does not have it. `METRICS` is the table of all
+    The solution states them in `work.skipped` (name -> count and reason). Such a field was not
+    requested of its engine, or an external result does not have it. `METRICS` is the table of all
     metrics, by key; `needs` are the fields that a metric is computed from.
     """
     needed_fields: set[str] = set()
@@ -152,7 +152,7 @@ def reason_by_missing_field(solution: ContactSolution) -> dict[str, str]:
 
 def judged_metrics(pair: Pair, tolerances: Mapping[str, float]) -> tuple[Metric, ...]:
     """Every metric that a comparison has, in the order of the table, with its value and the
-    tolerance that judges it, from `tolerances` (key -> largest size of the value admitted).
+    tolerance that judges it. `tolerances`: key -> largest size of the value admitted.
 
     A metric that needs a field which a solution lacks has no value, and the reason as its note. It
     keeps its tolerance, unless it is one of shear or slip and the contact carries no shear. Other

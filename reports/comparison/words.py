@@ -852,9 +852,9 @@ def is_empty_row(row: Mapping[str, str]) -> bool:
 
 
 def sentences_on_missing_values(comparison: JudgedPair) -> str:
-    """Sentences that name the rows of the first table for which neither solution has a value, and
-    those for which one of them has none, each with the reason where that is known; empty where each
-    row has both.
+    """Sentences that name the rows of the first table in which a value is missing: those for which
+    neither solution has one, then those for which one solution has none. Each row has its reason
+    where that is known. Empty where no value is missing.
     """
     labels_without_values = []
     labels_with_one_value = []

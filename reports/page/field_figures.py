@@ -62,9 +62,9 @@ def tractions(view: CycleView) -> Plate:
     """A figure of pressure p and shear q of both engines over x, two panels for each numbered
     instant: the tractions, and their difference.
 
-    `view` holds the last cycles of both solutions, with tractions (k instants, n points), points
-    `x` over a_ref (half-width at the reference load), and the numbered instants (`chosen_events`,
-    each with index and label).
+    `view` holds the last cycles of both solutions, with tractions (k instants, n points). Its
+    points `x` are over a_ref, the half-width at the reference load; `chosen_events` are the
+    numbered instants, each with index and label.
 
     A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV. A
     `Cell` is a stack of panels.
@@ -303,8 +303,8 @@ def state_map(view: CycleView) -> Plate:
     one of where they differ.
 
     `view` holds the last cycles of both solutions, with states (k instants, n points) as codes 0 to
-    3, the instants `time` (k,), the points `x` over the half-width at the reference load, and the
-    largest of them that is drawn.
+    3, and the instants `time` (k,). Its points `x` (n,) are over the half-width at the reference
+    load; `largest_x` is the largest that is drawn.
 
     A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV. `Bitmap`
     is an image over the panel.

@@ -474,9 +474,8 @@ def _fields_of_slider(
     slip s of the reference, packed, with the differences result minus reference (dp, dq, ds); and
     codes of the states, that of the reference (0 to 3) plus 4 times that of the result.
 
-    `view` holds the last cycles of both solutions, with arrays (k instants, n points), and the
-    scales p_ref (reference pressure) and f p_ref (f the friction coefficient) by which p and q are
-    divided.
+    `view` holds the last cycles of both solutions, with arrays (k instants, n points). Its scales
+    divide p by p_ref, the reference pressure, and q by f p_ref, f the friction coefficient.
     """
     field_and_scale = {
         "p": ("pressure", view.scales.pressure),
