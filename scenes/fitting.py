@@ -624,7 +624,7 @@ def fitted_again(
     profile
         a profile of a scene that was fitted: `height` is its gap h(x), and `fitted` the record of
         the fit: measured rows, centre, offset (h at the centre), tilt, noise; `centre_fitted` and
-        `tilt_fitted` say whether these two were fitted or stated
+        `tilt_fitted` state whether these two were fitted or stated
     noise
         (n,) random heights of standard deviation 1, one for each fitted point: the simulated points
         are the first fit plus its own noise times these; None: the measured points

@@ -23,7 +23,7 @@ is in shear, slip and state, and in neither U nor W.
 Tilt and bulk strain are odd in x: o = (alpha_P, alpha_Q, e_P, e_Q) P0/(a0/R). They change the
 dissipation, pressure and half-widths of a symmetric profile in the second order of o, and move the
 edges in the first. For a parabola (`odd_memory`) they are in the dissipation, in the edges of
-contact and stick, and in the permanent stick half-width; in no field at points. A note says how
+contact and stick, and in the permanent stick half-width; in no field at points. A note states how
 large they are, or why they are left out. Of unlike materials (Dundurs' beta) they count in the
 first order.
 
@@ -300,7 +300,7 @@ def notes_of_effects(
         contact half-width [length] and E* [stress], which make tilt and strain dimensionless
     tilt_and_strain
         `work(-1)` is the work that tilt and bulk strain add in the last cycle, by grids if
-        `work_on_grids` is not None; `left_out` says why none is added
+        `work_on_grids` is not None; `left_out` states why none is added
     words
         texts on the values that contain each kind of effect
     """

@@ -1,7 +1,7 @@
 """Half-plane theory on a grid: contact with friction under any course of P, Q, bulk strain and
 tilt, stick in any number of pieces.
 
-The last resort: `memory` knows where stick ends and is exact but for round-off; here cells stick,
+The last resort: `memory` finds the stick edge itself, exact but for round-off; here cells stick,
 slip or are open.
 
 # notation: A = 2/E*; p, q tractions, constant over equal cells; C_ij = -(A/pi) int_cell ln|x_i -
