@@ -488,7 +488,7 @@ class LoadSizes:
         cls, samples: Array, profile: ConvexProfile, compliance: float, friction: float
     ) -> LoadSizes:
         """The bulk strain that makes an edge of contact slip and the tilt that lifts one, at the
-        largest P of a load path, and the round-off of bulk strain, tilt and Q along it.
+        largest P of a load path; and the round-off of bulk strain, tilt and Q along the path.
 
         `samples` (4, n) are P, Q, bulk strain and tilt along the path, NaN where the tilt is not
         known. `profile` is the gap h(x), `compliance` A = 2/E*, `friction` f. Round-off is 1e-11 of
@@ -825,8 +825,8 @@ class PathLoads:
     contact: TiltedProfile
 
     def _segment_at(self, time: float) -> tuple[LoadSegment, float]:
-        """Segment of the load path at a time, and the duration of all cycles completed before that
-        time, by which it is later than the same instant of the first cycle.
+        """Segment of the load path at a time, and the duration of all cycles completed before it.
+        By that duration the time is later than the same instant of the first cycle.
 
         The path has an initial loading, then a cycle that repeats with `period`, None if it does
         not. A time after the end of a path is in its last segment.

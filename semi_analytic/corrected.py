@@ -892,9 +892,8 @@ class PathSeries:
         return {}
 
     def inner_slips(self, rows: Indices) -> Iterator[tuple[int, InnerSlip]]:
-        """Extra slip inside the contact at those of the instants `rows` at which the shear |q| of
-        the memory curve exceeds the Coulomb limit f p, each with the index of its instant in
-        `rows`.
+        """Extra slip inside the contact, each with the index of its instant in `rows`: for those of
+        these instants at which the shear |q| of the memory curve exceeds the Coulomb limit f p.
 
         The memory curve is the locked-in tangential force over the half-width of the flat punches.
         Extra slip that was computed before is taken from a cache.
@@ -1118,8 +1117,8 @@ class PointFields:
         return np.asarray(slip)
 
     def inner_slips(self, rows: Indices) -> Iterator[tuple[int, SlipAtPoints]]:
-        """Shear and slip that the extra slip adds at the k points, at those of the instants `rows`
-        at which |q| of the memory curve exceeds f p, each with the index of its instant in `rows`.
+        """Shear and slip that the extra slip adds at the k points, each with the index of its
+        instant in `rows`: for those of these instants at which |q| of the memory curve exceeds f p.
 
         The memory curve is the locked-in tangential force over the half-width of the flat punches.
         What was computed before for an instant is taken from a cache.
@@ -1786,8 +1785,8 @@ def fields_at(
 def _states(point_fields: PointFields, distance: Array, row_numbers: Indices) -> NDArray[np.int8]:
     """State of contact of each point at each instant, (n, k): open, stick, forward or reverse slip.
 
-    A point slips in the zone at the edge of contact, or in an inner zone of the memory curve (the
-    locked-in tangential force over the half-width of the flat punches). An inner zone may slip the
+    A point slips in the zone at the edge of contact, or in an inner zone of the memory curve. That
+    curve is the locked-in tangential force over the half-width of the flat punches. An inner zone may slip the
     other way, or while the edge sticks. At instants at which |q| of that curve would
     exceed f p, the inner zone is that of the extra slip instead.
 
@@ -2132,8 +2131,8 @@ def _errors_of_contact(paths: _Paths) -> dict[str, float]:
 
 
 def _work_of_halved_steps(paths: _Paths) -> float:
-    """Friction work of the last cycle with finite bodies [energy per thickness], by steps of which
-    the long ones in which the contact grows in stick are halved.
+    """Friction work of the last cycle with finite bodies [energy per thickness], with some of the
+    straight steps halved: the long ones in which the contact grows in stick.
 
     In such a step the memory curve (locked-in tangential force over the half-width of punches)
     grows by a straight chord, which is an approximation. All other steps are exact however long
@@ -2178,8 +2177,8 @@ def _work_of_halved_steps(paths: _Paths) -> float:
 
 
 def _tilt_and_strain_of(paths: _Paths) -> TiltAndStrainPart:
-    """Friction work and shift of the edges that tilt and bulk strain of the finite bodies cause,
-    with the uncertainty that the curvatures of the bodies leave in that work.
+    """Friction work and shift of the edges that tilt and bulk strain of the finite bodies cause.
+    The uncertainty of that work includes what the curvatures of the bodies leave uncertain.
 
     Taken in the second order of these small numbers. Where that does not hold, the work alone is
     found by a numerical solution on grids, if the question asks for it. Where neither works, the
@@ -2261,8 +2260,9 @@ def tilt_and_strain_part_on_grids(
 def _errors_of_steps(paths: _Paths) -> dict[str, float]:
     """Relative errors of shear and slip that the straight steps of the path cause, by field name.
 
-    They are the largest differences of the path of half-planes by these steps from exact theory, at
-    some instants of the last cycle and some points, over the largest f p or the largest slip.
+    The path of half-planes by these steps is compared with exact theory at some instants of the
+    last cycle and some points. An error is the largest difference over the largest f p, or over the
+    largest slip.
     Points within 1 % of a half-width from an edge are left out. A field that is not asked for or 0
     throughout has no error here, nor has any without friction.
 

@@ -145,8 +145,8 @@ class CycleOfPunches(NamedTuple):
 def cycle_of_punches(
     loads: EllipseOfLoads, curvatures: CurvatureColumns, profile_load: Array, parabola_load: Array
 ) -> CycleOfPunches:
-    """Coulomb bounds of forward and of reverse slip over a steady cycle, for flat punches (m, k) of
-    the contact, k under each of m ellipses, and the normal load that is carried outside of each.
+    """Coulomb bounds of forward and of reverse slip of flat punches over a steady cycle, and the
+    normal load that is carried outside of each punch: (m, k), k punches under each of m ellipses.
 
         s B_s = s (Q - kt G) - f (P - eta - kn G),    s = +1 forward, -1 reverse
         kn = N P + N_Q Q,    kt = T Q + T_P P

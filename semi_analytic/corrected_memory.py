@@ -1032,8 +1032,9 @@ class FollowedPath:
         """Tangential force F that flat punches keep while they stick, (m, k) for m rows of k
         punches [force per thickness].
 
-        The memory curve, F over the half-width of the punches, consists of pieces on which F is
-        linear in eta, G and G_4, the loads that the punches carry of the profile, x^2/2 and x^4/24.
+        The memory curve is F over the half-width of the punches. It consists of pieces on which F
+        is linear in eta, G and G_4, the loads that the punches carry of the profile, x^2/2 and
+        x^4/24.
         `piece_number` (m,) is that of the piece on which row m of `punches` (m, k) lies; F is 0 on
         number 0, the empty curve.
         """
@@ -1296,8 +1297,8 @@ def follow(
     curvatures: Curvatures,
     path_of_half_planes: FollowedPath | None = None,
 ) -> FollowedPath:
-    """Stick edges, slip zones and memory curves at the n ends of the straight steps of a load path,
-    from the unloaded state, with the curvatures that finite bodies add to half-planes.
+    """Stick edges, slip zones and memory curves at the n ends of the straight steps of a load path
+    from the unloaded state. Finite bodies add curvatures to half-planes.
 
     The memory curve is the locked-in tangential force over the half-width of the flat punches that
     make up the contact. It does not change in stick; slip clips it at the Coulomb limit.

@@ -734,7 +734,7 @@ class _StepSolver:
 
     def row_under_loads(self, normal_load: float, tangential_load: float) -> Row:
         """Loads P and Q, the curvatures that they add to gap and faces, and the edge of contact
-        under them, with the loads of the flat punches up to that edge.
+        under them. With it are the loads of the flat punches up to that edge.
         """
         # N, N_Q of the gap per P and per Q; T, T_P of the faces per Q and per P.
         curvatures = self._compliance.curvatures

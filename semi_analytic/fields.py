@@ -333,7 +333,7 @@ class ArcIntegrals:
         self, begins: Array, ends: Array, point: Indices
     ) -> tuple[Array, float]:
         """Integrals of the kernel times dQ over ranges of time in which the edge of contact passes
-        the point or nearly, (m,), and an estimate of the error of their sum at one point.
+        the point or nearly, (m,); and the estimated error of their sum at one point.
 
         The error comes from a sample of 40 ranges that are halved: 2.5 times the largest change,
         times the root of the largest number of ranges at one point.

@@ -709,7 +709,8 @@ def _work_at_kink(span_before: Span, span: Span, radius: float) -> Array:
 
 def _refuse_return_to_limit(span_before: Span, span: Span, radius: float) -> None:
     """Refuse a path on which slip resumes at the Coulomb limit that an earlier stroke in its
-    direction left, if P and Q differ from those at its end, or if that end was smooth.
+    direction left. It is refused if P and Q differ from those at the end of that stroke, or if that
+    end was smooth.
 
     Tilt and strain then differ from those of the earlier stroke, or a tangential load left at its
     smooth end is passed. The second order of the work then has no quadratic form. `span_before`
@@ -872,9 +873,10 @@ def _work_at_stroke_end(span: Span, radius: float, n_panels: int) -> Array:
 
 def _work_at_passed_end(span: Span, radius: float, n_panels: int) -> Array:
     """Matrix (4, 4) of the friction work that tilt and strain add in a `span` of slip where its
-    stick edge passes the tangential loads that an earlier, opposite stroke left at its smooth end.
+    stick edge passes certain tangential loads.
 
-    It is over (alpha_P, alpha_Q, e_P, e_Q). A load dT left at eta adds f (P - eta) dT, P being the
+    An earlier, opposite stroke left these loads at its smooth end. The matrix is over (alpha_P,
+    alpha_Q, e_P, e_Q). A load dT left at eta adds f (P - eta) dT, P being the
     normal load when the stick edge passes eta. `n_panels` are those of this integral; `radius` is
     R of the parabola.
 

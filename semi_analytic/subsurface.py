@@ -423,10 +423,10 @@ def _answers_with_tractions(
 def _rows_with_tractions(
     answer: ContactSolution, times: Array
 ) -> dict[float, tuple[ContactSolution, int]]:
-    """The answer and the number of its instant, by time, for those `times` at which the answer has
-    pressure and shear at 60 points of the contact or more, or has no contact.
+    """By time, the answer and the number of its instant, for those `times` that the answer covers.
 
-    Empty where the answer has no pressure or no shear.
+    It covers an instant if it has pressure and shear then at 60 points of the contact or more, or
+    if there is no contact. Empty where the answer has no pressure or no shear.
     """
     if not (np.isfinite(answer.pressure).all() and np.isfinite(answer.shear).all()):
         return {}
@@ -712,8 +712,8 @@ def _curve_parts(snapshot: Snapshot, instant_number: int) -> Iterator[tuple[floa
     The contact is a superposition of flat punches: those up to the load eta make up the contact
     under P = eta. M(eta) is the tangential force that they carry. From the load at the stick edge
     to P the contact slips: M' is f or -f. Below that edge the curve consists of pieces. The
-    `snapshot` holds for each of several instants P as `load`, P minus the load at the stick edge as
-    `slip_zone_load`, the direction of slip, and the number of the piece on which the edge lies.
+    `snapshot` holds several instants. For each it has P as `load`, P minus the load at the stick
+    edge as `slip_zone_load`, the direction of slip, and the number of the piece at that edge.
     """
     load = float(snapshot.load[instant_number])
     stick_edge_load = float(snapshot.load[instant_number] - snapshot.slip_zone_load[instant_number])
