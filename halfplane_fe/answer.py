@@ -60,8 +60,8 @@ _THICK = 3.0
 
 def answer_arrays(task: Task, problem: ContactProblem, run: PathRun) -> dict[str, Any]:
     """Arrays and numbers of a finite-element solution by name, in the scene's units: loads,
-    displacements, tractions, slip, states and edges at the stored instants of a run; friction work
-    of each load cycle, and at the nodes in the last one.
+    displacements, tractions, slip, node states and edges at the stored instants of a run; friction
+    work of each load cycle, and at the nodes in the last one.
 
     Also the zone that never slips ("permanent_stick…"), the work of the loads round the loop of the
     last cycle ("loop_work"), and the cycle from which on all repeat ("steady_from").

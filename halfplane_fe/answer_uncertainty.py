@@ -507,7 +507,7 @@ def _of_permanent_stick(
     Where the slip beyond the zone locates an end, its own uncertainty counts. Elsewhere the zone
     ends at the innermost stick edge of the last cycle. With edges e +- u, that edge is between the
     innermost e - u and the innermost e + u. Where loads locate an end between two nodes, or these
-    nodes bound it more closely, their uncertainty counts.
+    nodes confine it more closely, their uncertainty counts.
 
     Between unlike bodies, and under bulk stress or tilt, nodes that slip by next to nothing (creep)
     count as stuck. The zone may then reach beyond the edges of single instants, and these count as

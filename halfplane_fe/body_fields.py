@@ -293,11 +293,11 @@ def _displacement_and_stress(
 
     # Stress by the elements at all nodes, and that of the tractions at nodes near the contact.
     nodal_fields = _nodal_fields(solution, body_number, steps, bulk_stress)
-    near_contact = _near_contact(solution, body_number, nodal_fields, tractions_at_steps)
+    region_near_contact = _near_contact(solution, body_number, nodal_fields, tractions_at_steps)
     stress = (  # (n, 4, n_steps)
         nodal_fields.stress
-        if near_contact is None
-        else _joined_stress(nodal_fields, near_contact, material)
+        if region_near_contact is None
+        else _joined_stress(nodal_fields, region_near_contact, material)
     )
     places = nodal_fields.basis.mesh.p  # (2, n)
     # from (2 n, n_steps), u_x and u_y of each node in turn, to (2, n, n_steps)
@@ -795,14 +795,14 @@ def _size_fit(
 
     # Fit the stress by the size at the sampled steps, to nodes beside the contact.
     # _N_SAMPLED_STEPS: twelve
-    evenly_spread = np.linspace(0, len(steps) - 1, _N_SAMPLED_STEPS).round().astype(int)
-    sampled_indices = sorted(set(evenly_spread.tolist()))  # positions in `steps`
+    evenly_spread_positions = np.linspace(0, len(steps) - 1, _N_SAMPLED_STEPS).round().astype(int)
+    sampled_indices = sorted(set(evenly_spread_positions.tolist()))  # positions in `steps`
     sampled_steps = [steps[k] for k in sampled_indices]
     nodal_fields = _nodal_fields(solution, body_number, sampled_steps, bulk_stress[sampled_indices])
-    near_contact = _near_contact(
+    region_near_contact = _near_contact(
         solution, body_number, nodal_fields, [tractions_at_steps[k] for k in sampled_indices]
     )
-    if near_contact is None or near_contact.size_effect is None:
+    if region_near_contact is None or region_near_contact.size_effect is None:
         return None
 
     # Regression of the coefficients of that fit on the predictors of all steps. These are int p x^k
@@ -818,17 +818,19 @@ def _size_fit(
         predictor_units = np.append(predictor_units, np.abs(bulk_stress).max())
     predictors = predictors[sampled_indices, : len(predictor_units)]
     regression_matrix = np.linalg.lstsq(
-        predictors / predictor_units, near_contact.size_effect.coefficients.T, rcond=1e-8
+        predictors / predictor_units, region_near_contact.size_effect.coefficients.T, rcond=1e-8
     )[0]
     size_fit = _SizeFit(
-        near_contact.size_effect, regression_matrix, predictor_units, uncertainty=0.0
+        region_near_contact.size_effect, regression_matrix, predictor_units, uncertainty=0.0
     )
 
     # Uncertainty: standard error of the fit, and what the regression misses at x = y = 0.
     origin = np.zeros(1)
     stress_by_regression = size_fit.size_effect_of(predictors).stress(origin, origin)
-    stress_missed = near_contact.size_effect.stress(origin, origin) - stress_by_regression
-    uncertainty = float(near_contact.size_effect.error.max() + np.abs(stress_missed[:, 0]).max())
+    stress_missed = region_near_contact.size_effect.stress(origin, origin) - stress_by_regression
+    uncertainty = float(
+        region_near_contact.size_effect.error.max() + np.abs(stress_missed[:, 0]).max()
+    )
     return replace(size_fit, uncertainty=uncertainty)
 
 
@@ -915,8 +917,8 @@ def stress(
     ):
         # Stress by the elements, and its fit next to the contact; None where a support is near.
         nodal_fields = _nodal_fields(solution, body_number, steps, bulk_stress)
-        near_contact = _near_contact(solution, body_number, nodal_fields, tractions_at_steps)
-        size_effect = None if near_contact is None else near_contact.size_effect
+        region_near_contact = _near_contact(solution, body_number, nodal_fields, tractions_at_steps)
+        size_effect = None if region_near_contact is None else region_near_contact.size_effect
         distances = np.hypot(x_places, y_places)
         # A place at the largest distance itself may be beyond it by rounding.
         if size_effect is None or np.any(distances > size_effect.length * (1 + 1e-9)):
@@ -1145,8 +1147,10 @@ def _interpolated_added_tension(
         index of a stored step -> pressure and shear at the nodes that touch then
     """
     steps = list(nodal_tractions)
-    evenly_spread = np.linspace(0, len(steps) - 1, _N_SAMPLED_STEPS_OF_SEARCH).round().astype(int)
-    sampled_steps = [steps[k] for k in evenly_spread]
+    evenly_spread_positions = (
+        np.linspace(0, len(steps) - 1, _N_SAMPLED_STEPS_OF_SEARCH).round().astype(int)
+    )
+    sampled_steps = [steps[k] for k in evenly_spread_positions]
     tractions_at_steps = [tractions(nodal_tractions[step]) for step in sampled_steps]
     sampled_tensions, _ = _added_edge_tension(solution, sampled_steps, tractions_at_steps)
     spline = scipy.interpolate.CubicSpline(
@@ -1441,7 +1445,7 @@ def _stress_of_tractions(
 
 
 def _joined_stress(
-    nodal_fields: _NodalFields, near_contact: _NearContact, material: Elastic
+    nodal_fields: _NodalFields, region_near_contact: _NearContact, material: Elastic
 ) -> Array:
     """Stress xx, yy, xy, zz at the n nodes of a body at k steps, (n, 4, k). Far from the contact it
     is that of the elements, close to it that of the tractions, blended in between.
@@ -1454,7 +1458,7 @@ def _joined_stress(
     ----------
     nodal_fields
         its `stress` (n, 4, k) is that by the elements at all nodes
-    near_contact
+    region_near_contact
         the m nodes close to the contact: numbers (`nodes`), places (`x`, `y`) and their largest
         distance from its middle; the tractions on the body at each step, and the stress that its
         finite size adds (`size_effect`)
@@ -1462,19 +1466,19 @@ def _joined_stress(
         of the body; its Poisson ratio gives s_zz in plane strain
     """
     # Stress s_xx, s_yy, s_xy by the tractions at the nodes close to the contact, (m, 3, k).
-    x = near_contact.x
-    y = near_contact.y
-    nodes = near_contact.nodes
-    traction_stress = _stress_of_tractions(near_contact.tractions, x, y)
-    if near_contact.size_effect is not None:
-        traction_stress = traction_stress + near_contact.size_effect.stress(x, y)
+    x = region_near_contact.x
+    y = region_near_contact.y
+    nodes = region_near_contact.nodes
+    traction_stress = _stress_of_tractions(region_near_contact.tractions, x, y)
+    if region_near_contact.size_effect is not None:
+        traction_stress = traction_stress + region_near_contact.size_effect.stress(x, y)
 
     # Weight of that stress: 1 inside, falling to 0 across the blending zone.
     # _BLENDING_SHARE: width of the blending zone over its outer radius, 0.2
-    blending_width = _BLENDING_SHARE * near_contact.largest_distance
-    s = np.clip((near_contact.largest_distance - np.hypot(x, y)) / blending_width, 0.0, 1.0)
+    blending_width = _BLENDING_SHARE * region_near_contact.largest_distance
+    s = np.clip((region_near_contact.largest_distance - np.hypot(x, y)) / blending_width, 0.0, 1.0)
     has_tractions = np.array(
-        [step_tractions is not None for step_tractions in near_contact.tractions]
+        [step_tractions is not None for step_tractions in region_near_contact.tractions]
     )
     weight = (s**2 * (3 - 2 * s))[:, None, None] * has_tractions
 

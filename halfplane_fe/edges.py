@@ -545,9 +545,9 @@ class ContactsOfLoads(NamedTuple):
         is_pressed = self.load > 0
         if not is_pressed.any():
             return np.zeros_like(half_width)
-        order = np.argsort(self.half_width[is_pressed])
-        known_half_widths = np.append(0.0, self.half_width[is_pressed][order])
-        known_loads = np.append(0.0, self.load[is_pressed][order])
+        order_of_widths = np.argsort(self.half_width[is_pressed])
+        known_half_widths = np.append(0.0, self.half_width[is_pressed][order_of_widths])
+        known_loads = np.append(0.0, self.load[is_pressed][order_of_widths])
         even_half_widths = np.linspace(0.0, known_half_widths[-1], _WIDTHS + 1)
         even_loads = np.interp(even_half_widths, known_half_widths, known_loads)
         slope = np.gradient(even_loads, even_half_widths)  # dP/da

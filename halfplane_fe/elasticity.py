@@ -928,8 +928,8 @@ def arc_loads(system: System, datum_length: float) -> ArcLoads:
     nodal_forces = np.zeros((system.reaction_dofs.size, system.contact_dofs.size))
     if system.reaction_dofs.size:
         # In proportion to the nodal forces of tension: half on either end.
-        end_shares = np.abs(system.tension_forces[system.reaction_dofs.ravel()])
-        nodal_forces[:, : len(contact_places)] = -(end_shares / end_shares.sum())[:, None]
+        end_forces = np.abs(system.tension_forces[system.reaction_dofs.ravel()])
+        nodal_forces[:, : len(contact_places)] = -(end_forces / end_forces.sum())[:, None]
     no_points = np.zeros((0, system.contact_dofs.size))  # of an arc
     return ArcLoads(nodal_forces, tractions=no_points, displacements=no_points)
 

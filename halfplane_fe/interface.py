@@ -192,11 +192,11 @@ def _compliance_node_by_node(lower_body: CondensedBody, upper_body: CondensedBod
     upper_compliance = upper_body.compliance
 
     # Displacements along x and y by a unit of each body's bulk stress, and by a unit of tilt.
-    stretch_of_lower, stretch_of_upper, tilt_of_upper = _displacements_by_stress_and_tilt(
+    stretch_of_lower, stretch_of_upper, displacement_by_tilt = _displacements_by_stress_and_tilt(
         lower_body, upper_body
     )
     # Upper minus lower body: component, node, load. On flat faces x is slip and y is gap.
-    slip_and_gap = np.stack([-stretch_of_lower, stretch_of_upper, tilt_of_upper], axis=-1)
+    slip_and_gap = np.stack([-stretch_of_lower, stretch_of_upper, displacement_by_tilt], axis=-1)
     gap_and_slip = slip_and_gap[::-1]
 
     coupling = lower_compliance[0, :, 1, :] - upper_compliance[0, :, 1, :]
@@ -245,7 +245,7 @@ def _compliance_by_mortar(lower_body: CondensedBody, upper_body: CondensedBody) 
     )
 
     # Gap and slip by a unit of each body's bulk stress, and by a unit of tilt of the upper one.
-    stretch_of_lower, stretch_of_upper, tilt_of_upper = _displacements_by_stress_and_tilt(
+    stretch_of_lower, stretch_of_upper, displacement_by_tilt = _displacements_by_stress_and_tilt(
         lower_body, upper_body
     )
     gap_and_slip_by_load = [
@@ -253,7 +253,7 @@ def _compliance_by_mortar(lower_body: CondensedBody, upper_body: CondensedBody) 
         for operator, displacement in (
             (-mortar_sides.lower, stretch_of_lower),
             (mortar_sides.upper, stretch_of_upper),
-            (mortar_sides.upper, tilt_of_upper),
+            (mortar_sides.upper, displacement_by_tilt),
         )
     ]
     n_nodes = len(lower_body.x)
@@ -284,8 +284,8 @@ def _displacements_by_stress_and_tilt(
         np.broadcast_to(upper_body.displacement_by_stress, (2, len(upper_body.x)))
         * _REFLECTION[:, None]
     )
-    tilt_of_upper = np.stack([upper_body.y, upper_body.x])  # (-y, x) of the common frame
-    return stretch_of_lower, stretch_of_upper, tilt_of_upper
+    displacement_by_tilt = np.stack([upper_body.y, upper_body.x])  # (-y, x) of the common frame
+    return stretch_of_lower, stretch_of_upper, displacement_by_tilt
 
 
 # Distance of two nodes over the element size within which the mesh error of N - T and K dies out,

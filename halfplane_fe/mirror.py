@@ -164,15 +164,15 @@ def run_at_all_nodes(run: PathRun, faces: Interface) -> PathRun:
     ----------
     run
         contact states, friction work of the nodes in each cycle, error of that work with the
-        permanent stick zone (`edge_excess_by_cycle`), and edges that the loads place between nodes
+        permanent stick zone (`edge_excess_by_cycle`), and edges that the loads locate between nodes
     faces
         contact compliance of all n nodes
     """
     # (n,) index of each node or its image in the half, share of its force, sign of q and slip
     images = _images(faces)
-    n_half = len(faces.x) - len(faces.x) // 2
+    n_nodes_of_half = len(faces.x) - len(faces.x) // 2
     # Index of each value of a state among the values of the half.
-    nodal_indices = [3 + images.node_of_half + quantity * n_half for quantity in range(4)]
+    nodal_indices = [3 + images.node_of_half + quantity * n_nodes_of_half for quantity in range(4)]
     index_in_half = np.concatenate([np.arange(3), *nodal_indices])
 
     # Factors of approach, shift and tilt, then of slip, p, q and gap.
@@ -209,8 +209,8 @@ def run_at_all_nodes(run: PathRun, faces: Interface) -> PathRun:
             work[images.node_of_half] * images.force_share for work in run.nodal_work_by_cycle
         ],
         edge_excess_by_cycle=[
-            excess._replace(stick_zone=excess.stick_zone.mirrored())
-            for excess in run.edge_excess_by_cycle
+            edge_excess._replace(stick_zone=edge_excess.stick_zone.mirrored())
+            for edge_excess in run.edge_excess_by_cycle
         ],
         contact_edges=[edges.mirrored(middle) for edges in run.contact_edges],
         stick_edges=[edges.mirrored(middle) for edges in run.stick_edges],

@@ -72,12 +72,14 @@ def tip_power(profile: Profile, distance: float) -> float:
     """
     exponents = []
     for sign_of_x in (-1.0, 1.0):
-        height_at_tip, height_at_distance, height_at_twice = profile.height(
+        height_at_tip, height_at_distance, height_at_double_distance = profile.height(
             sign_of_x * distance * np.arange(3)
         ).tolist()
-        is_rising = height_at_distance > height_at_tip and height_at_twice > height_at_distance
+        is_rising = (
+            height_at_distance > height_at_tip and height_at_double_distance > height_at_distance
+        )
         height_ratio = (
-            (height_at_twice - height_at_tip) / (height_at_distance - height_at_tip)
+            (height_at_double_distance - height_at_tip) / (height_at_distance - height_at_tip)
             if is_rising
             else math.inf
         )

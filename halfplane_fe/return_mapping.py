@@ -147,8 +147,8 @@ class ReturnMapping:
             self.work_counts["Newton steps"] += iteration.newton_steps
             self.work_counts["multiplier updates"] += iteration.multiplier_updates
             if has_converged:
-                values, states = iteration.values_and_states()
-                return Equilibrium(values, states, newton_steps)
+                values, node_states = iteration.values_and_states()
+                return Equilibrium(values, node_states, newton_steps)
             self.work_counts["penalties softened"] += 1
         return None
 
@@ -349,19 +349,19 @@ class _Iteration:
         # start of the increment; c_n, c_t compliances of the nodes, of layer and penalty together;
         # f coefficient of friction
         """
-        compliance = self.systems.layer
+        compliance = self.systems.layer  # (n,) normal and tangential, of layer and penalty
         trial_pressure = self._pressure - self._gap / compliance.normal_compliance
         trial_shear = self._shear
         if self.problem.has_shear:
             slip_increment = self._slip - self._slip_at_start
             trial_shear = self._shear + slip_increment / compliance.tangential_compliance
-        pressure, shear, states = project(trial_pressure, trial_shear, self.problem.friction)
+        pressure, shear, node_states = project(trial_pressure, trial_shear, self.problem.friction)
         return Tractions(
             trial_pressure,
             trial_shear,
             pressure,
             shear,
-            states.astype(np.int8),
+            node_states.astype(np.int8),
             self._over_tolerance(pressure - self._pressure, shear - self._shear),
         )
 
@@ -398,10 +398,10 @@ class _Iteration:
         change_of_loads
             (n_loads,) of P, Q and, with bulk stress or tilt, both bulk stresses, tilt or moment
         """
-        compliance = self.systems.layer
-        states = mapped_tractions.states
-        self._latest_states = states
-        is_open = states == OPEN
+        compliance = self.systems.layer  # (n,) normal and tangential, of layer and penalty
+        node_states = mapped_tractions.states
+        self._latest_states = node_states
+        is_open = node_states == OPEN
         gap_under_pressure = compliance.normal_compliance * (
             mapped_tractions.pressure - mapped_tractions.trial_pressure
         )
@@ -410,7 +410,7 @@ class _Iteration:
             is_open, mapped_tractions.pressure - self._pressure, gap_under_pressure - self._gap
         )
         tangential_residuals = np.zeros_like(normal_residuals)
-        signed_friction = slip_sign(states) * self.problem.friction
+        signed_friction = slip_sign(node_states) * self.problem.friction
         if self.problem.has_shear:
             slip_in_stick = self._slip_at_start + compliance.tangential_compliance * (
                 mapped_tractions.shear - mapped_tractions.trial_shear
@@ -419,14 +419,16 @@ class _Iteration:
                 mapped_tractions.shear - signed_friction * mapped_tractions.pressure
             )
             tangential_residuals = np.where(
-                states == STICK,
+                node_states == STICK,
                 slip_in_stick - self._slip,
                 shear_beyond_limit - (self._shear - signed_friction * self._pressure),
             )
 
         # Derivatives of the values by each load, (3 + 4 n,), and their change by the residuals.
         *derivatives_by_load, correction = self.systems.newton_correction(
-            states, len(change_of_loads), np.concatenate([normal_residuals, tangential_residuals])
+            node_states,
+            len(change_of_loads),
+            np.concatenate([normal_residuals, tangential_residuals]),
         )
         self.newton_steps += 1
         self.values += correction
@@ -442,7 +444,7 @@ class _Iteration:
         self._gap[~is_open] = gap_under_pressure[~is_open]
         self._pressure[is_open] = mapped_tractions.pressure[is_open]
         if self.problem.has_shear:
-            is_stuck = states == STICK
+            is_stuck = node_states == STICK
             self._slip[is_stuck] = slip_in_stick[is_stuck]
             self._shear[:] = np.where(
                 is_stuck, self._shear, signed_friction * self._pressure + shear_beyond_limit
@@ -510,7 +512,7 @@ class _Iteration:
             np.where(was_open, 0.0, _TOUCHING_PRESSURE),
             mapped_tractions.trial_pressure,
         )
-        _, _, states = project(trial_pressure, mapped_tractions.trial_shear, friction)
+        _, _, node_states = project(trial_pressure, mapped_tractions.trial_shear, friction)
         if self.problem.has_shear:
             shear_of_slip = mapped_tractions.trial_shear - self._shear  # slip over compliance
             shear_tolerance = tolerance * self.problem.shear_scale
@@ -518,15 +520,15 @@ class _Iteration:
             # On the Coulomb limit without slip: between stick and slip.
             is_at_coulomb_limit = np.abs(shear_beyond_limit) <= shear_tolerance
             is_at_coulomb_limit &= np.abs(shear_of_slip) <= shear_tolerance
-            is_at_coulomb_limit &= ~was_open & (states != OPEN)
-            states = np.where(is_at_coulomb_limit, self.start.states, states)
-            is_stuck = states == STICK
+            is_at_coulomb_limit &= ~was_open & (node_states != OPEN)
+            node_states = np.where(is_at_coulomb_limit, self.start.states, node_states)
+            is_stuck = node_states == STICK
             self._slip[is_stuck] = self._slip_at_start[is_stuck]
 
         # Without round-off.
-        is_open = states == OPEN
+        is_open = node_states == OPEN
         has_no_gap = np.abs(self._gap) <= tolerance * compliance.normal_compliance
         self._gap[~is_open & has_no_gap] = 0.0
         self._pressure[is_open] = 0.0
         self._shear[is_open] = 0.0
-        return self.values, states.astype(np.int8)
+        return self.values, node_states.astype(np.int8)

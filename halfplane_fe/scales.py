@@ -245,7 +245,7 @@ def _load_of_approach(scene: Scene, work_counts: Counter[str]) -> float:
     Raises
     ------
     InputError
-        Where no load within a factor of e^20 has this approach.
+        Where no load within a factor of e^19 has this approach.
     """
     approach = largest_load(scene)
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
@@ -271,8 +271,8 @@ def _load_of_approach(scene: Scene, work_counts: Counter[str]) -> float:
         )
         return approach_of_actuator - approach
 
-    # The bracket grows by a factor of e on both sides, around a load of E* times the approach, up
-    # to e^20 (`_MOST_HALF_RANGES`).
+    # The bracket grows by a factor of e on both sides, around a load of E* times the approach;
+    # _MOST_HALF_RANGES: 20.
     first_logarithm = float(np.log(modulus * approach))
     for half_range in range(1, _MOST_HALF_RANGES):
         lower_end = first_logarithm - half_range

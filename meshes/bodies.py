@@ -343,8 +343,8 @@ def surface_points(grading: SurfaceGrading) -> Array:
         max(round((grading.outer - grading.inner) / grading.edge_size), 1) + 1,
     )
     points = np.concatenate([inner_points[:-1], outer_points])
-    towards_tip = points[1] / 2.0 ** np.arange(grading.halvings, 0, -1)
-    return np.concatenate([points[:1], towards_tip, points[1:]])
+    points_towards_tip = points[1] / 2.0 ** np.arange(grading.halvings, 0, -1)
+    return np.concatenate([points[:1], points_towards_tip, points[1:]])
 
 
 def size_formula(
