@@ -1786,8 +1786,8 @@ def _states(point_fields: PointFields, distance: Array, row_numbers: Indices) ->
     """State of contact of each point at each instant, (n, k): open, stick, forward or reverse slip.
 
     A point slips in the zone at the edge of contact, or in an inner zone of the memory curve. That
-    curve is the locked-in tangential force over the half-width of the flat punches. An inner zone may slip the
-    other way, or while the edge sticks. At instants at which |q| of that curve would
+    curve is the locked-in tangential force over the half-width of the flat punches. An inner zone
+    may slip the other way, or while the edge sticks. At instants at which |q| of that curve would
     exceed f p, the inner zone is that of the extra slip instead.
 
     Parameters
