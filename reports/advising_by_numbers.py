@@ -346,8 +346,8 @@ def _change_of_stick(
     import semi_analytic
     from semi_analytic.odd_memory import DeclinedError, second_order_answer
 
-    # Whether theory takes the scene with tilt and bulk strain; the W that `second_order_answer`
-    # returns is not needed here.
+    # Whether theory takes the scene with tilt and bulk strain; what `second_order_answer` returns
+    # (the friction work that they add) is not needed here.
     try:
         second_order_answer(scene, effects)
     except DeclinedError:

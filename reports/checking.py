@@ -881,8 +881,8 @@ def remarks_on_input(scene: Scene, contact: _LargestContact) -> list[str]:
     friction in per cent, strains or slopes beyond linear elasticity. An empty list where nothing is
     unusual.
 
-    `contact` is the contact at the largest load: `strain` is p0/E*, `edge_slope` the slope of the
-    gap at its edge.
+    `contact` is the contact at the largest load: `strain` is p0/E*, the peak pressure over the
+    composite modulus, `edge_slope` the slope of the gap at its edge.
     """
     sentences = []
     unit_of_force, unit_of_length, unit_of_stress = units(scene)

@@ -89,8 +89,8 @@ def sentences(
     """The effects of uncertain inputs on the values of a scene, in sentences.
 
     They state the difference of finite bodies and half-planes, whether a measurement could show it,
-    the most important input, W by random draws, values that are rough, and notes; where none of
-    these is known, the reason.
+    the most important input, the dissipation W by random draws, values that are rough, and notes;
+    where none of these is known, the reason.
 
     Parameters
     ----------
@@ -193,8 +193,9 @@ def _with_full_stop(sentence: str) -> str:
 
 
 def _sentence_on_difference(effects: InputEffects, comparison: JudgedPair | None) -> Iterator[str]:
-    """A sentence on the difference in W between finite bodies and half-planes, with its uncertainty
-    by the inputs; or on the reason why it is not stated. No sentence where W has no difference.
+    """A sentence on the difference in the dissipation W between finite bodies and half-planes, with
+    its uncertainty by the inputs; or on the reason why it is not stated. No sentence where W has no
+    difference.
 
     Parameters
     ----------
@@ -237,8 +238,9 @@ def _difference_of_work_and_source(
 
 
 def _sentence_on_measurement(effects: InputEffects, comparison: JudgedPair | None) -> Iterator[str]:
-    """A sentence on the uncertainty of a measurement of W by the scene's inputs, and whether such a
-    measurement could tell finite bodies from half-planes. No sentence where it is not known.
+    """A sentence on the uncertainty of a measurement of the dissipation W by the scene's inputs,
+    and whether such a measurement could tell finite bodies from half-planes. No sentence where it
+    is not known.
 
     Parameters
     ----------
@@ -267,9 +269,9 @@ def _sentence_on_measurement(effects: InputEffects, comparison: JudgedPair | Non
 
 
 def _main_input_in_words(effects: InputEffects) -> str:
-    """A sentence that names the input that changes W most, and the next one if it changes W by at
-    least a quarter of that; for the largest pressure where no input changes W. "" where none
-    changes either.
+    """A sentence that names the input that changes the dissipation W most, and the next one if it
+    changes W by at least a quarter of that; for the largest pressure where no input changes W. ""
+    where none changes either.
 
     `effects.values` holds theory's values by key. Each has its `changes` by one standard
     uncertainty of every input, by the key of the input, and the keys of the inputs by the size of
@@ -410,10 +412,10 @@ def rows_of_difference(effects: InputEffects) -> list[tuple[str, ...]]:
 def table_of_inputs(effects: InputEffects) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """The table of a scene's uncertain inputs: column heads, and a row for each input.
 
-    A row holds the input, its standard uncertainty as stated, and the change of theory's W by it in
-    per cent. A fourth column holds the change of the difference between finite bodies and
-    half-planes, in percentage points, where that is known. The last row holds the standard
-    uncertainties by all inputs together.
+    A row holds the input, its standard uncertainty as stated, and the change of theory's
+    dissipation W by it in per cent. A fourth column holds the change of the difference between
+    finite bodies and half-planes, in percentage points, where that is known. The last row holds the
+    standard uncertainties by all inputs together.
 
     `effects.values` and `effects.difference` hold theory's values and the differences by key, each
     with its `changes` by one standard uncertainty of every input.

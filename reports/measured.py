@@ -385,7 +385,7 @@ def _noise_in_words(
     scene: Scene, load_record: TimeSeriesLoad, record_check: RecordCheck
 ) -> Sentence:
     """A sentence on the noise of a record of loads: its standard deviation, and how much means of
-    several rows, which remove it, change W.
+    several rows, which remove it, change the dissipation W.
 
     It is a warning where they change W by more than 1 % and `load_record.average` (the number of
     rows of one mean, 1 for none) does not ask for them.
@@ -792,7 +792,8 @@ def record_content(scene: Scene) -> dict[str, Any] | None:
     """Content for JSON on measured data: how the files of a scene were read, the check of its
     record of loads, and sentences on it. None where nothing was measured.
 
-    The check holds noise, and W with and without reduction and averaging; None for other loads.
+    The check holds noise, and the dissipation W with and without reduction and averaging; None for
+    other loads.
     """
     tables_read = read_as_by_key(scene)
     record_check = check_record(scene)

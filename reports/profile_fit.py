@@ -513,7 +513,8 @@ def _uncertainty_in_words(scene: Scene, uncertainty: FitUncertainty) -> str:
 
 @lru_cache(maxsize=4)
 def findings_on_fit(scene: Scene) -> tuple[tuple[str, ...], FitUncertainty | None]:
-    """Sentences on a fitted profile, and the uncertainty of W, a and p0 by the noise of its rows.
+    """Sentences on a fitted profile, and the uncertainty of dissipation W, half-width a and peak
+    pressure p0 by the noise of its rows.
 
     No sentences and None for a profile that is not fitted; None where the uncertainty has no value.
     It takes up to some seconds, and page, JSON and terminal all ask for it: it is computed once.

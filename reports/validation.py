@@ -147,7 +147,7 @@ def result_against_theory(
     comparison: JudgedPair, effects: InputEffects | None, measured_uncertainties: Measured
 ) -> tuple[AgainstMeasurement, ...]:
     """Compare the values of an external result, taken as a measurement, with those of half-plane
-    theory: W, peak pressure and half-width, where both have them.
+    theory: dissipation W, peak pressure and half-width, where both have them.
 
     Parameters
     ----------
@@ -204,8 +204,8 @@ def result_against_theory(
 def loop_area_against_models(
     score: LoopScore, effects: InputEffects | None, measured_uncertainties: Measured
 ) -> tuple[AgainstMeasurement, ...]:
-    """Compare the area W of a measured loop of Q over U with the areas that theory and finite
-    elements compute with the scene's friction coefficient.
+    """Compare the area W of a measured loop of the tangential load Q over the displacement U with
+    the areas that theory and finite elements compute with the scene's friction coefficient.
 
     Parameters
     ----------

@@ -392,17 +392,17 @@ def scales_of(snapshots: Sequence[Snapshot]) -> tuple[float, float]:
         float(np.linalg.norm(body.displacement, axis=1).max()) for body in bodies
     )
     largest_stress = max(float(body.von_mises.max()) for body in bodies)
-    factor = 1.0
+    magnification = 1.0
     if largest_displacement:
-        factor = round_down(_SHOWN_DISPLACEMENT * largest_extent / largest_displacement)
-    return largest_stress or 1.0, factor
+        magnification = round_down(_SHOWN_DISPLACEMENT * largest_extent / largest_displacement)
+    return largest_stress or 1.0, magnification
 
 
 def stress(
     solution: FiniteElementSolution,
     snapshots: Sequence[Snapshot],
     instants: Sequence[Instant],
-    scales: tuple[float, float],
+    stress_and_magnification: tuple[float, float],
     name: str = "von_mises",
     pixels: int = 560,
 ) -> Plate:
@@ -415,7 +415,7 @@ def stress(
     snapshots
         displacement and stress of both bodies at each of the `instants`, which have a time and a
         label
-    scales
+    stress_and_magnification
         largest stress of the scale of colours [stress], and factor by which displacements are
         magnified in pictures of whole bodies
     name
@@ -426,14 +426,16 @@ def stress(
     _, length_unit, stress_unit = units(solution.scene)
     # largest nodal von Mises stress of each instant, with its body and place
     peaks = [peak(snapshot) for snapshot in snapshots]
-    largest_stress, _ = scales
+    largest_stress, _ = stress_and_magnification
 
     # two cells of the figure, which are panels one under the other, for each instant
     cells: list[Cell] = []
     for instant_number, (instant, snapshot) in enumerate(zip(instants, snapshots, strict=True)):
         panel_name = f"{name}-{instant_number}-whole"
         cells.append(
-            _panels_of_whole_bodies(solution, snapshot, instant.label, scales, panel_name, pixels)
+            _panels_of_whole_bodies(
+                solution, snapshot, instant.label, stress_and_magnification, panel_name, pixels
+            )
         )
         cells.append(
             _panels_of_contact(
@@ -468,7 +470,7 @@ def _panels_of_whole_bodies(
     solution: FiniteElementSolution,
     snapshot: Snapshot,
     label: str,
-    scales: tuple[float, float],
+    stress_and_magnification: tuple[float, float],
     name: str,
     pixels: int,
 ) -> Cell:
@@ -484,7 +486,7 @@ def _panels_of_whole_bodies(
         displacement and von Mises' stress at the nodes
     label
         name of the instant
-    scales
+    stress_and_magnification
         largest stress of the scale of colours [stress], and factor by which displacements are
         magnified
     name
@@ -493,7 +495,7 @@ def _panels_of_whole_bodies(
         width of the picture [pixels]
     """
     # ends of the scale of colours; _DECADES_OF_COLOURS: 2.5
-    largest_stress, factor = scales
+    largest_stress, magnification = stress_and_magnification
     _, length_unit, stress_unit = units(solution.scene)
     least_stress = largest_stress * 10**-_DECADES_OF_COLOURS
     limits = (float(np.log10(least_stress)), float(np.log10(largest_stress)))
@@ -508,7 +510,7 @@ def _panels_of_whole_bodies(
         outward_sign = 1.0 if body.name == "lower" else -1.0
         offset = np.array([0.0, -outward_sign * (0.03 + _SHOWN_DISPLACEMENT) * largest_extent / 2])
         values = np.log10(np.maximum(body.von_mises, least_stress))
-        deformed_points = body.points + factor * body.displacement + offset
+        deformed_points = body.points + magnification * body.displacement + offset
         # Skin: nodes, elements, values at the nodes, ends of the scale of colours
         skins.append(Skin(deformed_points, body.cells, values, limits))
         outlines += [
@@ -531,7 +533,7 @@ def _panels_of_whole_bodies(
         f"P = {number(snapshot.normal_load)}, Q = {number(snapshot.tangential_load)}"
         f" {load_unit(solution.scene)}"
     )
-    note = f"{loads_in_words}; displacements × {number(factor)}, drawn apart"
+    note = f"{loads_in_words}; displacements × {number(magnification)}, drawn apart"
     # PanelWords: unit of length, title and note
     panel_words = PanelWords(length_unit, f"t = {number(snapshot.time)}, {label}", note)
     # Segments: lines and their look in the style sheet

@@ -743,16 +743,16 @@ def bands_of_slip(hertz_case: Case, rounded_case: Case) -> dict[str, VerdictAndN
     """
     # without load the contact is as wide as the flat
     flat_half_width = float(rounded_case.scaled_half_width(0.0))
-    hertz_band = hertz_case.largest_half_width - hertz_case.permanent_stick_half_width
-    rounded_band = rounded_case.largest_half_width - rounded_case.permanent_stick_half_width
+    hertz_band_width = hertz_case.largest_half_width - hertz_case.permanent_stick_half_width
+    rounded_band_width = rounded_case.largest_half_width - rounded_case.permanent_stick_half_width
     return {
         "slip in the radii": (
             verdict_of_condition(rounded_case.permanent_stick_half_width > flat_half_width),
             {"a(P_T)/a0": rounded_case.permanent_stick_half_width, "b/a0": flat_half_width},
         ),
         "narrow bands": (
-            verdict_of_condition(rounded_band < hertz_band),
-            {"hertz": hertz_band, "flat and rounded": rounded_band},
+            verdict_of_condition(rounded_band_width < hertz_band_width),
+            {"hertz": hertz_band_width, "flat and rounded": rounded_band_width},
         ),
     }
 

@@ -664,7 +664,7 @@ def _constraints(deck: Deck, body: DeckBody) -> Iterator[list[tuple[int, int, fl
     means that the node does not move.
 
     # notation: a contact half-width at the largest load (`deck.scales.half_width`); direction 1
-    #           along x, 2 along y
+    #           along x, 2 along y; u displacement, eps bulk strain, nu Poisson's ratio, alpha tilt
 
     `body.held` has the numbers of the held nodes by direction, `body.nodes` (n, 2) the places of
     all nodes, numbered from `body.first_node` on.
