@@ -1284,6 +1284,7 @@ class PieceTable:
                 integrals += slopes_as_column * rise_on_piece
         integrals[0] = 0.0
         # To its own part each piece adds the integral up to the piece below: lower groups first.
+        # The first group of _pieces_by_depth lies on the empty curve and has nothing below.
         for piece_numbers in self._pieces_by_depth[1:]:
             integrals[piece_numbers] += integrals[number_below[piece_numbers]]
         return integrals

@@ -460,7 +460,7 @@ class ArcIntegrals:
         largest_load = np.maximum(self._segment.loads(ends)[0], 0.0)[:, None]
         margin = _RANGES_TO_FAR * (largest_load - least_load)
 
-        # margin: twice the range of the panel's loads; edge_loads: P_x of each point.
+        # margin: twice the range of the panel's loads; x, edge_loads: |x| and P_x of each point.
         # The slip kernel is not 0 where P < P_x, and has a logarithm at P = 0; the others are not 0
         # where P > P_x.
         if self._kernel == "slip":
@@ -725,9 +725,12 @@ def _nodes_of_ranges(begin_s: Array, end_s: Array, is_rough: NDArray[np.bool_]) 
     where `is_rough`, (m,); none where a range has no length. One array for all, since a call for
     each rule would take longer than its arithmetic.
     """
-    # _NODES_BY_LENGTH: longest range for each number of Gauss nodes.
+    # _NODES_BY_LENGTH: longest range for each number of Gauss nodes; graded_nodes: nodes and
+    # weights of the rule for singular ends.
     s_length = end_s - begin_s
-    rule_of_range = np.searchsorted([longest for longest, _ in _NODES_BY_LENGTH], s_length)
+    rule_of_range = np.searchsorted(
+        [longest_length for longest_length, _ in _NODES_BY_LENGTH], s_length
+    )
     rough_ranges = np.flatnonzero((s_length > 0) & is_rough)
     ranges_by_rule = [rough_ranges]
     nodes_by_rule = [graded_nodes(begin_s[rough_ranges], end_s[rough_ranges])]
@@ -736,10 +739,10 @@ def _nodes_of_ranges(begin_s: Array, end_s: Array, is_rough: NDArray[np.bool_]) 
         if not len(ranges_of_rule):
             continue
         unit_nodes, weights = gauss_rule(n_nodes)
-        length = s_length[ranges_of_rule, None]
+        length_column = s_length[ranges_of_rule, None]
         ranges_by_rule.append(ranges_of_rule)
         nodes_by_rule.append(
-            (begin_s[ranges_of_rule, None] + length * unit_nodes, length * weights)
+            (begin_s[ranges_of_rule, None] + length_column * unit_nodes, length_column * weights)
         )
     range_of_nodes = [
         np.repeat(range_numbers, s.shape[1])

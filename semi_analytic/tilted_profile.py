@@ -874,6 +874,7 @@ class CurvedProfile(ConvexProfile):
             mean of h', which balances the tilt; A P with A = 2/E* [length]; int h'' d theta and int
             h'' cos(theta) d theta [1/length]
         """
+        # xi: quadrature nodes x of the contact, their distances x - m, and weights of the sum 1.
         xi, distance_from_centre, weight = self._nodes_of_contact(m, c)
         weighted_slope = weight * self.gradient(xi)
         weighted_curvature = np.pi * weight * self.second_derivative(xi)
