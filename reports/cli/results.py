@@ -155,7 +155,7 @@ def _score_tractions(
 
     An `Answer` holds the exit code, lines and tables for the terminal, and the content for --json.
     """
-    stages = Stages(options.quiet)
+    stages = Stages(options.quiet)  # progress on stderr, and the seconds of each stage
     with stages.stage("loading"):
         from reports.page.content import whole_content
         from reports.page.writing import write
@@ -222,7 +222,7 @@ def _score_loop(
 
     An `Answer` holds the exit code, lines and tables for the terminal, and the content for --json.
     """
-    stages = Stages(options.quiet)
+    stages = Stages(options.quiet)  # progress on stderr, and the seconds of each stage
     with stages.stage("loading"):
         from reports.comparison.words import reading_in_words
         from reports.scoring import loop_page, loops

@@ -395,7 +395,8 @@ def dissipation_density(view: CycleView) -> Plate | None:
     coefficient, P_ref and a_ref load and half-width of the reference.
 
     A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV. `Rule`
-    is a line across the panel, `Key` an entry of the legend and `ZERO` a line at 0.
+    is a line across the panel, `Key` an entry of the legend and `ZERO` a line at 0. `css` is a
+    class of the style sheet.
     """
     x = view.x
     scales = view.scales

@@ -222,7 +222,7 @@ def slip_histories(view: CycleView) -> Plate:
     axis of time.
 
     A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV. `Key` is
-    an entry of the legend.
+    an entry of the legend. `css` is a class of the style sheet.
     """
     # indices of up to four points between the stick zone and the edge of contact
     points = slip_points(view.comparison)
@@ -274,7 +274,8 @@ def cumulative_work(view: CycleView) -> Plate | None:
 
     `view` holds the comparison, its scene, and the legend entry (`keys`) of each solution.
 
-    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV. `css` is
+    a class of the style sheet.
     """
     solutions = (view.comparison.reference, view.comparison.result)
     series = []  # (legend entry, times (n,), work up to each time (n,))
@@ -665,6 +666,8 @@ def _loop_panel(
     """A panel of the tangential load Q over a displacement through the cycle, a loop for each
     engine.
 
+    `css` is a class of the style sheet.
+
     Parameters
     ----------
     view
@@ -744,6 +747,8 @@ def _bulk_loop_panel(view: CycleView) -> Panel:
     """A panel of the moment of the shear traction about x = 0 over the bulk strain, both engines.
     The area of this loop is the work of the bulk stress. `view` holds the last cycles of both
     solutions, with the moment (k,), and their entries of a legend.
+
+    `css` is a class of the style sheet.
     """
     # words for the units of the scene: force, length, stress
     unit_of_force, _, _ = units(view.scene)

@@ -263,7 +263,7 @@ def _loop_panel(
     are in pixels; `name` is that of the panel on the page. `rig_motion` holds loads and
     displacements (k,) at the shown instants.
 
-    `Rule` is a line across the panel.
+    `Rule` is a line across the panel. `css` is a class of the style sheet.
     """
     key_of_contact, key_of_actuator = _KEYS_OF_LOOP  # entries of the legend
     tangential_load = rig_motion.tangential_load
