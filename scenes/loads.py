@@ -330,9 +330,9 @@ class BulkAndTilt(Frozen, Generic[V]):
         # "bulk" holds both bulk stresses, "tilt_and_moment" tilt and moment.
         companions: dict[str, Sequence[LoadSegment]] = {}
         # `line_of_action`: the line along which P acts, x, and the height at which Q acts; or None.
-        if (line := self.line_of_action) is not None:
+        if (line_of_action := self.line_of_action) is not None:
             # Loads along a line: the tilt is 0, and the moment M = x P + height Q.
-            moment_of_loads = Combination(line.x, line.height)
+            moment_of_loads = Combination(line_of_action.x, line_of_action.height)
             companions["tilt_and_moment"] = [
                 segment.companion_of(moment_of_loads) for segment in load_segments
             ]

@@ -2363,9 +2363,10 @@ def _termination_and_message(paths: _Paths) -> tuple[str, str]:
     """How the followed path ended: the termination of the answer, "steady" or "end of path", and a
     sentence about it.
 
-    `paths.rows.period` is that of the path, None without one. `paths.is_steady` says whether the
-    last cycle of the answer ends in the state it started from, `paths.steady_from` which cycle is
-    the first that does. `paths.covered_cycles` are the followed cycles of the answer.
+    `paths.rows.period` is the duration of a cycle, None without one. `paths.is_steady`: whether the
+    last cycle of the answer ends in the state it started from. `paths.steady_from`: index of the
+    first cycle that does. `paths.covered_cycles`: for each cycle of the answer, the index of the
+    followed cycle that it equals.
     """
     if paths.rows.period is None:
         return "end of path", "the path was followed to its end"
