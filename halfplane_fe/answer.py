@@ -913,10 +913,10 @@ def record_of(
         """(n_stored,) sum or maximum of the values of the increments since the stored instant
         before; 0 of the unloaded state.
         """
-        reduced_values = np.asarray(values)
-        if len(reduced_values):
-            reduced_values = reduction.reduceat(reduced_values, first_increments)
-        return read_only_copy(np.concatenate([[0.0], reduced_values]), dtype)
+        values_at_instants = np.asarray(values)
+        if len(values_at_instants):
+            values_at_instants = reduction.reduceat(values_at_instants, first_increments)
+        return read_only_copy(np.concatenate([[0.0], values_at_instants]), dtype)
 
     # Energies and works; that of the layer only where there is one.
     # _ENERGY_NAMES: names of the energies, works and step error among the values of an increment

@@ -656,13 +656,13 @@ def _place_put_right(edge: Edge, last_node: int, unevenness: Array) -> float:
     unevenness
         (3,) how unevenly the load moves the edge, by the nodes behind it: 0 where evenly
     """
-    unevenness_at_first, unevenness_at_second, _ = unevenness  # nodes behind the last one
+    unevenness_at_first_node, unevenness_at_second_node, _ = unevenness  # nodes behind the last one
     if (
         _is_corner(edge.interface, last_node)
-        or not np.isfinite([unevenness_at_first, unevenness_at_second]).all()
+        or not np.isfinite([unevenness_at_first_node, unevenness_at_second_node]).all()
     ):
         return edge.place
-    share_of_spacing = _OFF_MID_SIDE * float(unevenness_at_first - unevenness_at_second)
+    share_of_spacing = _OFF_MID_SIDE * float(unevenness_at_first_node - unevenness_at_second_node)
     if abs(share_of_spacing) > _MOST_OFF_MID_SIDE:
         return edge.place
     return edge.place + edge.side * edge.spacing * share_of_spacing

@@ -567,7 +567,7 @@ def _added_edge_tension(
     bulk_stresses = [_bulk_stress(solution, steps, body_number) for body_number in (0, 1)]
     has_bulk_stress = any(bulk_stress.any() for bulk_stress in bulk_stresses)
     are_mirrored = bodies.lower == bodies.upper and material.alike and not has_bulk_stress
-    size_fit_of_lower: _SizeFit | None = None
+    size_fit_of_lower_body: _SizeFit | None = None
     # _BODY_NAMES: "lower", "upper"
     for body_number, name in enumerate(_BODY_NAMES):
         # To a half-plane only the bulk stress adds.
@@ -582,14 +582,14 @@ def _added_edge_tension(
         else:
             assert isinstance(solution, FiniteElementSolution)  # for the type checker
             if body_number == 1 and are_mirrored:
-                size_fit = size_fit_of_lower
+                size_fit = size_fit_of_lower_body
             else:
                 size_fit = _size_fit(
                     solution, body_number, steps, tractions_at_steps, bulk_stresses[body_number]
                 )
             kernels = _kernels_of_thin_body(solution, body_number) if size_fit is None else None
         if body_number == 0:
-            size_fit_of_lower = size_fit
+            size_fit_of_lower_body = size_fit
 
         # Tension by that effect under the tractions on this body, in its own frame.
         tractions_on_body = [
@@ -1421,11 +1421,13 @@ def _distance_of_fit(shape: Shape, half_width: float) -> float | None:
     return largest_distance
 
 
-def _tractions_on_body(tractions_on_lower: Tractions, body_number: int) -> Tractions:
+def _tractions_on_body(tractions_on_lower_body: Tractions, body_number: int) -> Tractions:
     """Tractions on the lower (0) or upper (1) body in its own frame, from those on the lower: the
     shear on the upper one has the opposite sign.
     """
-    return replace(tractions_on_lower, shear=_sign_of_y(body_number) * tractions_on_lower.shear)
+    return replace(
+        tractions_on_lower_body, shear=_sign_of_y(body_number) * tractions_on_lower_body.shear
+    )
 
 
 def _stress_of_tractions(

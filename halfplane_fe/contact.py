@@ -886,8 +886,8 @@ class ContactProblem:
         is_at_limit = np.abs(force_beyond_limit) <= _ROUNDING_OF_FORCE * self._shear_scale
         keeps_state = was_closed & is_at_limit & has_not_moved
         is_closed = np.where(just_touches, was_closed, states_by_law[changing_nodes] != OPEN)
-        states_of_closed = np.where(keeps_state, states_before, closed_states[changing_nodes])
-        states_after = np.where(is_closed, states_of_closed, OPEN)
+        states_of_closed_nodes = np.where(keeps_state, states_before, closed_states[changing_nodes])
+        states_after = np.where(is_closed, states_of_closed_nodes, OPEN)
         # A sliding node that turns round sticks first: straight from forward to reverse slip, the
         # iteration cycles between sets of states.
         has_turned = (

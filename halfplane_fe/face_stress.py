@@ -944,13 +944,13 @@ def _smooth_shear(
 
     # Slip zones on the left and on the right: q/p by their nodes.
     left_stick_edge, right_stick_edge = nodal_tractions.stick_edges
-    ratio_at_left = _ratio_in_slip_zone(
+    ratio_in_left_zone = _ratio_in_slip_zone(
         places, nodal_tractions, x < left_stick_edge, nodes_left_out
     )
-    ratio_at_right = _ratio_in_slip_zone(
+    ratio_in_right_zone = _ratio_in_slip_zone(
         places, nodal_tractions, x > right_stick_edge, nodes_left_out
     )
-    shear = np.where(places < left_stick_edge, ratio_at_left, ratio_at_right) * pressure
+    shear = np.where(places < left_stick_edge, ratio_in_left_zone, ratio_in_right_zone) * pressure
 
     # Stick zone: q interpolated over the angle, between its edges and its undistorted nodes.
     is_in_stick = (places > left_stick_edge) & (places < right_stick_edge)
@@ -963,12 +963,12 @@ def _smooth_shear(
         cosine = (left_stick_edge + right_stick_edge - 2 * x) / (right_stick_edge - left_stick_edge)
         return np.arccos(np.clip(cosine, -1, 1))
 
-    shear_at_left = np.interp(left_stick_edge, places, ratio_at_left * pressure)
-    shear_at_right = np.interp(right_stick_edge, places, ratio_at_right * pressure)
+    shear_at_left_edge = np.interp(left_stick_edge, places, ratio_in_left_zone * pressure)
+    shear_at_right_edge = np.interp(right_stick_edge, places, ratio_in_right_zone * pressure)
     shear[is_in_stick] = np.interp(
         angle(places[is_in_stick]),
         np.concatenate([[0.0], angle(x[is_stick_node]), [math.pi]]),
-        np.concatenate([[shear_at_left], q[is_stick_node], [shear_at_right]]),
+        np.concatenate([[shear_at_left_edge], q[is_stick_node], [shear_at_right_edge]]),
     )
     return np.asarray(shear)
 

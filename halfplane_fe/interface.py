@@ -192,11 +192,13 @@ def _compliance_node_by_node(lower_body: CondensedBody, upper_body: CondensedBod
     upper_compliance = upper_body.compliance
 
     # Displacements along x and y by a unit of each body's bulk stress, and by a unit of tilt.
-    stretch_of_lower, stretch_of_upper, displacement_by_tilt = _displacements_by_stress_and_tilt(
-        lower_body, upper_body
+    stretch_of_lower_body, stretch_of_upper_body, displacement_by_tilt = (
+        _displacements_by_stress_and_tilt(lower_body, upper_body)
     )
     # Upper minus lower body: component, node, load. On flat faces x is slip and y is gap.
-    slip_and_gap = np.stack([-stretch_of_lower, stretch_of_upper, displacement_by_tilt], axis=-1)
+    slip_and_gap = np.stack(
+        [-stretch_of_lower_body, stretch_of_upper_body, displacement_by_tilt], axis=-1
+    )
     gap_and_slip = slip_and_gap[::-1]
 
     coupling = lower_compliance[0, :, 1, :] - upper_compliance[0, :, 1, :]
@@ -235,24 +237,24 @@ def _compliance_by_mortar(lower_body: CondensedBody, upper_body: CondensedBody) 
     # Operators (2, n, 2, m) of both bodies, with gap, normals and face lengths on the middle line.
     mortar_sides = _mortar_operators(lower_body, upper_body)
     # Sparse: these operators hold little but zeros.
-    operator_of_lower = csr_array(_flattened(mortar_sides.lower))
-    operator_of_upper = csr_array(_flattened(mortar_sides.upper))
+    operator_of_lower_face = csr_array(_flattened(mortar_sides.lower))
+    operator_of_upper_face = csr_array(_flattened(mortar_sides.upper))
     compliance_of_both = (
-        operator_of_lower @ _square_matrix(lower_body.compliance) @ operator_of_lower.T
-        + operator_of_upper
+        operator_of_lower_face @ _square_matrix(lower_body.compliance) @ operator_of_lower_face.T
+        + operator_of_upper_face
         @ _square_matrix(_in_common_frame(upper_body.compliance))
-        @ operator_of_upper.T
+        @ operator_of_upper_face.T
     )
 
     # Gap and slip by a unit of each body's bulk stress, and by a unit of tilt of the upper one.
-    stretch_of_lower, stretch_of_upper, displacement_by_tilt = _displacements_by_stress_and_tilt(
-        lower_body, upper_body
+    stretch_of_lower_body, stretch_of_upper_body, displacement_by_tilt = (
+        _displacements_by_stress_and_tilt(lower_body, upper_body)
     )
     gap_and_slip_by_load = [
         np.einsum("dnim,im->dn", operator, displacement)
         for operator, displacement in (
-            (-mortar_sides.lower, stretch_of_lower),
-            (mortar_sides.upper, stretch_of_upper),
+            (-mortar_sides.lower, stretch_of_lower_body),
+            (mortar_sides.upper, stretch_of_upper_body),
             (mortar_sides.upper, displacement_by_tilt),
         )
     ]
@@ -278,14 +280,16 @@ def _displacements_by_stress_and_tilt(
     (2, m) of the upper body by a unit of its bulk stress [length/stress], and (2, m) of the upper
     one by a unit of tilt [length].
     """
-    stretch_of_lower = np.broadcast_to(lower_body.displacement_by_stress, (2, len(lower_body.x)))
+    stretch_of_lower_body = np.broadcast_to(
+        lower_body.displacement_by_stress, (2, len(lower_body.x))
+    )
     # _REFLECTION: signs of x and y, 1 and -1
-    stretch_of_upper = (
+    stretch_of_upper_body = (
         np.broadcast_to(upper_body.displacement_by_stress, (2, len(upper_body.x)))
         * _REFLECTION[:, None]
     )
     displacement_by_tilt = np.stack([upper_body.y, upper_body.x])  # (-y, x) of the common frame
-    return stretch_of_lower, stretch_of_upper, displacement_by_tilt
+    return stretch_of_lower_body, stretch_of_upper_body, displacement_by_tilt
 
 
 # Distance of two nodes over the element size within which the mesh error of N - T and K dies out,
@@ -339,10 +343,10 @@ def without_mesh_error(interface: Interface, scene: Scene) -> Interface | None:
     # Coupling in the band: smooth on either side of the diagonal, the mean of both on it.
     coupling = interface.coupling
     if coupling is not None:
-        smooth_on_left = _smooth_compliance(coupling, interface.x, distances_in_elements)
-        smooth_on_right = _smooth_compliance(coupling, interface.x, -distances_in_elements)
-        smooth_part = np.where(distances_in_elements > 0, smooth_on_left, smooth_on_right)
-        mean_of_sides = (smooth_on_left + smooth_on_right) / 2
+        smooth_part_on_left = _smooth_compliance(coupling, interface.x, distances_in_elements)
+        smooth_part_on_right = _smooth_compliance(coupling, interface.x, -distances_in_elements)
+        smooth_part = np.where(distances_in_elements > 0, smooth_part_on_left, smooth_part_on_right)
+        mean_of_sides = (smooth_part_on_left + smooth_part_on_right) / 2
         smooth_part = np.where(distances_in_elements == 0, mean_of_sides, smooth_part)
         coupling = read_only_copy(np.where(is_in_band, smooth_part, coupling))
     return replace(
@@ -528,14 +532,14 @@ def body_forces(
     operators = _mortar_operators(lower_body, upper_body)
     contact_forces = np.concatenate([-pressure, shear])
     case_dimensions = pressure.shape[1:]
-    force_on_lower = (_flattened(operators.lower).T @ contact_forces).reshape(
+    force_on_lower_body = (_flattened(operators.lower).T @ contact_forces).reshape(
         2, -1, *case_dimensions
     )
     force_x, force_y = (_flattened(operators.upper).T @ contact_forces).reshape(
         2, -1, *case_dimensions
     )
     # The upper body takes the opposite forces, and its y is reflected.
-    return {"lower": force_on_lower, "upper": np.stack([-force_x, force_y])}
+    return {"lower": force_on_lower_body, "upper": np.stack([-force_x, force_y])}
 
 
 def _have_opposite_nodes(lower_body: CondensedBody, upper_body: CondensedBody) -> bool:

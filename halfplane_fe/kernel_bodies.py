@@ -527,8 +527,8 @@ def _on_middle_line(
     """
     # Normal of the line midway between the faces.
     x = interface_along_axes.x
-    depth_of_lower = lower_face.depth(x)
-    depth_of_upper = upper_face.depth(x)
+    depth_of_lower_face = lower_face.depth(x)
+    depth_of_upper_face = upper_face.depth(x)
     # The lower face lies at y = -depth, the upper one at y = +depth.
     slope = (_slope_of(upper_face, x) - _slope_of(lower_face, x)) / 2
     n_y = 1 / np.sqrt(1 + slope**2)
@@ -567,7 +567,7 @@ def _on_middle_line(
         interface_along_axes,
         face_lengths=read_only_copy(interface_along_axes.face_lengths / n_y),
         face_normals=read_only_copy(np.stack([n_x, n_y])),
-        gap=read_only_copy((depth_of_lower + depth_of_upper) * n_y),
+        gap=read_only_copy((depth_of_lower_face + depth_of_upper_face) * n_y),
         normal_compliance=read_only_copy(normal_compliance),
         tangential_compliance=read_only_copy(tangential_compliance),
         coupling=read_only_copy(coupling) if coupling.any() else None,

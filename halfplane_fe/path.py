@@ -109,11 +109,11 @@ def _bulk_and_tilt_loads(segment: LoadSegment) -> tuple[_Load, _Load, _Load]:
     """Bulk stress of the lower and of the upper body, and tilt or moment, along a segment of the
     load path: each as a linear combination of two loads that a segment of its own stores.
     """
-    bulk_lower = _Load(segment.bulk, NORMAL_LOAD)
-    bulk_upper = _Load(segment.bulk, TANGENTIAL_LOAD)
+    stress_of_lower_body = _Load(segment.bulk, NORMAL_LOAD)
+    stress_of_upper_body = _Load(segment.bulk, TANGENTIAL_LOAD)
     # Of tilt and moment one is 0 throughout.
     tilt_or_moment = _Load(segment.tilt_and_moment, Combination(1.0, 1.0))
-    return bulk_lower, bulk_upper, tilt_or_moment
+    return stress_of_lower_body, stress_of_upper_body, tilt_or_moment
 
 
 def is_straight(segment: LoadSegment) -> bool:

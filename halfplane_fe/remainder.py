@@ -352,9 +352,9 @@ def _forces_of_tractions(system: System, forces: _SurfaceForces) -> Array:
     normals_by_length = np.stack([tangent_y.ravel(), -tangent_x.ravel()])
     x, y = elements.places.reshape(2, -1)
 
-    def traction(at_x: Array, at_y: Array, x_of_forces: Array) -> Array:
+    def traction(x_of_points: Array, y_of_points: Array, x_of_forces: Array) -> Array:
         """Tractions at points by unit forces on the surface, times the length of each point."""
-        return surface_force_traction(at_x, at_y, normals_by_length, x_of_forces)
+        return surface_force_traction(x_of_points, y_of_points, normals_by_length, x_of_forces)
 
     tractions = _half_plane_field(traction, x, y, forces).reshape(2, *tangent_x.shape, -1)
 
@@ -399,10 +399,15 @@ def _support_displacements(system: System, forces: _SurfaceForces, datum_length:
     """
     material = system.material
 
-    def displacement(at_x: Array, at_y: Array, x_of_forces: Array) -> Array:
+    def displacement(x_of_points: Array, y_of_points: Array, x_of_forces: Array) -> Array:
         """Displacements at points by unit forces on the surface y = 0."""
         return surface_force_displacement(
-            at_x, at_y, x_of_forces, material.young_modulus, material.poisson_ratio, datum_length
+            x_of_points,
+            y_of_points,
+            x_of_forces,
+            material.young_modulus,
+            material.poisson_ratio,
+            datum_length,
         )
 
     x, y = system.mesh.p[:, system.node_of_dof[system.held_dofs]]

@@ -843,8 +843,8 @@ def _states_before_event(
     slip_increment = solved_state.slip - start_state.slip
     # ROUNDING: round-off of scaled forces and displacements, 1e-11
     slip_states = np.where(slip_increment > ROUNDING, SLIP_FORWARD, SLIP_REVERSE)
-    states_of_closed = np.where(np.abs(slip_increment) > ROUNDING, slip_states, STICK)
-    states_on_the_way = np.where(start_state.is_closed, states_of_closed, OPEN)
+    states_of_closed_nodes = np.where(np.abs(slip_increment) > ROUNDING, slip_states, STICK)
+    states_on_the_way = np.where(start_state.is_closed, states_of_closed_nodes, OPEN)
     return read_only_copy(
         np.where(has_opened_or_closed, states_on_the_way, solved_state.node_states), np.int8
     )
