@@ -647,8 +647,8 @@ def _layout_with_headings(
     # _COMMENT_MARKS: beginnings of comments: #, **, % and //
     lines_below = [line for line in lines[index + 1 :] if not line[1].startswith(_COMMENT_MARKS)]
     lines_above = [line for line in lines[:index] if not line[1].startswith(_COMMENT_MARKS)]
-    # Units of the columns by lines above and below, "" where none; `rows`: (number, text) of the
-    # lines from the first row on.
+    # Units of the columns by lines above and below, "" where none; `rows`: (line number, text) of
+    # the lines from the first row on.
     units_above = _labelled_units(lines_above, separator, len(columns.names))
     units_below, lines_between, rows = _lines_below_headings(
         lines_below, separator, columns, may_skip_lines

@@ -272,8 +272,8 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
 def _contact_of_any_load(
     profile: ConvexProfile, compliance: float, datum_length: float
 ) -> TiltedProfile:
-    """Contact of a convex profile without a prescribed tilt, under any load, to be asked for the
-    tilt under a load and a moment.
+    """Contact of a convex profile under any load, without a prescribed tilt. It gives the tilt that
+    belongs to a load and a moment.
 
     Parameters
     ----------

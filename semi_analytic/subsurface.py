@@ -810,18 +810,20 @@ def _add_panel_of_punches(
     x: Array,
     y: Array,
 ) -> None:
-    """Add to Muskhelishvili's potentials (4, n) at places x >= 0, y <= 0 (n,) the flat punches with
-    half-widths between the two `ends` [length].
+    """Add to Muskhelishvili's potentials (4, n) at places x >= 0, y <= 0 (n,) a panel of flat
+    punches: those with half-widths between the two `ends` [length].
 
-    `slope` is their tangential load per normal load, M', as a function of the load eta. `contact`
-    gives eta of a half-width. The potential of a punch is singular at |x| equal to its half-width.
-    The panel is cut there for points x between its ends.
+    The potentials are N of pressure, T of shear and their derivatives. `slope` is their tangential
+    load per normal load, M', as a function of the load eta. `contact` gives eta of a half-width.
+    The potential of a punch is singular at |x| equal to its half-width. The panel is cut there for
+    points x between its ends.
     """
     begin_width, end_width = ends
     panel_width = end_width - begin_width
     rule = RULE_FOR_INVERSE_ROOTS
     # A rule for inverse roots at both ends: distances of its nodes from 0 and from 1, and weights.
-    in_lower_half = rule.distance_from_begin < 0.5
+    # Nodes in the lower half of the panel are placed from its begin, the others from its end.
+    is_in_lower_half = rule.distance_from_begin < 0.5
     half_widths = _distances_to_nodes(0.0, begin_width, end_width)
 
     # Normal and tangential load at each node, (2, nodes).
@@ -842,11 +844,12 @@ def _add_panel_of_punches(
         points_in_panel, 1 + len(points_in_panel) // points_at_once
     ):
         x_of_points = x[point_numbers, None]
+        # Part of narrower punches, sign -1, then part of wider ones, sign 1.
         for sign, part_end in ((-1.0, begin_width), (1.0, end_width)):
             part_width = sign * (part_end - x_of_points)
             distance_to_punch = sign * part_width * rule.distance_from_begin
             half_widths = np.where(
-                in_lower_half,
+                is_in_lower_half,
                 x_of_points + distance_to_punch,
                 part_end - sign * part_width * rule.distance_from_end,
             )
