@@ -72,18 +72,22 @@ def actuators_of(scene: Scene, datum: float) -> Actuators:
     `scene` has the loads (`is_driven` where they are movements), the rig with the stiffnesses of
     its springs and the distance that movements count from, bodies and materials.
     """
-    load = scene.load
-    if not load.is_driven:
+    scene_load = scene.load
+    if not scene_load.is_driven:
         return LOADS_ARE_GIVEN
     rig = scene.rig
     modulus = 1 / _sum_of_compliances(scene, half_planes_alone=False)  # E*
     # Where the rig states no distance, displacement counts from where it does in every answer.
     datum_of_motion = rig.datum_length or scene.profile.datum_length
-    compliance_outside = compliance_beyond(scene, datum_of_motion / datum) * modulus
+    compliance_of_half_planes = compliance_beyond(scene, datum_of_motion / datum) * modulus
     # A rig without a stiffness is rigid.
-    normal_compliance = compliance_outside + modulus / (rig.normal_stiffness or math.inf)
-    tangential_compliance = compliance_outside + modulus / (rig.tangential_stiffness or math.inf)
-    return Actuators(normal_compliance if load.states_approach else None, tangential_compliance)
+    normal_compliance = compliance_of_half_planes + modulus / (rig.normal_stiffness or math.inf)
+    tangential_compliance = compliance_of_half_planes + modulus / (
+        rig.tangential_stiffness or math.inf
+    )
+    return Actuators(
+        normal_compliance if scene_load.states_approach else None, tangential_compliance
+    )
 
 
 def compliance_beyond(scene: Scene, ratio: float) -> float:

@@ -330,23 +330,25 @@ class RunValues:
     number: int
     repeats: bool
 
-    def is_comparable(self, second: RunValues) -> bool:
+    def is_comparable(self, second_values: RunValues) -> bool:
         """Whether the values of two runs are of the same cycle of the path, by its `number`, or
         both of a cycle that repeats.
         """
-        return self.number == second.number or (self.repeats and second.repeats)
+        return self.number == second_values.number or (self.repeats and second_values.repeats)
 
-    def difference(self, name: str, second: RunValues) -> float:
+    def difference(self, name: str, second_values: RunValues) -> float:
         """Difference of a quantity between two runs: of a series the largest at the instants that
         both have. `name` is that of an attribute, a number or a series (k,).
         """
         values_of_first = np.asarray(getattr(self, name))
-        values_of_second = np.asarray(getattr(second, name))
+        values_of_second = np.asarray(getattr(second_values, name))
         if values_of_first.ndim:
             # indices of the common instants in either run
-            rows_of_first, rows_of_second = _common_instants(self.since_start, second.since_start)
-            values_of_first = values_of_first[rows_of_first]
-            values_of_second = values_of_second[rows_of_second]
+            indices_in_first, indices_in_second = _common_instants(
+                self.since_start, second_values.since_start
+            )
+            values_of_first = values_of_first[indices_in_first]
+            values_of_second = values_of_second[indices_in_second]
         return float(np.max(np.abs(values_of_first - values_of_second), initial=0.0))
 
 

@@ -22,8 +22,8 @@ def interrupts_wait() -> Iterator[Sequence[int]]:
     loops that look there and end early. In other threads than the main one, which get no signals,
     nothing is held back.
 
-    Needed around gmsh, whose one global state has to be left in order, and around changes of files
-    of which no half may be left.
+    Needed around gmsh, whose one global state has to be closed properly, and around changes of
+    files that must not be left half done.
     """
     # _SIGNAL_NAMES: "SIGINT", "SIGTERM", "SIGHUP"
     signal_numbers = [
