@@ -99,6 +99,7 @@ def row_at_place(kind: Kind, place: Place, way: Way) -> Row:
     if way == "numbers":
         advice = advise_by_numbers(scene)
         # where only the size of a change is known no error is stated
+        # _errors: error of each quantity, NaN where there is no change for it
         return Row(way, place, _errors({} if advice.reason_for_size_alone else advice.changes))
     if way == "kernels":
         return Row(way, place, _errors(_changes_by_kernels(scene)))

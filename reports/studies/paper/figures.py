@@ -372,6 +372,7 @@ def _figure_3(case: Case) -> Plate:
     for letter, friction_limit, shear, state, (normal_load, tangential_load) in zip(
         LETTERS, limits_at_events, shears_at_events, solution.state, loads_at_events, strict=True
     ):
+        # _line(x, y, label, look)
         marks: list[Mark] = [
             *_slip_bands_to_limit(x, friction_limit, state),
             _line(x, friction_limit, "f p", "faint solid"),
@@ -693,6 +694,7 @@ def _panel_of_zones_and_points(case: Case) -> Panel:
     # the points at x
     # POINTS: x/a0 of the four points; _POINT_COLOURS: their colours in the style sheet
     for x, colour in zip(POINTS, _POINT_COLOURS, strict=True):
+        # _line(x, y, label, look), _text_at(x, y, text, shift, colour)
         marks.append(_line([0.0, 360.0], [x, x], "", f"{_curve_class(colour)} dot"))
         marks += _text_at(360.0, x, f"{x:.2f}", (-14.0, 5.0), colour)
     y_axis = Axis(0.5, 1.28, "x / a(P₀)")
@@ -762,6 +764,7 @@ def _displacement_line(
         if is_slipping.any():
             # so that curves meet, with an instant more at either end
             displacement_in_slip = np.where(_with_neighbours(is_slipping), displacement, np.nan)
+            # _line(x, y, label, look)
             yield _line(angles, displacement_in_slip, "", f"{direction} broad-line")
     is_open = states == SurfaceState.OPEN
     yield _line(angles, np.where(is_open, np.nan, displacement), "", css)
@@ -778,6 +781,7 @@ def _figure_8(case: Case) -> Plate:
     # without load the contact is as wide as the flat
     flat_half_width = float(case.scaled_half_width(0.0))
     angles = np.degrees(zones.time - case.time_of("M"))
+    # _line(x, y, label, look)
     marks = [
         *zones.marks(angles),
         _line(
@@ -884,6 +888,7 @@ def _figure_of_sweep(
         ):
             # one label stands for all pale lines
             pale_label = "" if curve_number else "Hertz, same f"
+            # _line(x, y, label, look)
             marks.append(_line(load_ratios, pale_curve, pale_label, "faint solid fine"))
 
     # a curve for each coefficient of friction, with a dot at its begin, near gross sliding
