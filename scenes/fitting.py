@@ -541,7 +541,8 @@ def _record_of_fit(
         (n,) places of all measured points [length]
     trace
         `tilt` that was removed before the fit; `known_middle`, None where it was fitted;
-        `tilt_is_fitted`: whether more was fitted; `is_one_sided`: all points lie on one side
+        `tilt_is_fitted`: whether a further tilt was fitted; `is_one_sided`: whether all points lie
+        on one side
     scaled_fit
         `x`, `h` of the fitted points and `middle` [length]; the dimensionless `fit`, with its units
         `length_unit` and `height_unit` [length]
@@ -561,10 +562,10 @@ def _record_of_fit(
     estimated_noise = max(math.sqrt(sum_of_squares / degrees_of_freedom), 1e-15 * height_unit)
 
     # How far the points reach from the middle on each side.
-    reach_to_left = middle - x[0]
-    reach_to_right = x[-1] - middle
-    larger_reach = max(reach_to_left, reach_to_right)
-    smaller_reach = min(reach_to_left, reach_to_right)
+    reach_to_left_end = middle - x[0]
+    reach_to_right_end = x[-1] - middle
+    larger_reach = max(reach_to_left_end, reach_to_right_end)
+    smaller_reach = min(reach_to_left_end, reach_to_right_end)
     return {
         "kind": request.kind,
         "noise": estimated_noise if request.noise is None else request.noise,

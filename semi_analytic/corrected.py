@@ -493,7 +493,7 @@ class _HalfPlanePath:
         """First choice of the instants that cut the load path into straight steps, with P and Q
         there: those at which half-plane theory was solved, and `time` if it is given.
 
-        Only two cycles are followed here, theory may have solved more. The instants of its last
+        Only two cycles are followed here; theory may have solved more. The instants of its last
         cycle, as a rule a steady one, are taken in both. A `time` after them is moved back by whole
         periods.
         """

@@ -449,6 +449,7 @@ def _work_of_punches(cycle: CycleOfPunches, friction: Array) -> Array:
     F is the tangential force that a punch keeps while it sticks, L the normal load that wider
     punches carry. `cycle` has s B_s for s = +1 and -1, and L, as sinusoids of the phase angle:
     mean + amplitude cos(angle - phase), (m, k) each; `friction` (m, 1) is f.
+
     While L > 0, s F is raised to the Coulomb bound s B_s whenever that exceeds it, s = +1 and -1.
     The cycle is cut at the angles at which a bound turns: between them each bound is monotonic.
     """

@@ -852,7 +852,7 @@ def _work_at_stroke_end(span: Span, radius: float, n_panels: int) -> Array:
     that ends with a `span` of slip, over (alpha_P, alpha_Q, e_P, e_Q); zero where the end is not
     smooth. At a smooth end the rates of the loads do not jump.
 
-    alpha_P, alpha_Q are tilts of the faces by unit loads P and Q, e_P, e_Q their strains. The two
+    alpha_P, alpha_Q are tilts of the faces by unit loads P and Q, e_P, e_Q bulk strains. The two
     sides of the slip zone stop one after the other, which leaves tangential loads dT on flat
     punches at loads eta. Their work is f int (P - eta) dT. `n_panels` are those of this integral;
     `radius` is R of the parabola.
@@ -865,7 +865,8 @@ def _work_at_stroke_end(span: Span, radius: float, n_panels: int) -> Array:
     smooth_end = _smooth_end(span, span.end.time, stick_edge_load, radius)
     if smooth_end is None:
         return np.zeros((4, 4))
-    # Both over R a_s'^2/N'', which tilt_rate_form is as a quadratic form of tilt and strain.
+    # Loads eta of punches, and the tangential load left next to each over R a_s'^2/N'';
+    # tilt_rate_form is R a_s'^2/N'' as a quadratic form of tilt and strain.
     eta, load_left_at_eta = smooth_end.loads_left(n_panels)
     integral = float(np.sum(load_left_at_eta * (smooth_end.load - eta)))
     return np.asarray(span.friction * integral * smooth_end.tilt_rate_form)
@@ -890,8 +891,8 @@ def _work_at_passed_end(span: Span, radius: float, n_panels: int) -> Array:
     smooth_end = _smooth_end_at_anchor(piece, -span.direction, span.friction, radius)
     if smooth_end is None:
         return np.zeros((4, 4))
-    # Loads eta of punches, and the tangential load left next to each, over R a_s'^2/N'', which
-    # tilt_rate_form is as a quadratic form of tilt and strain.
+    # Loads eta of punches, and the tangential load left next to each over R a_s'^2/N'';
+    # tilt_rate_form is R a_s'^2/N'' as a quadratic form of tilt and strain.
     eta, load_left_at_eta = smooth_end.loads_left(n_panels)
     stick_edge_load_at_end = span.end.normal_load - float(span.slip_zone_load(span.end.time))
     stick_edge_load_at_begin = span.begin.normal_load - float(span.slip_zone_load(span.begin.time))

@@ -670,7 +670,7 @@ def _stress_by_sine_series(
         ) * omega[:n_points]
     series_sums[:, order_by_terms] = series_sums.copy()
     with np.errstate(divide="ignore", invalid="ignore"):
-        # y N', y T'; d omega/dz = -omega/(h root)
+        # y N', y T'; d omega/dz = -omega/(half_width root_of_zeta)
         derivatives_times_y = np.where(
             y == 0, 0.0, -y * (series_sums[2:] / (half_width * root_of_zeta)).conj()
         )
