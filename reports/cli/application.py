@@ -645,8 +645,8 @@ def requested_tolerances(option_texts: Sequence[str]) -> dict[str, float]:
                 " metric: dissipation=3%; dissipation=none leaves it unjudged"
             )
         if not is_unjudged and tolerance >= 1 and not tolerance_text.endswith("%"):
-            start = f"{key}{equals_sign}"
-            alternatives = f"{start}{tolerance:g}%, or {start}{100 * tolerance:g}%"
+            beginning = f"{key}{equals_sign}"  # "" or "KEY="
+            alternatives = f"{beginning}{tolerance:g}%, or {beginning}{100 * tolerance:g}%"
             raise InputError(
                 f"--tolerance {option_text}: a number without % is a share, and this is"
                 f" {100 * tolerance:g} %; write {alternatives}"

@@ -328,9 +328,9 @@ def _interpolate_to_points(cycle: Cycle, x: Array) -> tuple[Cycle, dict[str, flo
     sampled_values: dict[str, Any] = {}
     for name, values in given_values.items():
         sampled_values[name] = read_only_copy(_interpolate_linearly(x, cycle.x, values).T)
-    is_beyond = (x < cycle.x[0]) | (x > cycle.x[-1])
-    nearest_points = _nearest_indices(x, cycle.x)
-    state = np.where(is_beyond, OPEN, cycle.state[:, nearest_points])
+    is_beyond_range = (x < cycle.x[0]) | (x > cycle.x[-1])
+    nearest_indices = _nearest_indices(x, cycle.x)
+    state = np.where(is_beyond_range, OPEN, cycle.state[:, nearest_indices])
     sampled_cycle = replace(cycle, x=x, state=read_only_copy(state, np.int8), **sampled_values)
     return sampled_cycle, _interpolation_errors(cycle.x, given_values)
 

@@ -117,8 +117,8 @@ def solution_content(solution: ContactSolution, checks: tuple[Certificate, ...])
         },
         "counts": solution.work.counts,
         "skipped": {
-            field: {"count": count, "reason": reason}
-            for field, (count, reason) in solution.work.skipped.items()
+            name: {"count": count, "reason": reason}
+            for name, (count, reason) in solution.work.skipped.items()
         },
         "seconds": solution.work.seconds,
         "mesh_quality": {body_name: dict(body.quality) for body_name, body in bodies},

@@ -1227,6 +1227,7 @@ def drift(pair: Pair) -> MetricValue:
     reference. The note states both changes. No value where the change of a solution is not known
     (NaN).
     """
+    # relative changes from the cycle before to the last cycle; 0 in a steady state
     reference_change = pair.reference.dissipation_drift
     result_change = pair.result.dissipation_drift
     sentences = []

@@ -54,7 +54,7 @@ _LOOP_HEIGHT = 220.0
 def half_widths(view: CycleView) -> Plate:
     """A figure of the contact edges and stick edges of both engines through the cycle. Beside it
     stand the differences of the half-widths of contact and stick zone, result minus reference, per
-    cent of a_ref.
+    cent of a_ref, the half-width at the reference load.
 
     `view` holds the last cycles of both solutions: `engines` (cycle, name, class of lines in the
     style sheet) of reference and result, the axis of time, and words for the part of the path.
