@@ -138,7 +138,7 @@ def _run_in_own_process(program: str, hint: str) -> tuple[bool, str]:
 
 
 def _folder(out: str | Path) -> tuple[bool, str]:
-    """Whether the output folder can be written to."""
+    """Whether the output folder `out` can be written to, and in words that it can, or why not."""
     from reports.folder import usable_folder
     from scenes import InputError
 

@@ -163,7 +163,9 @@ def budget_content(budget: ErrorBudget) -> dict[str, Any]:
 
 
 def _entry_content(budget: Budget) -> dict[str, Any]:
-    """The budget of one metric for comparison.json."""
+    """The budget of one metric for comparison.json: its error E, the part of each source, what they
+    leave, uncertainty u, and whether u covers the rest ("honest").
+    """
     return {
         "E": budget.error,
         "terms": {term.name: _term_content(term) for term in budget.terms},

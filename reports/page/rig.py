@@ -299,7 +299,9 @@ def _loop_panel(
 
 
 def loops(rig_motions: Sequence[RigMotion]) -> Plate:
-    """Loops of several rigs, two beside each other."""
+    """A figure of the loops of Q over the displacement U of the contact, a panel for each of
+    several rigs, two beside each other.
+    """
     panels = []
     table: dict[str, list[Any]] = {"scene": [], "U of the contact": [], "Q": []}
     for rig_motion in rig_motions:
