@@ -826,7 +826,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code. `arguments` are the words after `halfplane`.
     Without them those of the process are taken, and its streams and signals are handled too.
 
-    The exit code is 141 where nobody reads the output, and 128 plus its number after a signal.
+    The exit code is 141 where nobody reads the output. After a signal it is 128 plus the number of
+    that signal.
     """
     if arguments is not None:
         return Context().run(_run, list(arguments))

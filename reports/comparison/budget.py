@@ -1246,8 +1246,8 @@ def _extrapolation_by_least_squares(refinement: Refinement, kind: _Kind) -> Extr
 
 
 def _trusted_curve(refinement: Refinement) -> tuple[_FittedCurve, str, float | None]:
-    """The curve phi(h) that gives the limit of a refinement study; its order in words; and the
-    fitted order, None where no order from 0.01 to 16 fits best.
+    """The curve of the values phi over the element size h that gives the limit of a refinement
+    study; its order in words; and the fitted order, None where no order from 0.01 to 16 fits best.
 
     It is the curve of fitted order where that lies between a quarter of the formal order and the
     formal order. Otherwise it is the best of the curves with the formal order, with half of it, or
