@@ -286,6 +286,7 @@ def _edges_of_run(
         )
         time = np.array([state.time for state in states])
         is_in_cycle = is_loaded_in_last_cycle(scene, time, loads[run.stored_indices, 0])
+        permanent_edges = _within_contacts(permanent_edges, edges["contact_edges"][is_in_cycle])
         _hold_permanent_stick(
             edges, Edges(permanent_edges, permanent_uncertainty), zone, time, is_in_cycle
         )
@@ -618,6 +619,15 @@ def _with_creeping_ends(
         np.where(is_by_creep, creeping_edges, slip_ends.places),
         np.where(is_by_creep, spacing, slip_ends.uncertainty),
     )
+
+
+def _within_contacts(ends: Array, contact_edges: Array) -> Array:
+    """Ends (2,) of the permanent stick zone, not beyond the contact at any instant: moved to the
+    innermost of its edges (k, 2) where they are.
+    """
+    if not len(contact_edges):
+        return ends
+    return np.clip(ends, contact_edges[:, 0].max(), contact_edges[:, 1].min())
 
 
 def permanent_stick_zone(run: PathRun) -> StickZone:
