@@ -30,6 +30,7 @@ from semi_analytic.grid import (
     contact_edges_along,
     follow_on_grid,
 )
+from semi_analytic.history import time_in_followed_path
 
 WORK_FIELDS = frozenset(("dissipation", "dissipation_density"))
 """Fields that are taken from a method without grids where one holds for the steady cycle."""
@@ -60,11 +61,20 @@ class GridAnswer:
         """Follow the load path of a question, with bulk stress and tilt, by a numerical solution on
         grids, at the points of the question; at 200 points across the widest contact and 5 % beyond
         where it states none.
+
+        Raises
+        ------
+        InputError
+            For a time outside the path.
         """
         self._start_of_clock = clock.perf_counter()
         scene = question.scene
         # P, Q, bulk strain and tilt over time, and the profile as a contact under any tilt.
         self._path_loads, self._tilted_contact = path_loads_and_contact(scene)
+        path = self._path_loads.path
+        if question.time is not None:
+            path_end = (*path.initial_loading, *path.cycle)[-1].end
+            time_in_followed_path(question.time, path.start, path_end, path.period)  # or refused
         x = question.x
         if x is None:
             contact_edges = contact_edges_along(self._path_loads, self._tilted_contact)

@@ -30,6 +30,7 @@ from collections.abc import Callable, Iterator
 from itertools import pairwise
 from pathlib import Path
 from typing import Literal, NamedTuple
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import scipy
@@ -246,10 +247,10 @@ def edge_tension(
         # For each instant a solution, and the number (row) of the instant in it.
         answers = _answers_with_tractions(source, times)
         path_loads, profile = path_loads_and_contact(scene)
-        coarse_shears = _shears_on_coarse_grids(answers, path_loads, profile)
         for instant_number, (answer, row) in enumerate(answers):
+            coarse_shear = _shear_on_coarse_grids(answer, path_loads, profile)
             tension, uncertainties[instant_number] = _edge_tensions_of_answer(
-                answer, row, profile, coarse_shears[instant_number]
+                answer, row, profile, None if coarse_shear is None else coarse_shear[row]
             )
             values[instant_number] = sign_of_body * tension
         return values + _bulk_stresses(answers)[..., None], uncertainties
@@ -410,14 +411,29 @@ def _answers_with_tractions(
         # At most 20 instants in one solution.
         block_count = math.ceil(len(missing_times) / _INSTANTS_AT_ONCE)
         for times_at_once in np.array_split(missing_times, block_count):
-            # First without fields, for the edges of contact; then with points that are placed by
-            # them.
-            edges = solve(scene, x=0.0, time=times_at_once, fields=()).contact_edges
+            # The points are placed by the edges of contact, which follow from the loads alone.
+            edges = _contact_edges_at(scene, times_at_once)
             order_by_length = np.argsort(edges[:, 1] - edges[:, 0])
             places = _places_for_tractions(edges[order_by_length])
             answer = solve(scene, x=places, time=times_at_once, fields=("pressure", "shear"))
             answers |= {time: (answer, row) for row, time in enumerate(times_at_once.tolist())}
     return [answers[time] for time in times.tolist()]
+
+
+def _contact_edges_at(scene: Scene, times: Array) -> Array:
+    """Left and right edge of the contact at n times of the load path, (n, 2) [length]. They follow
+    from P and the tilt then. A time outside the path counts as its start or end.
+    """
+    path_loads, profile = path_loads_and_contact(scene)
+    path = path_loads.path
+    path_end = math.inf if path.period is not None else path.initial_loading[-1].end
+    times_in_path = np.clip(times, path.start, path_end)
+    # P, Q, bulk strain and tilt (4, n); each time may lie in another segment.
+    loads = np.concatenate(
+        [path_loads.loads_in_segment(times_in_path[k : k + 1]) for k in range(len(times))], axis=1
+    )
+    centre, half_width = profile.centre_and_half_width_under(loads[0], loads[3])
+    return np.stack([centre - half_width, centre + half_width], axis=-1)
 
 
 def _rows_with_tractions(
@@ -480,30 +496,29 @@ def _bulk_stresses(answers: list[tuple[ContactSolution, int]]) -> Array:
     return stresses
 
 
-def _shears_on_coarse_grids(
-    answers: list[tuple[ContactSolution, int]], path_loads: PathLoads, profile: TiltedProfile
-) -> list[Array | None]:
-    """Shear (k,) at the points of each answer [stress], by grids of half as many cells and
-    increments; None where the answer is not from grids.
+# Shear (n, k) of a solution on grids, at its instants and points, by coarse grids: cached as long
+# as the solution exists.
+_coarse_shear_by_answer: WeakKeyDictionary[ContactSolution, Array] = WeakKeyDictionary()
+
+
+def _shear_on_coarse_grids(
+    answer: ContactSolution, path_loads: PathLoads, profile: TiltedProfile
+) -> Array | None:
+    """Shear (n, k) at the n instants and k points of an answer [stress], by grids of half as many
+    cells and increments; None where the answer is not from grids. It is followed once.
 
     Parameters
     ----------
-    answers
-        pairs of a solution and the number (row) of the instant in it, all of one scene
+    answer
+        half-plane solution
     path_loads
-        P, Q, bulk strain and tilt of that scene over time
+        P, Q, bulk strain and tilt of its scene over time
     profile
-        its gap, as a contact under load and tilt; `height` is the gap between the unloaded faces
+        its gap, as a contact under load and tilt
     """
-    coarse_shears: list[Array | None] = [None] * len(answers)
-    # Instants of the same solution are solved together.
-    numbers_by_answer: dict[int, list[int]] = {}
-    for answer_number, (answer, _) in enumerate(answers):
-        if "grids" in answer.work.counts:
-            numbers_by_answer.setdefault(id(answer), []).append(answer_number)
-    for answer_numbers in numbers_by_answer.values():
-        answer = answers[answer_numbers[0]][0]
-        rows = [answers[answer_number][1] for answer_number in answer_numbers]
+    if "grids" not in answer.work.counts:
+        return None
+    if answer not in _coarse_shear_by_answer:
         scene = answer.scene
         # Half of the usual 160 cells across the contact, and of 320 increments a cycle.
         coarse_path = follow_on_grid(
@@ -512,16 +527,15 @@ def _shears_on_coarse_grids(
             scene.profile.height,
             scene.friction.coefficient,
             answer.x,
-            answer.time[rows],
+            answer.time,
             GridRequest(
                 most_cycles=max(scene.cycles, 2),
                 cells=CELLS_ACROSS_CONTACT // 2,
                 increments=INCREMENTS_PER_CYCLE // 2,
             ),
         )
-        for answer_number, shear in zip(answer_numbers, coarse_path.shear, strict=True):
-            coarse_shears[answer_number] = shear
-    return coarse_shears
+        _coarse_shear_by_answer[answer] = coarse_path.shear
+    return _coarse_shear_by_answer[answer]
 
 
 def _edge_tensions_of_answer(

@@ -3,13 +3,14 @@ elasticity, refusals.
 """
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
 
 import semi_analytic
-from scenes import Scene, load_scene
-from semi_analytic import edge_tension, stress
+from scenes import InputError, Scene, load_scene
+from semi_analytic import edge_tension, stress, subsurface
 from semi_analytic.answer_by_memory import memory_at
 from semi_analytic.bulk_and_tilt import path_loads_and_contact
 from semi_analytic.quadrature import graded_nodes
@@ -238,10 +239,9 @@ def test_with_bulk_stress_the_tension_is_that_of_two_pressures():
     np.testing.assert_allclose(deep, [2 * eps, 0], atol=1e-4)
 
 
-def test_on_grids_the_tension_is_known_at_each_edge_and_does_not_hang_on_the_points():
-    """A flat pad under bulk stress. Half to eight tenths of f times the largest pressure was stated
-    of a solution's own 200 points, a tenth at every edge and instant of points beside the edges.
-    """
+@cache
+def flat_pad_on_grids():
+    """A scene of a flat pad under bulk stress, and its solution on grids."""
     scene = Scene.model_validate(
         {
             "material": {"young_modulus": 2.0, "poisson_ratio": 0.0},
@@ -257,6 +257,14 @@ def test_on_grids_the_tension_is_known_at_each_edge_and_does_not_hang_on_the_poi
     )
     answer = semi_analytic.solve(scene)
     assert answer.work.counts["grids"] > 0
+    return scene, answer
+
+
+def test_on_grids_the_tension_is_known_at_each_edge_and_does_not_hang_on_the_points():
+    """A flat pad under bulk stress. Half to eight tenths of f times the largest pressure was stated
+    of a solution's own 200 points, a tenth at every edge and instant of points beside the edges.
+    """
+    scene, answer = flat_pad_on_grids()
     time = answer.time[answer.last_cycle[[0, 40, 80, 120]]]
     of_answer, uncertainty_of_answer = edge_tension(answer, time)
     of_scene, uncertainty_of_scene = edge_tension(scene, time)
@@ -267,3 +275,62 @@ def test_on_grids_the_tension_is_known_at_each_edge_and_does_not_hang_on_the_poi
     assert uncertainty_of_scene.min() < 0.015 * largest_friction
     assert uncertainty_of_scene.max() < 0.15 * largest_friction
     assert np.median(uncertainty_of_answer) < 0.2 * largest_friction
+
+
+def test_coarse_grids_follow_a_solution_once_and_the_contact_is_not_solved_for_its_edges(
+    monkeypatch,
+):
+    """Whatever instants are asked for together, each has the same uncertainty."""
+    scene, answer = flat_pad_on_grids()
+    calls = []
+    for name in ("follow_on_grid", "solve"):
+        function = getattr(subsurface, name)
+        monkeypatch.setattr(
+            subsurface,
+            name,
+            lambda *given, name=name, function=function, **options: (
+                calls.append(name) or function(*given, **options)
+            ),
+        )
+    subsurface._coarse_shear_by_answer.pop(answer, None)
+    time = answer.time[answer.last_cycle[[0, 40, 80, 120]]]
+    together = edge_tension(answer, time)
+    apart = [edge_tension(answer, instant) for instant in time]
+    assert calls == ["follow_on_grid"]
+    for k in range(2):
+        assert np.array_equal(together[k], np.concatenate([one[k] for one in apart]))
+    calls.clear()
+    stress(scene, 0.0, -0.1, time)
+    assert calls == ["solve"]
+
+
+def test_edges_of_contact_by_the_loads_are_those_of_the_solution():
+    """From first touch to a later cycle; before the path they are those at its start."""
+    scene, answer = flat_pad_on_grids()
+    edges = subsurface._contact_edges_at(scene, answer.time)
+    np.testing.assert_allclose(edges, answer.contact_edges, atol=1e-14)
+    path = scene.load.path()
+    before = subsurface._contact_edges_at(scene, np.array([path.start - 5.0, path.start]))
+    assert np.array_equal(before[0], before[1])
+
+
+def test_a_time_outside_the_path_is_refused_on_grids_too():
+    """It was answered as if nothing were in contact then."""
+    scene, _ = flat_pad_on_grids()
+    with pytest.raises(InputError, match="time: outside the load path, which runs from"):
+        edge_tension(scene, scene.load.path().start - 1.0)
+    once = scene.vary(
+        load={
+            "kind": "time_series",
+            "rows": [(0, 0, 0), (1, 0.5, 0), (2, 0.5, 0.1), (3, 0.4, 0.0)],
+            "bulk_stress_lower": [0, 0, 0.05, -0.05],
+        }
+    )
+    assert "grids" in semi_analytic.solve(once, x=0.0, time=3.0).work.counts
+    for ask in (
+        lambda: stress(once, 0.0, 0.0, 3.5),
+        lambda: edge_tension(once, 3.5),
+        lambda: semi_analytic.solve(once, x=0.0, time=3.5),
+    ):
+        with pytest.raises(InputError, match="time: outside the load path, which runs from"):
+            ask()
