@@ -223,7 +223,7 @@ def edge_tension(
     -------
     values, uncertainties
         (n_instants, 2, 2) by body (lower, upper) and edge (left, right); out of contact the bulk
-        stress alone
+        stress alone; an uncertainty is NaN where coarse grids do not follow the path
 
     Examples
     --------
@@ -505,7 +505,8 @@ def _shear_on_coarse_grids(
     answer: ContactSolution, path_loads: PathLoads, profile: TiltedProfile
 ) -> Array | None:
     """Shear (n, k) at the n instants and k points of an answer [stress], by grids of half as many
-    cells and increments; None where the answer is not from grids. It is followed once.
+    cells and increments; None where the answer is not from grids, NaN where the coarse ones do
+    not follow its path. It is followed once.
 
     Parameters
     ----------
@@ -521,20 +522,24 @@ def _shear_on_coarse_grids(
     if answer not in _coarse_shear_by_answer:
         scene = answer.scene
         # Half of the usual 160 cells across the contact, and of 320 increments a cycle.
-        coarse_path = follow_on_grid(
-            path_loads,
-            profile,
-            scene.profile.height,
-            scene.friction.coefficient,
-            answer.x,
-            answer.time,
-            GridRequest(
-                most_cycles=max(scene.cycles, 2),
-                cells=CELLS_ACROSS_CONTACT // 2,
-                increments=INCREMENTS_PER_CYCLE // 2,
-            ),
+        request = GridRequest(
+            most_cycles=max(scene.cycles, 2),
+            cells=CELLS_ACROSS_CONTACT // 2,
+            increments=INCREMENTS_PER_CYCLE // 2,
         )
-        _coarse_shear_by_answer[answer] = coarse_path.shear
+        try:
+            coarse_shear = follow_on_grid(
+                path_loads,
+                profile,
+                scene.profile.height,
+                scene.friction.coefficient,
+                answer.x,
+                answer.time,
+                request,
+            ).shear
+        except InputError:  # near sliding all of the coarse cells may slip
+            coarse_shear = np.full((len(answer.time), len(answer.x)), np.nan)
+        _coarse_shear_by_answer[answer] = coarse_shear
     return _coarse_shear_by_answer[answer]
 
 

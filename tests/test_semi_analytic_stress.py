@@ -304,6 +304,23 @@ def test_coarse_grids_follow_a_solution_once_and_the_contact_is_not_solved_for_i
     assert calls == ["solve"]
 
 
+def test_where_coarse_grids_do_not_follow_the_path_the_tension_has_no_uncertainty(monkeypatch):
+    """Near sliding all of the coarse cells may slip; the tension of the fine ones is known."""
+    _, answer = flat_pad_on_grids()
+    time = answer.time[answer.last_cycle[:1]]
+    values, uncertain = edge_tension(answer, time)
+    assert np.isfinite(uncertain).all()
+
+    def refuse(*_arguments):
+        raise InputError("all cells slip")
+
+    monkeypatch.setattr(subsurface, "follow_on_grid", refuse)
+    monkeypatch.setattr(subsurface, "_coarse_shear_by_answer", {})
+    values_alone, unknown = edge_tension(answer, time)
+    np.testing.assert_array_equal(values_alone, values)
+    assert np.isnan(unknown).all()
+
+
 def test_edges_of_contact_by_the_loads_are_those_of_the_solution():
     """From first touch to a later cycle; before the path they are those at its start."""
     scene, answer = flat_pad_on_grids()
