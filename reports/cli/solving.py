@@ -473,9 +473,9 @@ def _inputs_shown(
     """What the terminal shows of `inputs`, what the uncertainties of the scene's inputs do to the
     answer: sentences, then tables. Nothing where it is None: the scene states no uncertainty.
 
-    `inputs.values` are values of theory with their uncertainty, `inputs.difference` those of the
-    difference of finite elements and theory. The last argument of a table lists the columns that
-    are flush right.
+    `inputs.values` are values of half-plane theory with their uncertainty. `inputs.difference` are
+    those of the difference between theory corrected for the finite bodies and half-planes. The last
+    argument of a table lists the columns that are flush right.
     """
     from reports import input_words
 
@@ -612,8 +612,10 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
         yield str(page)
 
     def json_content() -> dict[str, Any]:
-        """The object "result" of --json, from the content of the report: headline, table, verdict,
-        values of each metric, path of the page. `stages.seconds` is the time of each stage.
+        """The object "result" of --json, from the content of the report: headline, table, verdict
+        in full and in a few words, values of each metric, causes of the difference, effects of
+        uncertain inputs, dissipation of the finite elements, expected numbers, fit of the profile,
+        notes, seconds of each stage, path of the page.
         """
         report_content = whole_content(report, "", stages.seconds)  # that of comparison.json
         solution_of_elements = report_content["result"]

@@ -715,14 +715,15 @@ def _mesh_term(metric: Metric, comparison: Comparison, refinements: Refinements)
     """The error that the mesh makes in a metric: value of the run minus its limit for size zero.
 
     The limit comes from the coarser meshes; the term is not measured where they give none. Where
-    the run states an uncertainty of the value itself, three cases are distinguished:
+    the run states an uncertainty of its amount, such as its W, three cases are distinguished:
 
     - the error by the coarser meshes is larger than that: both error and uncertainty are theirs;
     - their uncertainty is larger than that of the run: no error, and the uncertainty of the run;
     - else: their error (none where they only scatter), and the uncertainty of the run.
 
-    Where it states none: their error and uncertainty, the latter at least what the run states of
-    the metric, of its edge of contact or stick, or of its pressure peak.
+    Where it states none, or uses a penalty layer: their error and uncertainty. That uncertainty is
+    at least the one stated of the metric's value, of its contact or stick edge, or of its pressure
+    peak.
 
     The returned term holds error, uncertainty, and in words how both were measured.
     """

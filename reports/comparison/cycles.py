@@ -165,8 +165,8 @@ def _cycle_at_instants(
 
 
 def cycle_interpolated_by_time(reference: ContactSolution, target_cycle: Cycle) -> Cycle:
-    """The last instants of a reference solution, interpolated to the times and points of
-    `target_cycle`, the instants of a result that holds no whole cycle.
+    """All instants of a reference solution, interpolated to the times and points of
+    `target_cycle`, which holds the instants of a result without a whole cycle.
 
     Instants are matched by their times: a target time after the end of the reference is moved back
     by whole periods, into the last cycle of the reference. In both cycles `fraction` is the time
@@ -430,11 +430,11 @@ def events(cycle: Cycle, friction: float, first_index: int = 0) -> tuple[Event, 
     """At most six instants of a cycle for the page to show, in the order of time, none before the
     index `first_index`. `friction` is the coefficient f.
 
-    First come the extremes of P, Q, Q − f P and Q + f P; of loads that are constant the first
-    instant. Then the instant with the largest distance in time from all chosen ones is added, until
-    there are six, or all instants but one are chosen: the end of a cycle repeats its start. Without
-    bulk stress and tilt Q − f P is largest where forward slip ends, Q + f P least where reverse
-    slip ends.
+    First come the largest and the least P and Q, the largest Q − f P and the least Q + f P; of
+    loads that are constant the first instant. Then the instant with the largest distance in time
+    from all chosen ones is added, until there are six, or all instants but one are chosen: the end
+    of a cycle repeats its start. Without bulk stress and tilt forward slip ends at the largest
+    Q − f P, reverse slip at the least Q + f P.
     """
     # index of the instant in the cycle -> what happens there, such as "P largest"
     labels = _labels_of_extremes(cycle, friction, first_index)
@@ -463,7 +463,8 @@ def index_of_first_row(cycle: Cycle, scene: Scene) -> int:
 
 
 def _labels_of_extremes(cycle: Cycle, friction: float, first_index: int) -> dict[int, str]:
-    """Instants of a cycle at which P, Q, Q − f P or Q + f P is largest or least: index -> label.
+    """Instants of a cycle at which P or Q is largest or least, Q − f P is largest, or Q + f P is
+    least: index -> label.
 
     Where several instants have the extreme value the first counts; an instant that is extreme in
     two quantities keeps the first label. Left out: instants before `first_index`, and quantities
@@ -476,7 +477,7 @@ def _labels_of_extremes(cycle: Cycle, friction: float, first_index: int) -> dict
     slip_ends_there = cycle.tilt is None and cycle.shear_moment is None
     label_of_end_of_forward_slip = "forward slip ends" if slip_ends_there else "Q − f P largest"
     label_of_end_of_reverse_slip = "reverse slip ends" if slip_ends_there else "Q + f P least"
-    # label -> a load that is largest at the instant to be labelled
+    # label -> a sum of loads that is largest at the instant to be labelled
     quantities = {
         "P largest": normal_load,
         "P least": -normal_load,
@@ -497,7 +498,7 @@ def _labels_of_extremes(cycle: Cycle, friction: float, first_index: int) -> dict
 
 def _distance_in_time(cycle: Cycle, indices: Iterable[int]) -> Array:
     """(k,) time between each instant of a cycle and the nearest of the instants with these
-    `indices`, as a fraction of the cycle.
+    `indices`, as a fraction of the cycle; in units of time where the cycle is not whole.
     """
     distance = np.abs(cycle.fraction[:, None] - cycle.fraction[list(indices)])
     if cycle.is_whole:  # its end is its start

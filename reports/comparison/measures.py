@@ -628,9 +628,10 @@ def edge_tension(pair: Pair) -> MetricValue:
 
     Where the stress of the reference is negligible beside f p_ref (`pair.scales.shear`), friction
     coefficient times reference pressure, the difference is over f p_ref. The uncertainty of the
-    metric is the sum of those that both solutions report. No value without friction, or where one
-    solution does not report that stress. The reference counts with its own stick and slip states
-    and edges (`pair.plain_reference`), not with those by a rule of the result.
+    metric is the sum of those that both solutions report, over the same scale. No value without
+    friction, or where one solution does not report that stress. The reference counts with its own
+    stick and slip states and edges (`pair.plain_reference`), not with those by a rule of the
+    result.
     """
     if not pair.result.scene.friction.coefficient:
         return _metric_without_value("frictionless: nothing stretches the faces")
@@ -951,7 +952,7 @@ def _stick_status(cycle: Cycle, half_width: float) -> NDArray[np.int8]:
     -1 out of contact.
 
     Full stick: the stick edges are the contact edges (to 1e-9 `half_width`). Full slip: they are
-    NaN. Edges of a cycle are (k, 2), left and right; the contact carries pressure at some point.
+    NaN. Out of contact: no point carries pressure. Edges of a cycle are (k, 2), left and right.
     """
     distance = np.max(np.abs(cycle.stick_edges - cycle.contact_edges), axis=1)
     status = np.where(distance <= _EDGE_TOLERANCE * half_width, _FULL_STICK, _PARTIAL_SLIP)

@@ -253,7 +253,8 @@ def _markdown_rows() -> Iterator[str]:
     """Rows of the manual's table of metrics as Markdown: name, method, reason, unit, norm and
     region, tolerance.
 
-    Norm: how the errors at points and instants become one value; region: which of them count.
+    Norm: how the differences at points and instants become one value; region: which points and
+    instants count.
     """
     for metric in METRICS.values():
         norm_and_region = f"{metric.norm}; {metric.region}"

@@ -52,9 +52,9 @@ _LOOP_HEIGHT = 220.0
 
 
 def half_widths(view: CycleView) -> Plate:
-    """A figure of the contact edges and stick edges of both engines through the cycle. Beside it
-    stand the differences of the half-widths of contact and stick zone, result minus reference, per
-    cent of a_ref, the half-width at the reference load.
+    """A figure of the contact edges and stick edges of both engines through the cycle. A second
+    panel beside it shows the differences of the half-widths of contact and stick zone, result minus
+    reference, per cent of a_ref, the half-width at the reference load.
 
     `view` holds the last cycles of both solutions: `engines` (cycle, name, class of lines in the
     style sheet) of reference and result, the axis of time, and words for the part of the path.
@@ -79,7 +79,7 @@ def half_widths(view: CycleView) -> Plate:
             table[f"left_{kind}_edges_{role}"] = left_edge
             table[f"right_{kind}_edges_{role}"] = right_edge
     # X_OVER_A: words of the axis, "x / a_ref"
-    upper_panel = Panel(
+    panel_of_edges = Panel(
         "edges",
         view.over_time(),
         Axis(*axis_limits(*(curve.y for curve in curves)), X_OVER_A),
@@ -101,7 +101,7 @@ def half_widths(view: CycleView) -> Plate:
         *axis_limits(*differences.values(), with_zero=True, least_range=1e-10),
         "difference, % of a_ref",
     )
-    lower_panel = Panel(
+    panel_of_differences = Panel(
         "edges-difference",
         view.over_time(),
         difference_axis,
@@ -121,7 +121,7 @@ def half_widths(view: CycleView) -> Plate:
     # cycle"
     return figure_with_texts(
         "half_widths",
-        (upper_panel, lower_panel),
+        (panel_of_edges, panel_of_differences),
         table,
         legend,
         stretch=view.part_of_path,
@@ -130,8 +130,8 @@ def half_widths(view: CycleView) -> Plate:
 
 
 def _spacing_at_the_edge(cycle: Cycle) -> float:
-    """The median distance of neighbouring points about the contact edges [length]; NaN where
-    nothing touches.
+    """The median distance of neighbouring points whose |x| is within 30 % of that of the outermost
+    contact edge [length]; NaN where nothing touches.
     """
     outer_edge = float(np.nanmax(np.abs(cycle.contact_edges), initial=0.0))
     if not outer_edge:

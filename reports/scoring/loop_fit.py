@@ -43,7 +43,7 @@ _MOST_MINIMA = 3
 _LOG_BELOW_SLIDING = 0.2
 # Chance gives so much of the sum of squares over its mean in 95 %: chi squared of one degree.
 _CHI_SQUARED = 3.841
-# Fits with the noise of the fit before: it changes by less than a part in ten then.
+# Fits with the noise of the fit before, at most: they end where it changes by less than 5 %.
 _MOST_REWEIGHTINGS = 8
 # Distance from a branch, in sigma and over that from the other one, from which a row beside a
 # turning point is the other's.
@@ -798,13 +798,13 @@ class _Search:
 
     def search_with_rows_at_turns_moved(self, friction: float, terms: Array) -> _Search:
         """A search for the best fit in which rows beside a turning point are moved to the other
-        branch. A row is moved if theory's loop is less than a quarter as far from it there. A
-        turning point is known to within one row only.
+        branch. A row is moved if it lies more than 4 sigma from theory's loop, and less than a
+        quarter as far from the other branch. A turning point is known to within one row only.
 
         `terms` (4,) are highest Q, lowest Q, compliance C of the rig and origin U0 of the
         displacement.
 
-        # notation: Q tangential load
+        # notation: Q tangential load, sigma standard deviation of the noise
         """
         branches = self.rows.branches
         # (n,) whether each row lies on the rising branch
@@ -859,7 +859,8 @@ class _Search:
 
         # 1 towards the upper end, -1 towards the lower one
         direction = 1.0 if end_of_search > log_friction else -1.0
-        # The sum of squares is nearly a parabola: its rise at a step says how far the limit is.
+        # The sum of squares is nearly a parabola: its rise over a small step gives the distance to
+        # the end of the interval.
         excess_at_best = excess_over_largest(log_friction)
         step_of_log = min(1e-3, abs(end_of_search - log_friction) / 2)
         rise_at_step = max(

@@ -432,8 +432,9 @@ class _Search:
         where the contact slides as a whole at its ends: each with its least sum of squares and its
         seven parameters.
 
-        The sum of squares is taken at 24 trials of f, and at 5 of the slide of a gross loop. Fits
-        begin from its two lowest local minima among them.
+        The sum of squares is taken at 24 trials of f for a partial loop, and at 5 trials of the
+        slide for a gross one. Fits of either kind begin from the two lowest local minima among its
+        trials.
 
         # notation: f coefficient of friction, Q tangential load, U relative tangential displacement
         """
@@ -570,7 +571,7 @@ class _Search:
         is_nearest_kind_gross = is_gross_better
 
         def root_of_relative_rise(log_friction: float) -> float:
-            """Root of the rise of the least sum of squares over its admitted rise, at ln f =
+            """Square root of the rise of the least sum of squares over its admitted rise, at ln f =
             `log_friction`: 0 at the best f, 1 at the end of the interval, nearly linear in between.
             The loop is of that kind, partial or gross, for which it is less.
 

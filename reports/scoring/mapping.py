@@ -56,6 +56,7 @@ class Factors(Frozen):
     scale may be guessed and named.
     """
 
+    # `length` is the factor of y too
     length: _Factor | None = Field(None, description="of x and slip; 1000 turns m into mm")
     stress: _Factor | None = Field(
         None, description="of pressure and shear; 1e-6 turns Pa into MPa"

@@ -150,7 +150,7 @@ def _solution_without_zones(
     """An external result as a solution with its tractions, slip, times and loads alone. All points
     are marked as open; edges, and all that follows from them, are NaN.
 
-    Loads that the result does not state are the scene's at its instants (`history`).
+    Where the result lacks P or Q, both loads are the scene's at its instants (`history`).
 
     Parameters
     ----------
@@ -351,8 +351,9 @@ def reference_by_same_rule(
 
     Errors of the rules so drop out of the comparison. The reference stays as it is where the result
     states all of these itself. Its dissipation also stays where its instants are not those of the
-    result, or where the result has none. Stick edges are NaN at instants where the rule fails.
-    `length` is the reference half-width a_ref.
+    result, or where the result has none. Stick edges are NaN at instants where the rule errs by
+    more than 0.05 a_ref, or sees a stick zone wrongly. Where these are half of all instants or
+    more, the edges by the rule stay. `length` is the reference half-width a_ref.
     """
     # names of the fields of the result that were derived from its other fields
     if "state" not in names_of_derived_fields(result):
@@ -841,13 +842,13 @@ def _surface_in_compression(
 def _centred_surface(
     surface: SurfaceResult, mapping: Mapping, theory: ContactSolution
 ) -> tuple[SurfaceResult, str]:
-    """An external result with its x shifted so that the centroid of its largest pressure lies where
-    theory has it (x = 0 without a tilt), and a sentence that says so.
+    """An external result with its x shifted so that the centroid of the pressure, at the instant of
+    the largest one, lies in the middle of theory's contact (x = 0 without a tilt); and a sentence
+    that says so.
 
     It stays as it is, with an empty sentence, where it is centred to half the half-width, or more
     than twice as wide as theory's contact. So it does where the mapping states an offset other than
-    0.
-    `theory` holds half-widths and edges (n_steps, 2) of the contact through the whole path, and
+    0. `theory` holds half-widths and edges (n_steps, 2) of the contact through the whole path, and
     `tilt`, None for a scene without.
     """
     # leftmost and rightmost x with pressure at any instant
