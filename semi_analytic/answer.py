@@ -197,9 +197,10 @@ def solution_of(question: Question, findings: Findings) -> ContactSolution:
     """The solution that `solve` returns, read-only, from what half-plane theory found for a
     question.
 
-    Values, loads and dissipations come under their names in the solution. Fields that the question
-    did not ask for, and whatever the findings name as skipped, stand in `work.skipped` with the
-    reason.
+    The findings hold instants `time`, points `x`, and loads, fields and dissipations by their names
+    in the solution, `values`. Fields that the question did not ask for, and whatever the findings
+    name as skipped, stand in the solution's `work.skipped` with the reason. The closed integral of
+    Q dU, "loop_work", is NaN where it was not asked for.
     """
     values_by_name: dict[str, Any] = {"time": findings.time, "x": findings.x} | dict(
         findings.values
@@ -227,7 +228,7 @@ def solution_of(question: Question, findings: Findings) -> ContactSolution:
         name: (n_instants, "not asked for") for name in FIELDS if name not in question.fields
     }
     # what was computed, skipped, and how long it took
-    work = Work(
+    computing_effort = Work(
         {"instants": n_instants, "points": len(findings.x), **findings.counts},
         not_asked_for | dict(findings.skipped),
         findings.seconds,
@@ -244,7 +245,7 @@ def solution_of(question: Question, findings: Findings) -> ContactSolution:
         engine="semi_analytic",
         scene=findings.scene or question.scene,
         record=record,
-        work=work,
+        work=computing_effort,
         settings=settings,
         versions=dict(_versions()),
         **values_by_name,
@@ -252,7 +253,7 @@ def solution_of(question: Question, findings: Findings) -> ContactSolution:
 
 
 def largest_error(values: ArrayLike) -> float:
-    """The largest of some errors >= 0, 0 of none; NotFoundError where one is not a number."""
+    """The largest of some errors >= 0, 0 of none; NotFoundError where one is NaN or infinite."""
     largest_value = float(np.max(np.asarray(values, dtype=float), initial=0.0))
     if not np.isfinite(largest_value):
         raise NotFoundError(

@@ -1042,9 +1042,9 @@ def _loop_work_of(answer: PathResult) -> float:
     thickness]; 0 where nothing is dissipated.
 
     NaN where there is none, or where round-off leaves less than two digits of it, too few to
-    compare the friction work with: its round-off is above 0.01 of the work. `works` of the answer
-    are those of the covered cycles; `loop_integral` holds the integral and its round-off, None
-    where there is none.
+    compare the friction work with: its round-off is 0.01 of the work or more. `works` of the
+    followed path, `answer`, are those of its covered cycles; `loop_integral` holds the integral and
+    its round-off, None where there is none.
     """
     if answer.loop_integral is None:
         return math.nan

@@ -246,10 +246,9 @@ def _largest_maximum(
 
     W is 0 where nothing slips, NaN where it `is_unknown` (m,) at some sample. The error adds how
     far W may rise between the last three places about the maximum, the quadrature error and
-    round-off. P0 and P1
-    are the mean and the amplitude of P. Round-off counts for more where the load P - P_c carried by
-    the slip zones is small; P_c is the load at the stick edge, `largest_slip_zone_load` the largest
-    P - P_c.
+    round-off. P0 and P1 are the mean and the amplitude of P. Round-off counts for more where the
+    load P - P_c carried by the slip zones is small; P_c is the load at the stick edge,
+    `largest_slip_zone_load` the largest P - P_c, to a factor of two.
 
     Parameters
     ----------
@@ -828,8 +827,8 @@ def _works_of_members(members: Members) -> Array:
     ellipses = members.ellipses
     kind = members.kind
     works_and_error = np.empty((3, len(members.is_mirrored)))
-    # _DEEP_SLIP_LOAD_SHARE: 0.02 of the mean load; for P - P_c above it the quick formula of Lam is
-    # taken
+    # _DEEP_SLIP_LOAD_SHARE: 0.02, the least share for the quick formula of Lam: of the mean load
+    # for the largest P - P_c, and of each amplitude of (Q -+ f P)/f for the other one
     if kind in ("hertz", "power_law"):
         works_and_error[:2] = works_by_lam(
             ellipses, quick_power_law_kernel, careful_power_law_kernel, _DEEP_SLIP_LOAD_SHARE

@@ -1,5 +1,5 @@
-"""Friction work, over the whole contact and point by point, of any history; and a second way to the
-former.
+"""Friction work of any load history, over the whole contact and per area at points; and, as a
+check of the former, the closed integral of Q dU.
 
 # notation: A = 2/E*; w = +-Q - f P, which grows in slip; P_c load at the stick edge, c = a(P_c);
 P_x load at which a = |x|
@@ -160,7 +160,7 @@ IntegralsAlong = Callable[[Sequence[SpanRanges], QuadratureRule], Sequence[Array
 
 def _span_by_span(integral_along: Callable[[SpanRanges, QuadratureRule], Array]) -> IntegralsAlong:
     """A function that integrates along several spans of slip, one after the other, by one
-    quadrature rule, from the function `integral_along` for a single span.
+    quadrature rule. It is made from `integral_along`, which integrates along a single span.
     """
 
     def integrals_along(ranges: Sequence[SpanRanges], rule: QuadratureRule) -> list[Array]:
@@ -505,7 +505,7 @@ def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
         )
         return np.maximum(begin_time, time_of_first_contact), end_of_span
 
-    # P falls or keeps: the edge of contact leaves the point, or stays
+    # P falls or stays the same: the edge of contact leaves the point, or stays
     contact_reaches_point = edge_load < max(begin_instant.normal_load, end_instant.normal_load)
     end_time = time_of_contact_edge if change_of_load <= -LEAST_LOAD_CHANGE else end_of_span
     return begin_time, np.where(contact_reaches_point, end_time, begin_time)
@@ -695,14 +695,14 @@ _RULES_AND_NODE_COUNTS: tuple[tuple[QuadratureRule, int], ...] = (
 
 
 def _rule_numbers(closeness_to_singularity: Array, closeness_to_corner: Array) -> Indices:
-    """Number in `_RULES_AND_NODE_COUNTS` of the quadrature rule for each of some integrands, (m,):
+    """Number of the quadrature rule in `_RULES_AND_NODE_COUNTS` for each of m integrands, (m,):
     more nodes the nearer a singularity, crowded nodes next to a corner of the profile.
 
     Closeness is 1 - d_min/d_max with the distances d of a load from the singularity, or from the
     load of the corner below, along the range of integration: 0 far away, 1 where it is reached.
     """
-    # _CLOSENESS_LIMITS: 0.05, 0.3, 0.6 and 0.9; above the last the graded rule, behind it the
-    # crowded one
+    # _CLOSENESS_LIMITS: 0.05, 0.3, 0.6 and 0.9, up to which Gauss' rules of 4, 6, 12 and 24 nodes
+    # serve; number 4 is the graded rule, number 5 the crowded one
     rule_number = np.searchsorted(_CLOSENESS_LIMITS, closeness_to_singularity)
     is_beside_corner = closeness_to_corner > np.maximum(
         closeness_to_singularity, _CLOSENESS_LIMITS[0]
@@ -743,7 +743,7 @@ def _closeness_of_loads(parts: Records, corner_loads: Array) -> Array:
 
 def _closeness(distance_at_begin: Array, distance_at_end: Array) -> Array:
     """1 - d_min/d_max of a distance d >= 0 that changes linearly between the ends of a range: 0
-    where it keeps, 1 where it is 0 at an end.
+    where it does not change, 1 where it is 0 at an end.
     """
     least_distance = np.maximum(np.minimum(distance_at_begin, distance_at_end), 0.0)
     largest_distance = np.maximum(np.maximum(distance_at_begin, distance_at_end), _SMALLEST_FLOAT)
@@ -959,10 +959,10 @@ def _density_of_parts(contact: Contact, parts: Records, x: Array) -> Array:
             integrand_at_nodes = (
                 weights * contact.pressure(x_of_pairs[pairs], load_at_nodes) * arccosh_ratio
             )
-            work_of_pairs = parts.level_rise[part_number[pairs]] * np.sum(
+            density_of_pairs = parts.level_rise[part_number[pairs]] * np.sum(
                 integrand_at_nodes, axis=1
             )
-            density += np.bincount(point_number[pairs], work_of_pairs, len(x))
+            density += np.bincount(point_number[pairs], density_of_pairs, len(x))
     return density
 
 
@@ -1012,7 +1012,9 @@ class LoopWorkOfSeries:
     A record is a portion of a load step in which P and P_c, the load at the stick edge, change
     linearly. With G(P) the integral of ln(2 L/a) over the loads up to P, U pi/A grows along a
     record by m times the growth of G(P_c) plus s f times that of G(P) - G(P_c). s is the direction
-    of slip, m the slope of the memory curve M(eta) at the stick edge.
+    of slip, m the slope of the memory curve M(eta) at the stick edge. U is the relative tangential
+    displacement, A = 2/E*, a the contact half-width, L the length of the datum of U. M(eta) is the
+    tangential force carried up to the load eta.
     """
 
     def __init__(
@@ -1117,8 +1119,8 @@ class LoopWork(NamedTuple):
 class IntegralsAndErrors(NamedTuple):
     """Integrals (m,), and an estimate of the error of each: what the last halving changed.
 
-    Covered down to the floor of a rule: `graded_nodes` leaves 4e-12 of a part that has a pole
-    beside its end, at whatever distance.
+    The estimate does not contain what a rule leaves after any number of halvings: `graded_nodes`
+    leaves 4e-12 of a part that has a pole beside its end, at whatever distance.
     """
 
     value: Array

@@ -1641,8 +1641,8 @@ def _pressure_of_smallest_punches(
     kind: IntegralKind, load_power: int, x: Array, advance: float, law: ContactLaw
 ) -> Array:
     """Contribution of flat punches narrower than `advance` to the pressure at points x (k,)
-    [stress]: 0 at x > 0, with a flat, for a wedge, and for the other integrals over punches, `kind`
-    "outside" and "logarithm".
+    [stress]: 0 at x > 0, with a flat, for a wedge with `load_power` 0, and for the other integrals
+    over punches, `kind` "outside" and "logarithm".
 
     At x = 0 the integrand g/(pi alpha), g = dP/d alpha, goes as a power of the half-width alpha and
     is integrated as that; P goes as the power `law.power` of alpha; `law.stiffness` is g as a

@@ -1,8 +1,9 @@
-"""`solve`: from a scene to a ContactSolution. The memory of friction decides which of three ways
-through half-plane theory answers it.
+"""`solve`: from a scene to a ContactSolution, by the first of these methods that its scene admits.
 
-One memory curve: `answer_by_memory`, exact. Loads in phase, steady cycle alone: `answer_in_phase`,
-exact. All else: `answer_on_grids`. The question and the record are made in `answer`.
+Prescribed displacements: `answer_of_rig`. Finite bodies, `effects`: `corrected`. One memory curve:
+`answer_by_memory`, exact. The steady cycle alone, by one memory curve or with loads in phase:
+`answer_by_memory` and `answer_in_phase`, exact. All else: `answer_on_grids`. The question and the
+record are made in `answer`.
 """
 
 from __future__ import annotations
@@ -78,7 +79,7 @@ def solve(
         the polygon that a step-by-step solver saw, so that its step error can be told apart
     effects
         what finite bodies add to half-planes, `halfplane_fe.body_effects(scene)`: theory then
-        takes the curvatures that follow the loads and both compliances, see `corrected`. Tilt
+        takes the curvatures that follow the loads and both compliances of the bodies. Tilt
         and bulk strain of the bodies are in the dissipation of a parabola's cycles, to the
         second order, or left out; a note says which, and how large they are. Numbers that are
         all 0 give the half-plane answer
@@ -138,7 +139,13 @@ def _findings(question: Question) -> Findings:
     cycle alone; a numerical solution on grids. STEADY_FIELDS are those that do not depend on how
     the steady cycle was reached. A memory curve is the tangential force, or the bulk strain, locked
     in up to each load. The question holds the scene, the fields that are wanted, straight steps or
-    the scene's own path, and what finite bodies add, `effects`.
+    the scene's own path, and what finite bodies add, `effects` (None: nothing).
+    `wants_last_cycle_alone` tells that no times are given and `cycles` is "steady".
+
+    Raises
+    ------
+    InputError
+        For straight steps without one memory curve.
     """
     scene = question.scene
     # a displacement is prescribed
@@ -163,9 +170,10 @@ def _findings(question: Question) -> Findings:
             " leave it out"
         )
     if question.wants_last_cycle_alone and question.fields <= STEADY_FIELDS:
-        steady_cycle = _findings_of_steady_cycle(question)
-        if steady_cycle is not None:
-            return steady_cycle
+        # None where this cycle cannot be solved without grids
+        findings_of_cycle = _findings_of_steady_cycle(question)
+        if findings_of_cycle is not None:
+            return findings_of_cycle
     return _findings_on_grids(question)
 
 
@@ -173,24 +181,26 @@ def _findings_on_grids(question: Question) -> Findings:
     """Values, stated errors and notes for a question by a numerical solution on grids of points in
     the contact, for scenes without a single memory curve.
 
-    A memory curve is the tangential force, or the bulk strain, locked in up to each load. The work
-    of the steady cycle is taken from a method without grids where there is one and the path ends in
-    a steady cycle, `steady_from`. WORK_FIELDS are the fields of friction work.
+    A memory curve is the tangential force, or the bulk strain, locked in up to each load. The
+    friction work of the steady cycle is taken from a method without grids where there is one and
+    the path reaches a steady cycle; `steady_from` is the first of these, None without one.
+    WORK_FIELDS are the fields of friction work.
     """
     from semi_analytic.answer_on_grids import (  # noqa: PLC0415 - for other memories alone
         WORK_FIELDS,
         GridAnswer,
     )
 
-    # the path followed on grids, with points and instants
-    answer = GridAnswer(question)
+    # the path followed on grids, with points x and instants
+    followed_path = GridAnswer(question)
     fields_of_work = question.fields & (WORK_FIELDS | {"loop_work"})
-    steady_cycle = None
-    if answer.path_on_grids.steady_from is not None and fields_of_work:
-        steady_cycle = _findings_of_steady_cycle(
-            replace(question, fields=fields_of_work, x=answer.x, time=None, cycles="steady")
+    # friction work without grids, None where there is none
+    findings_of_cycle = None
+    if followed_path.path_on_grids.steady_from is not None and fields_of_work:
+        findings_of_cycle = _findings_of_steady_cycle(
+            replace(question, fields=fields_of_work, x=followed_path.x, time=None, cycles="steady")
         )
-    return answer.findings(steady_cycle)
+    return followed_path.findings(findings_of_cycle)
 
 
 def _findings_of_steady_cycle(question: Question) -> Findings | None:

@@ -134,8 +134,10 @@ class Ellipses:
 
     @property
     def largest_slip_zone_load(self) -> Array:
-        """Largest load P - P_c of the slip zones in the cycle, (m,) [force per thickness]: at the
-        ends of the slip phases E-G and J-M, u or v sin^2(D/2), or within I-J, 2 P1 sin(t_E) sin(s).
+        """Size of the largest load P - P_c of the slip zones in the cycle, (m,) [force per
+        thickness]: the largest at the ends of the slip phases E-G and J-M, u or v sin^2(D/2), and
+        within I-J, 2 P1 sin(t_E) sin(s). Within J-M the load may be larger, up to twice, if D >
+        pi/2.
 
         # notation: u and v (`forward_amplitude`, `reverse_amplitude`) amplitudes of (Q -+ f P)/f; D
         #           (`slip_angle`) length of E-G and of J-M [rad]; P1 (`load_amplitude`) amplitude
@@ -688,13 +690,13 @@ def roundoff_error(ellipses: Ellipses, work: Array) -> Array:
         smaller_amplitude > _LEAST_DIVISOR * loop_size, smaller_amplitude, np.inf
     )
     digits_lost_by_angle = math.pi / np.where(least_angle > _LEAST_DIVISOR, least_angle, np.inf)
-    # Where a difference has no digit left W may be anything that so small a slip dissipates.
-    # a last digit of the loads
-    least_slip = _LAST_DIGIT_SHARE * loop_size
+    # Where a difference has no digit left W may be anything up to the square of a last digit.
+    last_digit_of_loads = _LAST_DIGIT_SHARE * loop_size
+    # _RELATIVE_ERROR_OF_PHASE_INTEGRALS: 2e-12; _LAST_DIGIT_SHARE: 1e-15
     relative_error = _RELATIVE_ERROR_OF_PHASE_INTEGRALS + _LAST_DIGIT_SHARE * (
         digits_lost_by_size + digits_lost_by_angle
     )
-    return relative_error * np.abs(work) + least_slip * least_slip
+    return relative_error * np.abs(work) + last_digit_of_loads * last_digit_of_loads
 
 
 def error_by_digits_of_loads(ellipses: Ellipses) -> Array:
@@ -853,12 +855,12 @@ def _dissipation_of_group(
     error of their sum, (3, m).
 
     Loads of the ellipses lie from 2^`first_octave` to 2^(`last_octave` + 1). The method follows
-    from the largest load P - P_c of the slip zones over the mean load P0. Above 0.002: integrals
-    over the loads P and P_c. Above 1e-6: the kernel Lam = int ln(a(eta)/a(P_c)) d eta by a table of
-    ln a. Below, and up to 0.002 for eight ellipses or fewer: Lam of the normal contact itself, slow
-    but with all digits. P_c is the load at the stick edge, a the contact half-width. The last
-    arguments of the two integrators are quadrature rules and 3e-8, the share of W below which error
-    checks count as converged.
+    from `largest_slip_zone_load`, the largest P - P_c to a factor of two, over the mean load P0.
+    Above 0.002: integrals over the loads P and P_c. Above 1e-6: the kernel Lam = int
+    ln(a(eta)/a(P_c)) d eta by a table of ln a. Below, and up to 0.002 for eight ellipses or fewer:
+    Lam of the normal contact itself, slow but with all digits. P_c is the load at the stick edge, a
+    the contact half-width. The last arguments of `_work_over_phases` are quadrature rules and 3e-8,
+    the share of W below which error checks count as converged.
     """
     works_and_error = np.empty((3, len(ellipses.mean_load)))
 
@@ -1487,8 +1489,8 @@ def works_by_lam(
     deep_share: float,
     least_share: float = _LEAST_SHARE_OF_MEAN_LOAD,
 ) -> tuple[Array, Array]:
-    """Friction work W of forward and of reverse slip in a steady cycle, times pi E*/(2 f^2), (m,)
-    each [force^2 per thickness^2].
+    """Friction work W of forward and of reverse slip in the steady cycle of each load ellipse,
+    times pi E*/(2 f^2), (m,) each [force^2 per thickness^2].
 
     # notation: u, v (`forward_amplitude`, `reverse_amplitude`) amplitudes of (Q -+ f P)/f; P0, P1
     #           mean and amplitude of P; D (`slip_angle`) length of reverse slip E-G and of later
@@ -1504,9 +1506,12 @@ def works_by_lam(
     Parameters
     ----------
     quick_kernel
-        Lam to round-off of P - P_c, for slip beyond the share `deep_share` of P0
+        Lam to round-off of P - P_c; taken where the largest load P - P_c of the slip zones exceeds
+        `deep_share` of P0, and each of u and v exceeds that share of the other
     careful_kernel
-        Lam to round-off of itself, for less slip
+        Lam to round-off of itself; taken for all other ellipses
+    deep_share
+        least share of P0 for the quick kernel
     least_share
         loads below this share of P0 count as that share
     """
@@ -1562,13 +1567,14 @@ def works_by_lam(
 
 def _takes_careful_kernel(ellipses: Ellipses, deep_share: float) -> NDArray[np.bool_]:
     """Whether the quick formula for the kernel Lam of the friction work is not exact enough, (m,):
-    the slip zones never carry more than `deep_share` of P0, or one of u and v is at most that share
+    `largest_slip_zone_load` is at most `deep_share` of P0, or one of u and v is at most that share
     of the other.
 
     # notation: u, v `forward_amplitude`, `reverse_amplitude`; P0 `mean_load`
 
     u and v are the amplitudes of (Q -+ f P)/f, a is the contact half-width. Lam is the integral of
-    ln a - ln a(P_c) over the loads from P_c, that at the stick edge, to P.
+    ln a - ln a(P_c) over the loads from P_c, that at the stick edge, to P. The slip zones carry
+    P - P_c; its largest value in the cycle is `largest_slip_zone_load`, to a factor of two.
     """
     # Where u is almost 0, as at tangency, a phase of almost no slip would add rounding times v.
     has_unlike_amplitudes = np.minimum(
@@ -1586,15 +1592,16 @@ def error_of_works_by_lam(
 
     Lam is the integral of ln a - ln a(P_c) over the loads from P_c, that at the stick edge, to P; a
     is the contact half-width. The quick formula is a difference, which loses the last digits of P
-    L, L = ln a. u and v (`forward_amplitude`, `reverse_amplitude`) are the amplitudes of (Q -+ f
-    P)/f, P0 and P1 mean and amplitude of P.
+    times L, L = ln a. u and v (`forward_amplitude`, `reverse_amplitude`) are the amplitudes of
+    (Q -+ f P)/f, P0 and P1 mean and amplitude of P.
 
     Parameters
     ----------
     work
         (m,) W pi E*/(2 f^2), forward and reverse slip together
     deep_share
-        share of P0; the quick formula is taken where the largest P - P_c exceeds it
+        the quick formula is taken where the largest P - P_c exceeds this share of P0, and each of u
+        and v exceeds this share of the other
     log_size
         size of L = ln a, (m,) or one for all
     """
