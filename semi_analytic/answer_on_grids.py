@@ -59,13 +59,15 @@ class GridAnswer:
 
     def __init__(self, question: Question) -> None:
         """Follow the load path of a question, with bulk stress and tilt, by a numerical solution on
-        grids, at the points of the question; at 200 points across the widest contact and 5 % beyond
-        where it states none.
+        grids, at the points of the question. Where it states none, at 200 points from -c to c, with
+        c 1.05 times the largest distance of an edge of contact from x = 0.
 
         Raises
         ------
         InputError
-            For a time outside the path.
+            For a time outside the path; where an increment does not converge.
+        InadmissibleLoadError
+            For gross sliding and separation.
         """
         self._start_of_clock = clock.perf_counter()
         scene = question.scene
@@ -103,9 +105,9 @@ class GridAnswer:
         estimated errors, notes, and how the path ended.
 
         `steady_cycle` is the answer for the steady cycle by a method without grids; None where
-        there is none, or where grids found no steady cycle. W(x), permanent stick and W are taken
-        from it, W also for each cycle from the first steady one on. A last cycle that is not steady
-        gets a note of how far its W may be from the steady one.
+        there is none, or where grids found no steady cycle. W(x), permanent stick, loop work and W
+        are taken from it, W also for each cycle from the first steady one on. A last cycle that is
+        not steady gets a note of how far its W may be from the steady one.
         """
         question = self.question
         path_on_grids = self.path_on_grids

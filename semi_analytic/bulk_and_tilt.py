@@ -317,7 +317,7 @@ def _contact_with_one_curve(
     is_strain_alone
         whether bulk strain alone shears the contact
     may_slip_opposite_ways
-        whether the profile is a parabola, and P constant
+        whether the profile is a parabola, f > 0, and P constant
     """
     contact = TiltedProfile(intervals, datum_length)
     if not is_strain_alone and contact.is_nested(intervals.largest_load):
@@ -930,15 +930,13 @@ def _load_samples_of_segment(
 
     # notation: p, q values of P and Q
     """
-    histories = [
-        history
-        for history in (segment, segment.bulk, segment.tilt_and_moment)
-        if history is not None
+    pairs_of_loads = [
+        pair for pair in (segment, segment.bulk, segment.tilt_and_moment) if pair is not None
     ]
     # Straight segments need both ends and the middle, curved ones 40 instants and more.
     n_instants = 3
-    if not all(history.is_straight for history in histories):
-        most_turning_points = max(history.most_turning_points for history in histories)
+    if not all(pair.is_straight for pair in pairs_of_loads):
+        most_turning_points = max(pair.most_turning_points for pair in pairs_of_loads)
         n_instants = _INSTANTS_OF_CURVED_SEGMENT + 2 * most_turning_points
     even_times = segment.start + (segment.end - segment.start) * np.linspace(0, 1, n_instants)
     # Turning points of P, Q and bulk strain too: the extreme loads and strains are among them.

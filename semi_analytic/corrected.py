@@ -538,7 +538,7 @@ class _HalfPlanePath:
         curvatures
             what the finite bodies add to kn and kt per unit of P and of Q
         largest_parabola_load
-            G of the largest punch [force per thickness times length]
+            G of the widest punch [force per thickness times length]
         """
         if isinstance(self.path, LoadSeries):
             return rows
@@ -827,7 +827,7 @@ class PathSeries:
         The memory curve is the locked-in tangential force over the half-width of the flat punches.
         Only curvatures of finite bodies make an excess possible. A few places are checked first,
         more at suspect instants and at two instants on either side of them. An excess below 3e-7 of
-        f times the largest pressure of the path counts as 0.
+        f times the pressure at x = 0 under the largest P counts as 0.
         """
         # followed_path: friction memory, loads, edges of contact and stick at all instants.
         followed_path = self.followed_path
@@ -843,8 +843,8 @@ class PathSeries:
             return shear_signs
         # Pressure at x = 0 under the largest P.
         row_of_largest_load = np.array([np.argmax(followed_path.normal_load)])
-        largest_pressure = float(PointFields(self, np.zeros(1)).pressure(row_of_largest_load)[0, 0])
-        tolerance = _EXCESS_TOLERANCE_SHARE * followed_path.friction * largest_pressure
+        central_pressure = float(PointFields(self, np.zeros(1)).pressure(row_of_largest_load)[0, 0])
+        tolerance = _EXCESS_TOLERANCE_SHARE * followed_path.friction * central_pressure
         # A few places may miss the largest excess: a hundredth of it is suspect.
         all_rows = np.arange(len(shear_signs))
         # _PLACES_CHECKED_FIRST: 30 places, _PLACES_CHECKED: 100.
@@ -931,7 +931,8 @@ class PathSeries:
             [followed_path.stick_edge_s[row], *followed_path.inner_zone_s[row]]
         )
 
-        # direction: that of slip at the edge, 0 where it sticks: then all of the contact sticks.
+        # direction: that of slip at the edge of contact, 0 where it sticks: then the stick zone of
+        # the memory curve reaches that edge.
         stick_half_width = (
             half_widths_at_zone_ends[0] if followed_path.direction[row] else half_width
         )
@@ -1140,8 +1141,8 @@ class PointFields:
         instants `rows` of that cycle.
 
         Each step adds the mean of f p at its two ends times the distance that the point slips. A
-        point inside the smaller of the stick zones at both ends of the step does not slip. A
-        pressure that is not finite counts as 0.
+        step in full stick adds nothing. Nor does any step at points inside the smaller of the stick
+        zones at its two ends. A pressure that is not finite counts as 0.
         """
         # edge_s has one entry per instant: its length is the number of instants.
         row_numbers = np.arange(len(self._followed_path.edge_s))[rows]
@@ -1364,9 +1365,9 @@ def _findings_of_symmetric_scene(question: Question) -> Findings:
     """Corrected half-plane answer to a question with a symmetric profile.
 
     The load path is followed with the finite bodies and with half-planes, by equal straight steps.
-    Fields are those with the bodies; their tilt and bulk strain move the edges. The friction work
-    is that of exact half-plane theory, plus the difference between the two followed paths, plus
-    what tilt and strain add.
+    Fields are those with the bodies. Tilt and bulk strain of the bodies move the edges of contact
+    and stick. The friction work is that of exact half-plane theory, plus the difference between the
+    two followed paths, plus what tilt and strain add.
 
     The dissipation is measured over the last cycle of the answer. Errors that are 0 are left out.
     """
@@ -1641,7 +1642,8 @@ def _covered_cycles(
 ) -> tuple[int, ...]:
     """For each whole cycle of the answer, the index of the followed cycle that it equals.
 
-    Only two cycles are followed: index 0 or 1. Later cycles are taken to equal the second.
+    Only two cycles are followed: index 0 or 1. Later cycles are taken to equal the second. For a
+    path that does not repeat it is (0,).
 
     Parameters
     ----------

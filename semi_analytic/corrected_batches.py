@@ -310,26 +310,28 @@ def _works_and_stick(
     # Edges (m, 1): of the largest and the least contact in the cycle, and of permanent stick.
     largest_load = loads.mean_normal + loads.normal_amplitude
     largest_half_width = np.minimum(contact.half_width(largest_load) * 2, contact.extent)
-    middle = np.zeros_like(largest_half_width)
-    contact_edge = _roots_between(minus_largest_load_outside, middle, largest_half_width)
-    least_contact_edge = _roots_between(minus_least_load_outside, middle, contact_edge)
-    stick_edge = np.minimum(_roots_between(overlap_of_bounds, middle, contact_edge), contact_edge)
+    no_half_width = np.zeros_like(largest_half_width)
+    contact_edge = _roots_between(minus_largest_load_outside, no_half_width, largest_half_width)
+    least_contact_edge = _roots_between(minus_least_load_outside, no_half_width, contact_edge)
+    stick_edge = np.minimum(
+        _roots_between(overlap_of_bounds, no_half_width, contact_edge), contact_edge
+    )
 
     # Integrals over the punches from permanent stick to the largest contact, in two ranges.
     works = np.zeros((2, len(contact_edge)))
     node_fractions, node_weights = _crowded_gauss_rule()
     # Punches beyond the edge of the least contact open in a part of the cycle: w has a kink there.
     kink = np.clip(least_contact_edge, stick_edge, contact_edge)
-    for inner_edge, range_of_half_width in (
+    for inner_edge, length_of_range in (
         (stick_edge, kink - stick_edge),
         (kink, contact_edge - kink),
     ):
-        half_width = inner_edge + range_of_half_width * node_fractions
+        half_width = inner_edge + length_of_range * node_fractions
         work_of_punches = _work_of_punches(cycle_at(half_width), loads.friction)
         # _SMALLEST_FLOAT: smallest positive number, against division by 0.
         works += np.sum(
             work_of_punches
-            * (node_weights * range_of_half_width / np.maximum(half_width, _SMALLEST_FLOAT)),
+            * (node_weights * length_of_range / np.maximum(half_width, _SMALLEST_FLOAT)),
             axis=2,
         )
 
@@ -399,8 +401,8 @@ def _roots_between(
 
     The lower bound where a function is positive there. NaN where it is negative at the upper one,
     by more than 1e-9 of its larger value at the bounds (round-off). The secants end where all
-    values are 1e-13 of those at the bounds, or after 40 of them. `function` gives the values (m, 1)
-    of all functions at x (m, 1).
+    values are at most 1e-13 of the larger one at the bounds, or after 40 of them. `function` gives
+    the values (m, 1) of all functions at x (m, 1).
     """
     value_at_lower_bound = function(lower_bound)
     value_at_upper_bound = function(upper_bound)
@@ -451,7 +453,7 @@ def _work_of_punches(cycle: CycleOfPunches, friction: Array) -> Array:
     mean + amplitude cos(angle - phase), (m, k) each; `friction` (m, 1) is f.
 
     While L > 0, s F is raised to the Coulomb bound s B_s whenever that exceeds it, s = +1 and -1.
-    The cycle is cut at the angles at which a bound turns: between them each bound is monotonic.
+    The cycle is cut at the maxima and minima of both bounds: between them each bound is monotonic.
     """
     forward_bound, reverse_bound, load_outside = cycle
     full_cycle = 2 * math.pi

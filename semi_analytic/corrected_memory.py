@@ -238,6 +238,7 @@ class PunchTable:
             derivatives there with respect to the punch coordinate s
         """
         # _cells_per_interval: number of cells in each unit of s.
+        # Slopes: derivatives in the fraction of the cell, 0 to 1.
         cell_length = 1 / self._cells_per_interval
         rise = end_value - begin_value
         begin_slope = begin_rate * cell_length
@@ -883,7 +884,8 @@ class FollowedPath:
         at_tops
             int w d eta, int w dG and int w dG_4 up to the top of each piece of a memory curve
         at_edge
-            the same up to the edge of contact at each instant
+            these three integrals up to the edge of contact at each instant, of which the latter two
+            are used
 
         # notation: profile_slope, parabola_slope, fourth_slope dF per d eta, dG and dG_4 on a piece
         #           of the memory curve
@@ -1019,14 +1021,14 @@ class FollowedPath:
             (m, k) normal load that is carried outside of each punch
         """
         # Curvatures kt and t4 at these instants.
-        force_within_punch = self.tangential_load[row][:, None]
-        force_within_punch = (
-            force_within_punch - self.tangential_curvature[row][:, None] * punches.parabola_load
+        force_without_faces = self.tangential_load[row][:, None]
+        force_without_faces = (
+            force_without_faces - self.tangential_curvature[row][:, None] * punches.parabola_load
         )
-        force_within_punch = (
-            force_within_punch - self.tangential_fourth[row][:, None] * punches.fourth_load
+        force_without_faces = (
+            force_without_faces - self.tangential_fourth[row][:, None] * punches.fourth_load
         )
-        return np.asarray(force_within_punch - direction * self.friction * load_beyond)
+        return np.asarray(force_without_faces - direction * self.friction * load_beyond)
 
     def _locked_in_forces(self, punches: _PunchArrays, piece_number: Indices) -> Array:
         """Tangential force F that flat punches keep while they stick, (m, k) for m rows of k
@@ -1063,7 +1065,8 @@ class FollowedPath:
 
         They are cut at kinks of the profile, which are at whole numbers of s. They are also cut
         where pieces of the memory curve before the step meet: the locked-in tangential force over
-        s. Each interval names the piece on which it lies, 0 if it was outside the contact before.
+        s. Each interval has the number of the piece on which it lies, 0 if it was outside the
+        contact before.
 
         Parameters
         ----------
@@ -1567,7 +1570,7 @@ class Row(NamedTuple):
 
 class MemoryState(NamedTuple):
     """What a contact remembers: number of the uppermost piece of its memory curve, and direction of
-    its last slip, +1 or -1; 0 for none.
+    slip in the last step, +1 or -1, that of the inner slip zone if there was one; 0 in full stick.
     """
 
     uppermost_piece: int = 0
@@ -1621,14 +1624,15 @@ class FrictionMemory:
 
         The memory curve is the locked-in tangential force F over the half-width of the flat
         punches. First it is cut at the new edge of contact, or extended to it in stick. Then, from
-        the edge inwards, F is set to the Coulomb bound as far as it is beyond it. When the edge of
-        contact stops slipping, points further in may still slip as before: an inner slip zone.
-        Where the bodies are apart, P = 0, nothing is remembered.
+        the edge inwards, F is set to the Coulomb bound as far as F is beyond that bound. When the
+        edge of contact stops slipping, or slips the other way, points further in may still slip as
+        before: an inner slip zone. Where the bodies are apart, P = 0, nothing is remembered.
 
         Parameters
         ----------
         state
-            memory before the step: uppermost piece of the curve, direction of the last slip
+            memory before the step: number of the uppermost piece of the curve, and direction of
+            slip in the step before, 0 for none
         row
             P, Q, curvatures of gap and faces, and edge of contact at the end of the step
 
@@ -1651,7 +1655,7 @@ class FrictionMemory:
             outermost_piece, pieces[outermost_piece.number_below], self.friction, row, round_off
         )
 
-        # Slip at the edge: the curve is cut where F meets its Coulomb bound.
+        # Slip at the edge: the slip zone is taken off the curve, down to where F meets its bound.
         bound = None
         if direction:
             bound = _coulomb_bound_of(direction, self.friction, row)

@@ -477,6 +477,11 @@ class Grid:
             (g, k) f p at the end of the increment [stress]
         cells_before
             cells in contact before the increment
+
+        Raises
+        ------
+        ArithmeticError
+            Where all cells in contact slip, or the active set does not converge.
         """
         # Cells in contact after the increment, and those in contact both before and after: the
         # number of the first cell, and how many, of each grid.
@@ -555,6 +560,11 @@ class Grid:
         grids
             numbers of the n grids that are solved, (n,): shapes of the returned fields are (n, k),
             of the displacement (n,)
+
+        Raises
+        ------
+        ArithmeticError
+            Where all cells in contact slip, or the active set does not converge.
         """
         # The cells that are solved for lie in the same number of columns in each grid.
         is_in_contact = self._contact_mask(contact)[grids]
@@ -626,7 +636,8 @@ class Grid:
         Tractions, slip and state of contact are (g, k) for g grids of k cells; approach, U, moments
         and friction work (g,). Work is taken by the trapezoidal rule. The next increment starts
         from the shear, slip and cells in contact that are stored here. Where P is not positive
-        nothing touches, and Q has no effect.
+        nothing touches, and Q makes neither shear nor slip. Q still enters the field "displacement"
+        by its datum, and the work of the loads.
 
         U has two datums. The attribute `_displacement` stores U as it is solved for, against a
         datum at the distance of the grid's length. The field "displacement" is U against a datum at
@@ -638,6 +649,12 @@ class Grid:
             P and Q at the end of the increment [force per thickness]
         strain, tilt
             eps and alpha there
+
+        Raises
+        ------
+        ArithmeticError
+            Where active sets do not converge, all cells slip, or the contact meets the end of the
+            grid.
         """
         displacement_by_strain: Array = -strain * self.x  # of the faces, without shear, (g, k)
         # Solutions: pressure, cells in contact and approach; shear, slip, its directions and U.
@@ -740,7 +757,8 @@ class Grid:
         Raises
         ------
         ArithmeticError
-            Where the shear still changes after 200 turns.
+            Where the shear still changes after 200 turns. Also where in one turn an active set
+            does not converge, all cells slip, or the contact meets the end of the grid.
         """
         # Cells in contact, and shear, before the increment.
         cells_before = self._contact
@@ -801,7 +819,8 @@ class Grid:
         slip that is known from other grids.
 
         `slip` returns that slip at points x. Where |q| would exceed f p, cells slip further in the
-        increment that is made here.
+        increment that is made here. It raises ArithmeticError where an active set does not
+        converge, all cells slip, or the contact meets the end of the grid.
         """
         normal_load, tangential_load, strain, tilt = loads.tolist()
         # The cells of each grid take the slip at their middles.
@@ -972,7 +991,7 @@ def follow_instants(
     never touched before.
 
     Each instant is one implicit increment from the one before, the first from no load. Where P = 0
-    at the first its bulk strain is in place at first touch.
+    at the first instant, the bulk strain of that instant is in place at first touch.
 
     Parameters
     ----------
@@ -1564,7 +1583,8 @@ def remainder_of(works: Sequence[float]) -> float:
     It is the rest of a geometric series if the last ratio of successive changes is below a half and
     0.8 to 1.05 times the ratio before. Else the changes may fall with the cycle number k as slowly
     as k^-4, however fast the first ones were. Then it is k/3 times the last change, or the rest of
-    a geometric series if that is more. After two cycles it is the change between them.
+    a geometric series, of a ratio of at most 0.9, if that is more. After two cycles it is the
+    change between them.
 
     >>> round(remainder_of([1.5, 1.05, 1.005, 1.0005]), 12)  # W falls to 1
     0.0005
@@ -1627,10 +1647,10 @@ def follow_on_grid(
 
     Pressure and contact edges are exact. All else is the mean over 16 grids that are moved by
     fractions of a cell. One coarse grid goes first and finds the number of cycles. Where only the
-    last cycle is asked for, all coarse grids go first. The fine grids then follow the last two
-    cycles alone, from the mean slip of the coarse ones. The shear that is locked in is then not
-    that of the whole path. This changes W and the stick zones by less than the fine grids differ
-    from the coarse ones, which the stated error covers.
+    last cycle is asked for, all coarse grids go first. If there are more than two cycles, the fine
+    grids then follow the last two alone, from the mean slip of the coarse ones. The shear that is
+    locked in is then not that of the whole path. This changes W and the stick zones by less than
+    the fine grids differ from the coarse ones, which the stated error covers.
 
     Each error is twice a sum: twice the standard error of that mean, plus what is left of the
     change from coarse grids, of half as many cells and increments. With the cell width that change
@@ -2001,9 +2021,10 @@ def _counts_of(runs: _Runs, cells: int) -> dict[str, int]:
     """Numbers that describe the effort of a solution on grids, by name: grids, cells across the
     largest contact, increments, and zones that stick ("pieces").
 
-    Where there are any, also cycles that coarse grids alone followed, and increments whose newly
-    touched cells were given no slip before the touch. `runs` has the answers of coarse and fine
-    grids; `cells` is the number of cells across the largest contact.
+    Where there are any, also cycles that coarse grids alone followed, and increments of the fine
+    grids whose newly touched cells were given no slip before the touch, counted for each grid.
+    `runs` has the answers of coarse and fine grids; `cells` is the number of cells across the
+    largest contact.
     """
     # _GRID_SHIFTS: 16 shifts, one for each grid.
     counts = {

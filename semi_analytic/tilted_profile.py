@@ -64,7 +64,8 @@ from semi_analytic.quadrature import (
     panel_nodes,
 )
 
-# Steps of Newton's method, kept in a bracket: about ten are taken, sixty halvings would do.
+# Iterations of Newton's method at most: about ten are taken. Sixty halvings of a bracket would do,
+# where there is one.
 _MOST_NEWTON_STEPS = 120
 # Angle below which sin - theta cos = sum 2 k (-1)^(k + 1) theta^(2 k + 1)/(2 k + 1)! and theta -
 # sin cos are summed as series.
@@ -95,7 +96,8 @@ class Balance(NamedTuple):
     load_product
         A P, A = 2/E* [length]
     curvature_integral, curvature_cosine_integral
-        int h'' d theta and int h'' cos(theta) d theta [1/length]: the derivatives of both balances
+        int h'' d theta and int h'' cos(theta) d theta [1/length]: they give the derivatives of mean
+        slope and load by m and c
     """
 
     mean_slope: Array
@@ -262,9 +264,9 @@ class ConvexProfile(abc.ABC):
         """Centre m and half-length c of contacts under positive loads P and tilts alpha, (n,) each
         [length], by Newton's method.
 
-        Two equations hold: the mean slope is -alpha, and the curvature carries P. They are the
-        derivatives by m and c of the convex potential int h d theta + pi alpha m - A P ln(c). A
-        step that would overshoot the minimum of the potential is halved. InputError where 120
+        Two equations hold: the mean slope of the profile is -alpha, and the contact carries P. They
+        state that both derivatives, by m and by c, of a convex potential are 0: int h d theta + pi
+        alpha m - A P ln(c). A step that would overshoot its minimum is halved. InputError where 120
         steps do not converge.
 
         Parameters
@@ -295,26 +297,27 @@ class ConvexProfile(abc.ABC):
         shift = 0 * first_touch  # step of m from the last accepted one to the trial
         widening = 0 * first_touch  # step of c
 
-        # |slope of the potential along the step| where the step begins
-        slope_along_step = np.full(first_touch.shape, np.inf)
+        # |derivative of the potential along the step| where the step begins
+        descent_at_begin = np.full(first_touch.shape, np.inf)
         for _ in range(_MOST_NEWTON_STEPS):  # 120
             # Residuals of both equations for the trial contact.
             trial_m = m + shift
             trial_c = c + widening
-            balance = self.balance(trial_m, trial_c)
-            slope_residual = np.pi * (balance.mean_slope + tilt)
-            load_residual = (load_product - balance.load_product) / trial_c
-            # A step is halved where the potential rises behind it more than half as steeply as it
-            # fell before. The fall stays that of the full step: shorter ones are accepted sooner.
-            rise_along_step = slope_residual * shift - load_residual * widening
-            is_accepted = rise_along_step <= slope_along_step / 2
+            trial_balance = self.balance(trial_m, trial_c)
+            slope_residual = np.pi * (trial_balance.mean_slope + tilt)
+            load_residual = (load_product - trial_balance.load_product) / trial_c
+            # A step is halved where the potential rises at its end more than half as steeply as it
+            # fell at its begin. That descent stays the one of the full step: shorter steps are
+            # accepted sooner.
+            ascent_at_end = slope_residual * shift - load_residual * widening
+            is_accepted = ascent_at_end <= descent_at_begin / 2
             m = np.where(is_accepted, trial_m, m)
             c = np.where(is_accepted, trial_c, c)
             # Next step of the centre and of the half-length.
             newton_shift, newton_widening = _newton_step(
-                balance, slope_residual, load_residual, trial_c, c
+                trial_balance, slope_residual, load_residual, trial_c, c
             )
-            # Neither end moves by more than c, nor past the place that touches first.
+            # Neither end of contact moves by more than c, nor past the place that touches first.
             left_move = np.clip(
                 newton_shift - newton_widening, -c, 0.9 * np.maximum(first_touch - m + c, 0.0)
             )
@@ -323,10 +326,10 @@ class ConvexProfile(abc.ABC):
             )
             shift = np.where(is_accepted, (left_move + right_move) / 2, shift / 2)
             widening = np.where(is_accepted, (right_move - left_move) / 2, widening / 2)
-            slope_along_step = np.where(
+            descent_at_begin = np.where(
                 is_accepted,
                 np.abs(slope_residual * shift - load_residual * widening),
-                slope_along_step,
+                descent_at_begin,
             )
             # The next step would be about the power 3/2 of this one.
             largest_step = np.maximum(np.abs(shift), np.abs(widening))
@@ -496,7 +499,7 @@ class PiecewiseParabola(ConvexProfile):
         -------
         Balance
             mean slope, which balances the tilt; A P with A = 2/E*; and int h'' d theta and int h''
-            cos(theta) d theta, the derivatives of both balances
+            cos(theta) d theta, which give the derivatives of both by m and c
         """
         # `curvature`: h'' between the knots and beyond; `slopes`: h' at the knots; `jumps`: J at
         # each.
@@ -1196,8 +1199,8 @@ class NestedIntervals:
         per thickness]; infinite where the contact under the largest load does not reach x.
 
         x is an end where the mean of h' over the contact is -(alpha_0 + kappa P), minus the tilt
-        under P. With x fixed, the sum of both changes its sign once as the half-length c grows:
-        Newton's method for c, kept in a bracket.
+        under P. With x fixed, the sum of mean and tilt changes its sign once as the half-length c
+        grows: Newton's method for c, kept in a bracket.
         """
         # tilt_without_load: alpha_0, tilt_per_load: kappa, compliance: A = 2/E*.
         widest_middle, widest_half_width = self.exact_centre_and_half_width(self.largest_load)
