@@ -63,8 +63,9 @@ def answer_arrays(task: Task, problem: ContactProblem, run: PathRun) -> dict[str
     displacements, tractions, slip, node states and edges at the stored instants of a run; friction
     work of each load cycle, and at the nodes in the last one.
 
-    Also the zone that never slips ("permanent_stick…"), the work of the loads round the loop of the
-    last cycle ("loop_work"), and the cycle from which on all repeat ("steady_from").
+    Also the zone that sticks through the whole last cycle ("permanent_stick…"), the work of the
+    loads round that cycle ("loop_work"), and the index of the first cycle that ended as it started
+    ("steady_from", from 0; None without one).
 
     Parameters
     ----------
@@ -92,9 +93,9 @@ def answer_arrays(task: Task, problem: ContactProblem, run: PathRun) -> dict[str
         cycle_works[-1] / face_lengths if len(cycle_works) else np.zeros_like(face_lengths)
     )
 
-    # Edges of contact and stick, and ends of the permanent stick zone. `surface_states` (n_steps,
+    # Edges of contact and stick, and ends of the permanent stick zone. `surface_states` (n_states,
     # n): open, stick or slip of the nodes at all instants, stored or not. `held_back` (2,): what
-    # was added to the ends, as growing elements hold edges back.
+    # was added to the ends, as growing elements make the zones too small.
     surface_states = reported_states(problem, run.states, run.cycle_starts)
     loads = (
         np.array([(state.normal_load, state.tangential_load) for state in contact_states])
@@ -142,11 +143,9 @@ def _edges_put_right(
     x: Array,
     normal_load: Array,
 ) -> tuple[dict[str, Array], Edges, Array]:
-    """Edges of contact and stick and of the permanent stick zone, put right where growing elements
-    hold them back, in the scene's units.
-
-    Elements whose size grows with the distance from the contact (`mesh.growth`) make a body too
-    stiff, so that edges lie too far inside.
+    """Edges of contact and stick and of the permanent stick zone, in the scene's units, corrected
+    for elements whose size grows with the distance from the contact (`mesh.growth`): these make a
+    body too stiff, so that edges lie too far inside.
 
     Parameters
     ----------
@@ -243,8 +242,8 @@ def _edges_of_run(
     edges
         name -> contact or stick edges at the stored instants, or their uncertainty, (k, 2) each
     permanent_stick
-        ends (2,) of the permanent stick zone, NaN without one; their uncertainty where slip locates
-        them, else NaN
+        ends (2,) of the permanent stick zone, NaN without one; their uncertainty where slip or
+        creep of the nodes locates them, else NaN
     """
     states = [run.states[index] for index in run.stored_indices]
     loads = np.array([(state.normal_load, state.tangential_load) for state in run.states])
@@ -268,7 +267,8 @@ def _edges_of_run(
         scene,
     )
 
-    # Ends of the permanent stick zone: by slip (with an uncertainty), else by the stick zones.
+    # Ends of the permanent stick zone: by slip or creep (with an uncertainty), else by the stick
+    # zones of single instants.
     ends = _permanent_stick(scene, problem, run, surface_states, edges["stick_edges"])
     permanent_edges = ends.places
     is_by_slip = np.isfinite(ends.uncertainty)
@@ -520,8 +520,8 @@ def _permanent_stick(
     scene: Scene, problem: ContactProblem, run: PathRun, surface_states: States, edges: Array
 ) -> Edges:
     """Ends (2,) of the permanent stick zone, which sticks through the whole last cycle: by the slip
-    beyond it, or else the intersection of its stick zones, scaled; NaN if there is none. Their
-    uncertainty is that of ends by slip, NaN of others.
+    beyond it, or else the intersection of its stick zones, scaled; NaN if there is none. Ends that
+    slip or creep locates have an uncertainty, others NaN.
 
     A path that does not repeat starts unloaded, where nothing touches, so that it has no such zone.
     Nodes that only creep belong to the zone too:
@@ -530,7 +530,7 @@ def _permanent_stick(
       grows less from cycle to cycle.
     - Between coupled bodies (unlike materials), where single increments label nodes as slipping
       that move next to nothing.
-    - Between others where creep reaches two nodes and more beyond the stick zones of all instants.
+    - Between others where creep reaches more than two node distances beyond that intersection.
 
     Parameters
     ----------
@@ -942,10 +942,10 @@ def record_of(
         for name in reported_names
         if name not in names_of_works
     }
-    # Energy balance: external work = elastic energy + work at the interface.
-    balance = np.abs(energies["external"] - energies["elastic"] - energies["interface"])
+    # Energy balance: external work = change of elastic energy + work at the interface.
+    imbalance = np.abs(energies["external"] - energies["elastic"] - energies["interface"])
     largest_work = np.max(np.abs(np.cumsum(energies["external"])), initial=1e-300)
-    checks["energy_balance"] = balance / largest_work
+    checks["energy_balance"] = imbalance / largest_work
     work_unit = scales.load**2 / scales.modulus
     return Record(
         converged=run.failure is None,

@@ -75,11 +75,12 @@ _CREEP_IN_NODES = 2.5
 
 
 def cycle_uncertainty(task: Task, run: PathRun) -> float:
-    """Uncertainty of the friction work W of the last load cycle by mesh and increments; 0 where no
-    shear can arise.
+    """Uncertainty of the friction work W of the last load cycle, or of a path that does not repeat,
+    by mesh and increments. 0 where no shear can arise; NaN without a coarse run of this scene, or
+    where its elements are hardly larger.
 
     It is in the run's scaled unit: `task.work_unit` times it is [energy / thickness]. The part of
-    the mesh follows from the difference to the run on the coarse mesh. The part of the increments
+    the mesh follows from the difference from the run on the coarse mesh. The part of the increments
     follows from bounds that the run has recorded for each.
 
     # notation: A = 2/E*, f coefficient of friction, P largest load
@@ -92,8 +93,8 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
         pressure and slip bound the step error (records of like bodies)
     run
         friction work of the nodes in each cycle, index of the state at the start of each, bounds of
-        each increment by name, and by cycle the work that edges add which move from node to node
-        (`edge_excess_by_cycle`)
+        each increment by name, and by cycle the work that edges of contact and stick add since they
+        move from node to node (`edge_excess_by_cycle`)
     """
     scene = task.scene
     if not needs_shear(scene):
@@ -101,9 +102,8 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
     first_increment = run.cycle_starts[-1] if run.cycle_starts else 0
     friction_unit = task.friction_unit  # A f^2 P^2, scaled
 
-    # W of the run and of the coarse run. With bulk stress or tilt a cycle is compared with the
-    # coarse run's of the same number: they only approach the steady state.
-    # COARSE_CYCLES: largest number of cycles of the coarse run
+    # W of the run and of the coarse run. With bulk stress or tilt cycles only approach the steady
+    # state: the second one of each run is compared (COARSE_CYCLES: 2, most of the coarse run).
     cycle_works = (
         run.nodal_work_by_cycle[:COARSE_CYCLES] if scene.unsymmetric else run.nodal_work_by_cycle
     )
@@ -117,7 +117,8 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
         and not task.has_errors_of_low_order
         and not scene.unsymmetric
     )
-    # Slip of real bodies ends node by node: an edge that is not located may exist all the same.
+    # `is_unplaced`: there is a permanent stick zone, and none of its edges could be located. Slip
+    # of real bodies ends node by node: such an edge may add work all the same.
     if edges_are_known and run.edge_excess_by_cycle[-1].is_unplaced:
         edges_are_known = scene.bodies.half_planes
     # rms of W over the places of edges between their nodes, over A f^2 P^2
@@ -139,7 +140,7 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
         share = _OF_BOUND if edges_are_known else 1.0
         step_uncertainty = share * run.values_of_increments("step_error")[first_increment:].sum()
 
-    # Added is the part of the mesh, over A f^2 P^2 times that unit.
+    # The part of the mesh is found over A f^2 P^2, and added in the unit of the run.
     return float(step_uncertainty) + friction_unit * uncertainty(
         dissipation / friction_unit,
         abs(dissipation - coarse_dissipation) / friction_unit,
@@ -151,17 +152,17 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
 
 
 def dissipation_uncertainty(task: Task, run: PathRun, arrays: Mapping[str, Any]) -> float:
-    """Uncertainty of the friction work W of the last load cycle [energy / thickness]; NaN where the
-    run failed.
+    """Uncertainty of the friction work W of the last load cycle, or of a path that does not repeat
+    [energy / thickness]; NaN where the run failed, or without a coarse run to compare with.
 
-    It adds up the error by mesh and increments, the change of W to its limit over further cycles,
-    and two errors proportional to W. These come from narrow flanks of the contact with steep
-    pressure, and from slip that turns round within increments.
+    It adds up the error by mesh and increments, the change of W to its limit over further cycles
+    (0 where unknown), and two errors proportional to W. These come from narrow flanks of the
+    contact with steep pressure, and from slip that turns round within increments.
 
     Parameters
     ----------
     task
-        the scene, its mesh, and the unit of scaled work
+        the scene, its mesh, and the unit of scaled work [energy / thickness]
     run
         `trend` is how W goes on from cycle to cycle, with the change to its limit
     arrays
@@ -171,7 +172,7 @@ def dissipation_uncertainty(task: Task, run: PathRun, arrays: Mapping[str, Any])
         return math.nan
     change_to_limit = float(np.nan_to_num(abs(run.trend.change_to_limit)))
     share_by_flanks = _share_of_flanks(task, run, arrays)
-    # (n,) W(x) times the length of each node
+    # (n,) friction work per area, W(x), times the length of face of each node
     work_of_nodes = arrays["dissipation_density"] * np.gradient(arrays["x"])
     work_of_cycle = max(float(work_of_nodes.sum()), 1e-300)
     share_by_turns = float(work_of_nodes @ _shares_of_turns(task.scene, arrays)) / work_of_cycle
@@ -181,9 +182,12 @@ def dissipation_uncertainty(task: Task, run: PathRun, arrays: Mapping[str, Any])
 
 
 def _share_of_flanks(task: Task, run: PathRun, arrays: Mapping[str, Any]) -> float:
-    """Uncertainty of W over W by narrow flanks of the contact, its parts beyond the flat of a
-    rounded flat punch: the mean over the stored instants of the last load cycle, by the work that
-    was done up to each since the one before. 0 of other profiles.
+    """Relative uncertainty of the friction work W of the last load cycle by narrow flanks of the
+    contact, its parts beyond the flat of a rounded flat punch.
+
+    It is a mean over the stored instants under load of that cycle, or of the whole path where it
+    does not repeat. Each counts by the work since the stored instant before. 0 of other profiles,
+    and where nothing is loaded or no work is done.
 
     Parameters
     ----------
@@ -198,7 +202,7 @@ def _share_of_flanks(task: Task, run: PathRun, arrays: Mapping[str, Any]) -> flo
     loaded_rows = np.flatnonzero(_under_load(scene, arrays))
     if scene.profile.kind != "flat_rounded" or not len(loaded_rows):
         return 0.0
-    # work of the increments between stored instants
+    # friction work of the increments since the stored instant before; 0 of the first instant
     works = np.add.reduceat(run.values_of_increments("dissipation"), run.stored_indices[:-1])
     work_at_instants = np.maximum(np.append(0.0, works)[loaded_rows], 0.0)
     if not work_at_instants.any():
@@ -212,8 +216,8 @@ def _share_of_flanks(task: Task, run: PathRun, arrays: Mapping[str, Any]) -> flo
 
 
 def _shares_of_turns(scene: Scene, arrays: Mapping[str, Any]) -> Array:
-    """Uncertainty of W(x) over W(x) at the nodes (n,) because slip turns round within increments,
-    not at their ends.
+    """Relative uncertainty of the friction work per area, W(x), at the nodes (n,) because slip
+    turns round within increments, not at their ends; the mean over forward and reverse slip.
 
     Where bulk stress or tilt varies out of phase with the loads, nodes turn round one after the
     other. The loads' own turns are ends of increments. A smooth slip that turns at a time t from
@@ -234,14 +238,14 @@ def _shares_of_turns(scene: Scene, arrays: Mapping[str, Any]) -> Array:
     rows_of_cycle = np.flatnonzero(
         is_loaded_in_last_cycle(scene, arrays["time"], arrays["normal_load"])
     )
-    is_smooth = any(not segment.is_straight for segment in path.cycle)
-    if path.period is None or not is_smooth or not _is_out_of_phase(arrays, rows_of_cycle):
+    is_curved = any(not segment.is_straight for segment in path.cycle)
+    if path.period is None or not is_curved or not _is_out_of_phase(arrays, rows_of_cycle):
         return np.zeros(len(arrays["x"]))
 
     # For both senses of slip: the increment in which a node first reaches the end of its slip.
     time = arrays["time"][rows_of_cycle]
     slip = arrays["slip"][rows_of_cycle]
-    # _SAME_SLIP: share of the range of slip that is round-off
+    # _SAME_SLIP: 1e-6 of its range, within which slip has reached its end
     tolerance = _SAME_SLIP * np.ptp(slip, axis=0)
     shares = []
     for sense in (1, -1):
@@ -273,18 +277,22 @@ def _is_out_of_phase(arrays: Mapping[str, Any], cycle: Indices) -> bool:
 def value_uncertainties(
     task: Task, problem: ContactProblem, run: PathRun, arrays: Mapping[str, Any]
 ) -> dict[str, float]:
-    """Uncertainty of each value of a finite-element solution by the mesh, by its name, in its own
-    unit; NaN where there is no estimate, empty where the run failed.
+    """Uncertainty of each value of a finite-element solution by mesh and increments, by its name;
+    NaN where there is no estimate, empty where the run failed. The friction work W and the edges of
+    single instants are not among them.
 
-    The values are displacements, largest slip, pressure and friction work per area, half-widths of
-    contact and permanent stick, of the last load cycle. Those of pressure and shear are L2 norms.
-    The total W and the edges of single instants have theirs elsewhere.
+    - Of the last load cycle, or of a path that does not repeat: tangential displacement, normal
+      approach, largest slip, largest friction work per area, half-width of permanent stick; in the
+      units of these values.
+    - Of all stored instants: largest pressure and largest contact half-width, in their units.
+    - "pressure" and "shear": relative, in the L2 norm over x, at the worst instant of that cycle.
 
     Parameters
     ----------
     task
         the scene, its meshes, and the values of the run on the coarse mesh (`scales.values`; None
-        where there was none); sizes of elements at the edges over the contact half-width
+        where there was none); element sizes at the edges over the contact half-width, of the run
+        (`element`) and of the coarse run (`scales.element`)
     problem, run
         the contact problem, and its states along the load path
     arrays
@@ -320,14 +328,14 @@ def value_uncertainties(
             change_from_coarse_run = DENSITY_RULE.uncertainty(
                 0.0, change_from_coarse_run, refinement
             )
-        # without an estimate by its neighbours there is none
+        # NaN without an estimate by neighbouring nodes, whatever the coarse run
         density_error = max(density_error, float(np.nan_to_num(change_from_coarse_run)))
         node = int(np.argmax(arrays["dissipation_density"]))
         share_by_turns = _shares_of_turns(scene, arrays)[node]
         density_error += float(arrays["dissipation_density"][node] * share_by_turns)
         estimates["largest_dissipation_density"] = density_error
 
-    # Largest pressure, half-width of the largest contact, half-width of permanent stick.
+    # Largest pressure and contact half-width of the whole path; permanent stick of the last cycle.
     estimates["largest_pressure"] = _peak_uncertainty(
         task, arrays, is_coupled=problem.interface.coupling is not None
     )
@@ -349,10 +357,10 @@ def _displacement_uncertainties(
     task: Task, values: RunValues, arrays: Mapping[str, Any]
 ) -> dict[str, float]:
     """Uncertainties of tangential displacement and normal approach by the mesh [length], by the
-    names of both.
+    names of both; NaN where there is no coarse run to compare with.
 
-    They follow from the difference between the fine and the coarse run. Added is the error at
-    instants when the contact is only a few elements wide.
+    They follow from the difference between the fine and the coarse run in one load cycle. Added is
+    the error at instants of the whole path when the contact is only a few elements wide.
 
     Parameters
     ----------
@@ -384,14 +392,14 @@ def _displacement_uncertainties(
 
 def _nodes_to_edge(scene: Scene, arrays: Mapping[str, Any]) -> float:
     """How far the contact goes beyond the node of the largest slip while that touches, over the
-    distance of the next node outwards: 1 where it goes farther, and where P varies.
+    distance of the next node outwards, in the last load cycle: at most 1, and 1 where P varies.
 
     Slip grows up to the edge of contact. At constant P the edge stays between this node, which is
     the last one that touches, and the next. Where P varies an edge that is hardly beyond the node
     has not been there for long: the slip errs by 0.7 to 1.05 of how it changes to the next node.
 
-    `arrays` has the series of the solution by name: loads (n_steps,), states and slip (n_steps, n),
-    contact edges (n_steps, 2).
+    `arrays` has series of the solution by name: normal load P (n_steps,), slip and node states
+    (n_steps, n), contact edges (n_steps, 2); nodes x (n,).
     """
     is_under_load = _under_load(scene, arrays)
     loads = arrays["normal_load"][is_under_load]
@@ -423,10 +431,13 @@ def _scaled_work(task: Task, arrays: Mapping[str, Any]) -> float:
 
 def _norms_of_tractions(task: Task, arrays: Mapping[str, Any]) -> dict[str, float]:
     """Relative uncertainties of pressure and shear in the L2 norm over x, at the worst instant of
-    the last load cycle: "pressure" over the norm of p, "shear" over that of f p.
+    the last load cycle: "pressure" over the norm of p, "shear" over that of f p. Where the path
+    does not repeat, all its instants under load count.
 
-    NaN for linear elements and penalty layers (`task.has_errors_of_low_order`). `arrays` has
-    pressure and shear (n_steps, n) at nodes x (n,).
+    NaN for linear elements and penalty layers (`task.has_errors_of_low_order`), and where no
+    instant counts. `arrays` has pressure and shear (n_steps, n) at nodes x (n,).
+
+    # notation: p pressure, f coefficient of friction
     """
     estimates = norm_uncertainties(
         arrays["x"],
@@ -472,8 +483,9 @@ def _values_beside_coarse_run(task: Task, problem: ContactProblem, run: PathRun)
 
 
 def _under_load(scene: Scene, arrays: Mapping[str, Any]) -> Mask:
-    """Which stored instants are in the last cycle and under load, a mask (n_steps,); of a path that
-    does not repeat those of all the path under load.
+    """Which stored instants count for values of the last load cycle, a mask (n_steps,): those under
+    load (P > 0) in that cycle, without the instant at its start. Where there are none, as on a path
+    that does not repeat, all instants under load.
     """
     is_in_cycle = is_loaded_in_last_cycle(scene, arrays["time"], arrays["normal_load"])
     if is_in_cycle.any():
@@ -483,7 +495,7 @@ def _under_load(scene: Scene, arrays: Mapping[str, Any]) -> Mask:
 
 def _from_coarse_run(values: RunValues, coarse_values: RunValues | None) -> float:
     """Difference of the largest friction work per area, W(x), from that of the coarse run [energy /
-    area]; NaN without a coarse run, or where both have not the same cycle.
+    area]; NaN without a coarse run, or where the values of both are not of comparable load cycles.
     """
     if coarse_values is None or not values.is_comparable(coarse_values):
         return math.nan
@@ -504,15 +516,15 @@ def _of_permanent_stick(
     """Uncertainty of the permanent stick half-width by the mesh [length], the mean over both ends;
     NaN where nothing sticks through the whole cycle, or the path does not repeat.
 
-    Where the slip beyond the zone locates an end, its own uncertainty counts. Elsewhere the zone
-    ends at the innermost stick edge of the last cycle. With edges e +- u, that edge is between the
-    innermost e - u and the innermost e + u. Where loads locate an end between two nodes, or these
-    nodes confine it more closely, their uncertainty counts.
+    Where the slip beyond the zone locates an end, the uncertainty of that fit counts. Elsewhere the
+    zone ends at the innermost stick edge of the last cycle. With edges e and their uncertainty u,
+    that edge is between the innermost e - u and the innermost e + u. Where loads locate an end
+    between two nodes, or these nodes confine it more closely, their uncertainty counts.
 
     Between unlike bodies, and under bulk stress or tilt, nodes that slip by next to nothing (creep)
-    count as stuck. The zone may then reach beyond the edges of single instants, and these count as
-    its end. The mesh may add to creep: the uncertainty reaches to the nodes that slip up to ten
-    times as far, if that is more than a few nodes.
+    count as stuck. The zone may then reach beyond the stick edges of single instants: such edges
+    are moved out to its end. The mesh may add to creep: the uncertainty reaches to the nodes that
+    slip up to ten times as far, if that is more than 2.5 node distances.
 
     Parameters
     ----------
@@ -540,10 +552,10 @@ def _of_permanent_stick(
     innermost_edge = stick_edges.min(axis=0)
     innermost_inner_bound = (stick_edges - edge_uncertainty).min(axis=0)
     innermost_outer_bound = (stick_edges + edge_uncertainty).min(axis=0)
-    uncertainty_by_zones = np.maximum(
+    uncertainty_by_stick_edges = np.maximum(
         innermost_edge - innermost_inner_bound, innermost_outer_bound - innermost_edge
     )
-    end_uncertainty = zone.uncertainty(zone_ends, uncertainty_by_zones)
+    end_uncertainty = zone.uncertainty(zone_ends, uncertainty_by_stick_edges)
 
     # Creep that the mesh may add.
     if not is_sharp:
@@ -553,8 +565,9 @@ def _of_permanent_stick(
         creeping_edges = creeping_zone(scene, arrays["x"], slip, is_closed, _CREEP_OF_MESH)
         creep_beyond_end = np.fmax((creeping_edges - zone_ends) * outwards, 0.0)
         spacing = _spacing_at_edges(arrays["x"], zone_ends[None])
-        is_creep = creep_beyond_end > _CREEP_IN_NODES * spacing
-        end_uncertainty = np.maximum(end_uncertainty, np.where(is_creep, creep_beyond_end, 0.0))
+        # _CREEP_IN_NODES: 2.5 node distances
+        reaches_far = creep_beyond_end > _CREEP_IN_NODES * spacing
+        end_uncertainty = np.maximum(end_uncertainty, np.where(reaches_far, creep_beyond_end, 0.0))
 
     # Ends by slip, and what the correction for growing elements may leave.
     uncertainty_by_slip = arrays["permanent_stick_uncertainty"]
@@ -566,12 +579,13 @@ def _of_permanent_stick(
 
 
 def _peak_uncertainty(task: Task, arrays: Mapping[str, Any], is_coupled: bool) -> float:
-    """Uncertainty of the largest pressure of the load path by the mesh [stress], for the elements
-    of the body with the coarser ones; NaN without contact.
+    """Uncertainty of the largest pressure at any stored instant of the load path, by the mesh
+    [stress]; NaN without contact, or where the elements are nearly as large as those of the coarse
+    run.
 
     `is_coupled`: the bodies are unlike, so that shear changes the pressure. Then the pressure of
-    neighbouring nodes scatters, and this scatter counts too. So it does where the curvature of the
-    profile jumps at every row of a table: the pressure is an arch from row to row.
+    neighbouring nodes scatters, and this scatter counts too. It also counts for tabulated profiles,
+    whose curvature jumps at every row: the pressure is an arch from row to row.
 
     Parameters
     ----------
@@ -613,8 +627,8 @@ def _peak_uncertainty(task: Task, arrays: Mapping[str, Any], is_coupled: bool) -
 
 
 def revolution_of(task: Task, run: PathRun, arrays: Mapping[str, Any]) -> Revolution:
-    """Loads, half-widths of contact and of stick at the instants of the last load cycle, and its
-    friction work: what the resolution of the mesh is judged by.
+    """Normal loads P, half-widths of contact and of stick at the stored instants of the last load
+    cycle, without its start, and its friction work: what the resolution of the mesh is judged by.
 
     Loads and half-widths are in the scene's units. The work is over A f^2 P^2 with A = 2/E*, f the
     coefficient of friction and P the largest load of the cycle. Where no cycle was begun, it is all

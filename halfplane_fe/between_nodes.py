@@ -419,7 +419,7 @@ class EdgesByLoad(NamedTuple):
 def contact_by_load(problem: ContactProblem, states: Sequence[InterfaceState]) -> EdgesByLoad:
     """Left and right edge of contact at k instants, located between two nodes by the load P that
     moves it, with an uncertainty; none where P is not positive, where fewer than six nodes touch on
-    a side, and where elements are not quadratic.
+    a side, where elements are not quadratic, and where no finite load moves the edge.
 
     Parameters
     ----------
@@ -460,7 +460,8 @@ def stick_by_load(
     problem: ContactProblem, states: Sequence[InterfaceState], travels: Array
 ) -> EdgesByLoad:
     """Left and right edge of the stick zone at k instants, located between two nodes by the load Q
-    that takes it inwards, with an uncertainty; none where no load does.
+    that takes it inwards, with an uncertainty; none where no load does, where elements are not
+    quadratic, and where fewer than eight nodes stick behind the slip zone.
 
     Where shear moves away from the Coulomb limit the edge goes outwards, as between unlike bodies
     that are pressed: there no load locates it.
@@ -477,6 +478,7 @@ def stick_by_load(
     edges = EdgesByLoad.nowhere(len(travels))  # none yet; `put` stores one at an instant
     if not problem.has_shear:
         return edges
+    # on either side, how uncertain the edge was between the nodes that it has passed so far
     passed_nodes = {side: _PassedNodes() for side in (-1, 1)}
     for row, (state_before, state, travel) in enumerate(
         zip(states[:-1], states[1:], travels, strict=True)
@@ -496,7 +498,8 @@ def stick_by_load(
                 passed_nodes[side] = passed_nodes[side].followed_by(
                     last_stuck_node, max(min(share_by_unevenness, 1.0), share_by_late_start)
                 )
-                # What the edge was uncertain by where it met the sliding node ends at the next one.
+                # The uncertainty that the edge had as it met the sliding node fades linearly, to 0
+                # where it meets the next one.
                 share_at_start = max(share_by_late_start, passed_nodes[side].share_left)
                 share_of_start = (1 - edge.fraction_passed()) * share_at_start
                 share = share_at_nodes + max(share_by_unevenness, share_of_start)
@@ -525,8 +528,8 @@ class _PassedNodes(NamedTuple):
     share_left: float = 0.0
 
     def followed_by(self, last_stuck_node: int, share: float) -> _PassedNodes:
-        """The same at the next instant, at which the edge comes to a node and is uncertain by a
-        share of the distance of two nodes.
+        """This record at the next instant: the edge then moves towards the node `last_stuck_node`,
+        and is uncertain by a `share` of the distance of two nodes.
         """
         if last_stuck_node == self.last_stuck_node:
             return self._replace(largest_share=max(self.largest_share, share))
@@ -804,12 +807,12 @@ class StickZone(NamedTuple):
         where no load locates an end.
         """
         middle_of_nodes = (self.place_at_last_stuck + self.place_at_first_sliding) / 2
-        is_same = np.abs(edges - middle_of_nodes) <= _SAME_EDGE * self.spacing
+        is_near = np.abs(edges - middle_of_nodes) <= _SAME_EDGE * self.spacing
         places_by_nodes = np.where(self.holds(edges), edges, middle_of_nodes)
         places_by_load_or_nodes = np.where(
             np.isfinite(self.places_by_load), self.places_by_load, places_by_nodes
         )
-        return np.where(is_same, places_by_load_or_nodes, edges)
+        return np.where(is_near, places_by_load_or_nodes, edges)
 
     def uncertainty(self, edges: Array, uncertainty_of_stick_edges: Array) -> Array:
         """Uncertainty (2,) of the ends `edges` (2,) of the permanent stick zone, by the mesh.
@@ -878,8 +881,9 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
     """Error of the friction work of a load cycle because edges of stick and contact move from node
     to node: positive where the discrete solution dissipates too much; scaled.
 
-    An edge counts if the zones on both its sides have three nodes or more, and if the elements
-    around it are quadratic and of equal size. The count goes to `problem.work_counts[TAKEN_OFF]`.
+    An edge counts if the elements around it are quadratic and of equal size; one of stick, if two
+    nodes or more slide beyond it at its turning points; one of contact, if the stick edge on its
+    side counts. Their number goes to `problem.work_counts[TAKEN_OFF]`.
 
     Parameters
     ----------
@@ -892,8 +896,8 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
     -------
     Excess
         Error of the work, its rms over all places of the edges between their nodes, number of edges
-        that count, and the permanent stick zone. Zeros without shear, and where no zone of three
-        nodes sticks through the cycle.
+        that count, and the permanent stick zone. Zeros without shear, and where no single zone of
+        three nodes or more sticks through the cycle.
     """
     no_excess = Excess(0.0, 0.0, 0)
     problem.work_counts.pop(TAKEN_OFF, None)
@@ -1010,7 +1014,8 @@ def _at_stick_edge(
     side: int,
 ) -> _StickEdgeAtTurns | None:
     """The edge of permanent stick on one side of x = 0 at the two turning points of slip: its place
-    between two nodes, and the excess friction work by that; None where it cannot be located.
+    between two nodes (the mean of both turning points), and the excess friction work by that (the
+    sum of both); None where it cannot be located.
 
     On a mesh the edge moves from node to node, so that its slip follows chords of a smooth curve,
     which they exceed by a known function of its place between the nodes. The excess work of a
@@ -1081,7 +1086,7 @@ def _at_stick_edge(
         slides_beyond_edge = (
             is_sliding[first_sliding_node:] if side > 0 else is_sliding[: first_sliding_node + 1]
         )
-        # _ZONE: three nodes, fewest of a zone
+        # a single sliding node does not locate the edge; _ZONE: 3
         if np.count_nonzero(slides_beyond_edge) < _ZONE - 1:
             return None
 
@@ -1134,7 +1139,7 @@ def _at_contact_edge(
     problem: ContactProblem, states: Sequence[InterfaceState], slip: Array, side: int
 ) -> _ExcessWork | None:
     """Excess friction work of a load cycle by the place of the contact edge between two nodes, on
-    one side of x = 0; None where the edge cannot be located at some increment.
+    one side of x = 0; None where the edge cannot be located at some increment in which nodes slip.
 
     Along each increment the pressure is linear in P, and no node touches or separates. From node to
     node it follows chords of a smooth curve, which they exceed by a known function of the edge's

@@ -417,9 +417,10 @@ class ContactProblem:
         is open, sticks, or slips by Coulomb's law.
 
         By default three methods are tried one after the other: active set (semismooth Newton) from
-        the expected states of the nodes, the same from those before the increment, then pressure
-        and shear by turns. Where `method` is the penalty or the augmented Lagrangian, the return
-        mapping (trial tractions are mapped back into the Coulomb limit) alone is tried.
+        the expected states of the nodes, active set from those before the increment, then, with
+        shear or a given moment, pressure and shear by turns. Where `method` is the penalty or the
+        augmented Lagrangian, the return mapping (trial tractions are mapped back into the Coulomb
+        limit) alone is tried.
 
         Parameters
         ----------
@@ -435,7 +436,8 @@ class ContactProblem:
         Returns
         -------
         state, iterations
-            The new state, and the number of sets of node states, or Newton steps, that were tried.
+            The new state, and the number of iterations: sets of node states, turns between pressure
+            and shear, or Newton steps.
 
         Raises
         ------
@@ -984,19 +986,23 @@ class ContactProblem:
         n_y = self.interface.face_normals[1]  # y of the unit normal at each node
         # of the loads (bulk stress of lower and upper body, tilt) the tilt alone
         gap_by_unit_tilt, _ = self.gap_and_slip_by(np.array([0.0, 0.0, 1.0]))
-        x = gap_by_unit_tilt / n_y  # (n,) lever arms: a unit tilt opens the gap along y by them
+        lever_arms = gap_by_unit_tilt / n_y  # (n,) x of the nodes: gap along y by a unit tilt
         gap_along_y = self.initial_gap / n_y
-        if not x[0] < x_of_load < x[-1]:
+        if not lever_arms[0] < x_of_load < lever_arms[-1]:
             raise BesideTheFaces(
                 "load: the upper body falls over: its line of action meets the faces beside where"
                 " they can touch; take a smaller moment, or wider bodies"
             )
-        nodes_before = np.flatnonzero(x <= x_of_load)
-        nodes_beyond = np.flatnonzero(x > x_of_load)
+        nodes_before = np.flatnonzero(lever_arms <= x_of_load)
+        nodes_beyond = np.flatnonzero(lever_arms > x_of_load)
         gap_rises = np.subtract.outer(gap_along_y[nodes_beyond], gap_along_y[nodes_before])
-        chord_slopes = gap_rises / np.subtract.outer(x[nodes_beyond], x[nodes_before])
+        chord_slopes = gap_rises / np.subtract.outer(
+            lever_arms[nodes_beyond], lever_arms[nodes_before]
+        )
         # The gap at that place on the chord of each pair of nodes; the lowest chord is the hull's.
-        gaps_of_chords = gap_along_y[nodes_before] + chord_slopes * (x_of_load - x[nodes_before])
+        gaps_of_chords = gap_along_y[nodes_before] + chord_slopes * (
+            x_of_load - lever_arms[nodes_before]
+        )
         return -float(chord_slopes.flat[np.argmin(gaps_of_chords)])
 
     def gap_and_slip_by(self, stresses_and_tilt: Array) -> tuple[Array, Array]:

@@ -139,7 +139,8 @@ class StickEdges(NamedTuple):
 
 def contact_with_uncertainty(answer: NodalAnswer, edges_by_load: EdgesByLoad) -> Edges:
     """Left and right edge of contact at k instants, and the uncertainty of each, by the load that
-    moves them, or else by the form of pressure and gap at the outermost nodes; scaled by E*.
+    moves them, or else by the form of pressure and gap at the outermost nodes; all is scaled, with
+    stresses over E*.
 
     Parameters
     ----------
@@ -286,9 +287,9 @@ def stick_edges(
     on one side at least nodes touch but none is in the stick zone.
 
     The edge lies half-way between the last node of the stick zone and the first one of the slip
-    zone: on each side of the middle of the contact where the fewest nodes are on the wrong side of
-    it (a node that has just come to touch sticks at the rim of the slip zone, and a single one may
-    slide at the rim of a contact that sticks).
+    zone: on each side of the middle of the contact where the fewest nodes are misplaced, which
+    slide inside it or stick beyond it. A node that has just come to touch sticks at the rim of the
+    slip zone, and a single one may slide at the rim of a contact that sticks.
 
     Parameters
     ----------
@@ -393,9 +394,10 @@ def _stick_uncertainty(
         places of the n nodes; whether they touch, whether they stick as reported, and by the law of
         friction alone (creeping nodes slide there), (k, n)
     contact
-        contact edges (k, 2) as answered, with their uncertainty
+        contact edges (k, 2), with their uncertainty
     fitted_edges
-        stick edges (k, 2) as answered, misfit of the fit of each, and those by states alone
+        stick edges (k, 2), fitted where that is possible; misfit of each fit, 0 of others; and the
+        edges by the states of the nodes alone
     sticks_in_full
         (k,) instants at which theory has no slip zone
     """
@@ -463,8 +465,8 @@ def held_back_by_growth(
 
     Such elements make a body too stiff. A body that is too stiff by a share d of E* has the contact
     of a load P (1 - d), and all edges of stick too are those of loads that are smaller by d. An
-    edge of the stick zone is where the edge of contact was under some smaller load L. So it lacks
-    d L da/dL, as that did. Here d is the third power of the growth times a fitted share
+    edge of the stick zone is where the edge of contact was under some smaller load L: both lie too
+    far inside by d L da/dL. Here d is the third power of the growth times a fitted share
     (`_LOAD_LACKED`). Added is a share of the distance of two nodes (`_NODES_LACKED`) times that
     power.
 

@@ -282,11 +282,11 @@ def increment_energies(
     if areas_of_curve is not None:
         # The states before hold up to a share z of the increment, those after from there on. Up to
         # z, a parabola over its chord has z^2 (3 - 2 z) of its area.
-        area_before = share_before**2 * (3 - 2 * share_before)
+        area_share_before = share_before**2 * (3 - 2 * share_before)
         sense_before = np.where(sense == slip_sign(states_before), sense, 0)
         for node_states, slip_sense, area_share in (
-            (states_before, sense_before, area_before),
-            (states_after, slip_sign(states_after), 1 - area_before),
+            (states_before, sense_before, area_share_before),
+            (states_after, slip_sign(states_after), 1 - area_share_before),
         ):
             numbers = np.flatnonzero(slip_sense.any(axis=1) & (area_share > 0))
             added_dissipation, added_normal_work = _work_by_curve(
@@ -438,11 +438,11 @@ def _work_with_onsets(problem: ContactProblem, increments: _Increments) -> _Work
     first onset and at its last one. Up to the first the states before hold, from the last one on
     those after, and both have known rates. With one onset, or two, that is all.
 
-    In between, a share z of the increment, n nodes start one after the other in much the same
-    distances: n - 2 kinks, each with an area u (1 - u) z^2/2 over the chord, u the share of z up to
+    In between, a share z of the increment, m nodes start one after the other in much the same
+    distances: m - 2 kinks, each with an area u (1 - u) z^2/2 over the chord, u the share of z up to
     it. With rates ' per increment, those of slip growing alike,
 
-        int p ds - (mean p) ds = [(n - 2)/(n - 1)] (z^2/12) (p'_before s'_after - p'_after
+        int p ds - (mean p) ds = [(m - 2)/(m - 1)] (z^2/12) (p'_before s'_after - p'_after
         s'_before).
 
     This times f is the work by kinks.

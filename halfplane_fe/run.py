@@ -200,7 +200,8 @@ class _Thinning:
 
     def can_double_a_stride(self, n_states: int) -> bool:
         """Whether fewer states can keep their nodal forces, by doubling one of the two strides:
-        every so many-th state keeps them. A stride of `n_states` and more leaves the first alone.
+        every so many-th state keeps them. False once a stride is `n_states` or more, for then only
+        the first state keeps them.
         """
         return max(self.stride, self.stride_of_ends) < n_states
 
@@ -407,8 +408,8 @@ class PathRun:
         """End a revolution: correct its friction work for the mesh, and store it.
 
         On a mesh the edges of contact and stick jump from node to node, which adds the work
-        `edge_excess.value` to that of edges between the nodes. The work of all increments and of
-        all nodes of the revolution is reduced by one factor.
+        `edge_excess.value` to that of edges between the nodes. The friction work of all increments
+        and nodes of the revolution, and Q dU of its increments, are multiplied by one factor.
 
         Each of `increment_records` holds energies and checks of consecutive increments by name,
         among them "dissipation" (friction work) and "loop_work" (Q dU). `nodal_work` (n,) is the
@@ -579,8 +580,9 @@ def run_path(
     Returns
     -------
     PathRun
-        Its `nodal_work` (n,) is the friction work of each node since the start of the part of the
-        path that was solved last; its `steady_from` the number of the revolution that repeats.
+        Its `nodal_work` (n,) is the friction work of each node in the part of the path that was
+        solved last (initial loading or a revolution); its `steady_from` the number, from 0, of the
+        revolution that repeats, None where none does.
     """
     # Thinned only where straight lines between the stored instants, on which theory is evaluated,
     # are the path itself, whichever instants are stored.

@@ -308,7 +308,8 @@ def _end_of_lost_slip(
 ) -> float:
     """Instant within an increment at which slip ends that the increment does not count, or its
     middle where that instant is unknown; its end where the friction work lost so is small enough:
-    at most 0.03 of the step tolerance, times the share of those nodes in the tangential mobility.
+    at most 0.03 of the step tolerance, times a share. The share is that of the losing nodes in the
+    slip by Q of all sliding nodes, each weighted by its pressure.
 
     Between like half-planes all slip ends where Q - f P or Q + f P turns round, and there
     increments end. In other bodies slip ends a little earlier or later, in one node after the
@@ -361,10 +362,10 @@ def _end_of_lost_slip(
     lost_work = problem.friction * start_state.pressure * lost_slip
 
     # Near sliding all other sliding nodes lose slip in the same proportion.
-    tangential_mobility = np.where(
+    weighted_slip_by_q = np.where(
         directions != 0, start_state.pressure * np.abs(slip_by_loads[1]), 0.0
     )
-    losing_share = tangential_mobility[lost_work > 0].sum() / tangential_mobility.sum()
+    losing_share = weighted_slip_by_q[lost_work > 0].sum() / weighted_slip_by_q.sum()
     allowed_loss = _LOST_WORK_ALLOWED * tolerance.error_rate * (end - start_state.time)
     if not lost_work.sum() > losing_share * allowed_loss:
         return end

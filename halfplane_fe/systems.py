@@ -413,11 +413,11 @@ class Systems:
     actuators: Actuators = LOADS_ARE_GIVEN
 
     def __post_init__(self) -> None:
-        """Assemble the matrix of the contact's linear equations; where pressure and shear are
-        uncoupled, also factorise the normal and the tangential compliance by Cholesky.
+        """Assemble the matrix of the contact's linear equations, and factorise the normal and the
+        tangential compliance by Cholesky: ConvergenceError where one is not positive definite.
 
-        These factors serve contacts whose nodes, by ascending x, first stick, then slide, then are
-        open. Raises ConvergenceError where a compliance is not positive definite.
+        The factors are kept where pressure does not depend on shear. There they serve contacts
+        whose nodes, by ascending x, first stick, then slide, then are open.
 
         - `interface` (`faces` below): compliance matrices (n, n) of both bodies together; `layer`:
           compliances (n,) of a penalty layer between them.

@@ -85,8 +85,8 @@ class Rule:
     factor: float
 
     def uncertainty(self, value: float, difference: float, refinement: float) -> float:
-        """Uncertainty of a value from its difference between two meshes; NaN where the elements are
-        like those of the coarse run.
+        """Uncertainty of a value from its difference between two meshes; NaN where the element
+        sizes of both differ by a factor of less than 1.4.
 
         With an error of the order p in the element size (`order`), r the refinement, it is the
         factor F (`factor`) times the difference over |r^p - 1|, plus round-off.
@@ -223,8 +223,8 @@ def norm_uncertainties(
     """Relative uncertainties of p and q in the L2 norm over x, "pressure" and "shear": over the
     norm of p, and of f p.
 
-    Each is a fixed share of how far the values of nodes stand off the straight line between their
-    neighbours', at the worst of the instants that count. NaN where none counts.
+    Each is a fixed share of the norm of how far nodal values stand off the straight line between
+    those of their neighbours, at the worst of the instants that count. NaN where none counts.
 
     Parameters
     ----------
@@ -363,9 +363,9 @@ def run_values(
     stress_unit: float,
     cycle: int | None = None,
 ) -> RunValues:
-    """Values of a load cycle of a run, to be compared with those on another mesh: times, tangential
-    displacement U, approach, largest slip and largest friction work per area W(x), in the scene's
-    units.
+    """Values of a load cycle of a run, or of a path that does not repeat, to be compared with those
+    on another mesh: instants since its start, tangential displacement U, approach, largest slip and
+    largest friction work per area W(x), in the scene's units.
 
     Parameters
     ----------
@@ -379,6 +379,7 @@ def run_values(
     cycle
         number of the cycle, from 1; the last one by default
     """
+    # `cycle_number` is 0 on a path that does not repeat.
     # States of the cycle, from its start to that of the next one.
     cycle_number = cycle or len(run.cycle_starts)
     first_index = run.cycle_starts[cycle_number - 1] if cycle_number else 0
@@ -470,8 +471,8 @@ def displacement_uncertainties(
         the two meshes: `refinement`, element size of the coarse run over that of the run, and
         whether the difference counts in full (`has_low_order`: linear elements, penalty layers)
     has_shear
-        whether any shear can arise: then a displacement that is zero in both runs may be too little
-        for either
+        whether any shear can arise: then a displacement that is zero at all instants of the run
+        has no estimate
     """
     if coarse_values is None or not values.is_comparable(coarse_values):
         return dict.fromkeys(RULES, math.nan)
@@ -496,7 +497,7 @@ def slip_uncertainty(
     has_low_order: bool,
 ) -> float:
     """Uncertainty of the largest slip by the nodes beside it and by the increments [length]; NaN
-    where next to nothing slips, in zones that the elements do not resolve.
+    where next to nothing slips, and for errors of low order without a comparable coarse run.
 
     Parameters
     ----------
@@ -654,8 +655,7 @@ def uncertainty(
         return float("nan")
 
     # Shares of the difference and of W; `scatter` decides about what edges between nodes add.
-    # _OF_DIFFERENCE: fitted share
-    # error of the run over that difference, for an error of order 2
+    # error of the run over that difference, for an error of order 2; _OF_DIFFERENCE: fitted share
     share_left = _OF_DIFFERENCE / (refinement**2 - 1)
     if has_low_order:
         share_left = max(share_left, 1.0)
@@ -805,7 +805,7 @@ def peak_uncertainty(
     The order m follows from where the difference is made. With a tip it is made there: m = n - 1
     where the gap rises as |x|^n with n < 2, and 2 where the elements resolve that the tip is
     rounded. Elsewhere it is made by the edges of contact: 2, or 1 in bodies of finite depth. NaN
-    where the elements there are as large as those of the coarse run.
+    where the elements there are nearly as large as those of the coarse run, or nothing touches.
 
     Parameters
     ----------
@@ -848,14 +848,14 @@ def peak_uncertainty(
         return math.nan
 
     # Error of the run over the difference, 1/|r^m - 1|; further terms by edges and growth, over p0.
-    share = max(place_of_error.share_left(), 1.0 if has_low_order else 0.0)
+    error_by_difference = max(place_of_error.share_left(), 1.0 if has_low_order else 0.0)
     relative_size = fine_sizes.edge_size / peak.half_width
     # _PEAK_BY_EDGES: fitted share
     share_by_edges = _PEAK_BY_EDGES * relative_size**1.5 * peak.half_width / peak.distance_to_edge
     share_by_growth = _PEAK_GROWN * growth**4
     # _SAFETY: 1.25; the others are fitted shares
     return (
-        _SAFETY * peak.change_from_coarse * share
+        _SAFETY * peak.change_from_coarse * error_by_difference
         + _PEAK_BY_NEIGHBOURS * peak.deviation_from_neighbours
         + _PEAK_BY_SCATTER * peak.scatter
         + (share_by_edges + share_by_growth + share_within_tip) * peak.value
