@@ -165,8 +165,10 @@ class Advice:
             return "the materials are unlike (Dundurs' beta is not 0)"
         # Checked up to a change of 5 % by tilt and bulk strain, and an uncertainty of 1 %.
         # Estimate: a value with its uncertainty
-        odd_part = max(abs(self.parts.get(ODD_PART, Estimate(0.0)).value), self.neglected_part)
-        if odd_part > _LARGEST_CHECKED_ODD_PART:
+        size_of_odd_part = max(
+            abs(self.parts.get(ODD_PART, Estimate(0.0)).value), self.neglected_part
+        )
+        if size_of_odd_part > _LARGEST_CHECKED_ODD_PART:
             return (
                 f"tilt and bulk strain make more than {100 * _LARGEST_CHECKED_ODD_PART:g} % of it"
             )

@@ -146,7 +146,7 @@ def _deciding_segments(scene: Scene) -> list[tuple[LoadSegment, str]]:
 
 
 def require_admissible(scene: Scene, source: str) -> None:
-    """Check that P stays positive and |Q| below f P throughout the path of a scene.
+    """Check that P is nowhere negative, and |Q| at most f P, along the path of a scene.
 
     Loads that follow from prescribed displacements (`load.is_driven`) are always admissible.
 
@@ -203,8 +203,8 @@ def _hint_on_rows_to_leave_out(load_record: TimeSeriesLoad, friction: float, tim
     number of that row, and the keys of the scene that leave such rows out.
 
     Where only rows with less than a twentieth of the largest P slide, that key is a least normal
-    load, below which sensors give noise. Else it is one for rows that slide, or another start or
-    end.
+    load, below which sensors give noise; not for rows that repeat, nor with bulk stress or tilt.
+    Else it is one for rows that slide, or another start or end.
 
     Parameters
     ----------
@@ -258,7 +258,7 @@ def _hint_on_rows_to_leave_out(load_record: TimeSeriesLoad, friction: float, tim
 
 def _require_admissible_loads(scene: Scene) -> None:
     """Follow the loads of a scene from its start; InadmissibleLoadError where P is negative or |Q|
-    reaches f P.
+    exceeds f P.
     """
     from semi_analytic.history import require_admissible
     from semi_analytic.load_series import require_admissible_rows
@@ -313,11 +313,12 @@ def _highest_value_and_time(
     segment: LoadSegment, value_at: Callable[[Array], Array]
 ) -> tuple[float, float]:
     """The largest value of a function of time on one load segment, and its time: the largest of 513
-    samples or more, then twice the largest of closer samples around it.
+    samples or more, then twice the largest of closer samples around it. On a straight segment its
+    two ends alone are samples.
 
     `value_at` gives the values at times (n,).
     """
-    # _N_SAMPLES: 513 times
+    # _N_SAMPLES: 513 times; `sampled_times`: at least so many, of a straight segment both ends
     times = sampled_times(segment, _N_SAMPLES)
     for _ in range(3):
         values = value_at(times)
@@ -544,10 +545,11 @@ class _LargestContact:
 
 
 def largest_contact(scene: Scene, source: str) -> _LargestContact:
-    """Half-width, peak pressure, strain and slope of the contact at the largest load of a scene, by
-    half-plane theory.
+    """The contact at the largest P of a scene, by half-plane theory: half-width, peak pressure p0,
+    strain p0/E*, largest slope of the gap at its edges, and ratios of sizes to the half-width.
 
-    Neither the history nor bulk stress matters: they do not change the pressure. `source` names the
+    Neither the history nor bulk stress matters: they do not change the pressure. Where p0 is
+    infinite, at the tip of a wedge, the strain is the mean pressure over E*. `source` names the
     scene in messages.
 
     Raises
@@ -779,7 +781,8 @@ def _strain_and_shift(scene: Scene) -> tuple[Array, float | None]:
     # of the lower body positive, of the upper body negative
     strain_per_stress = bulk_strains_per_stress(scene.material)
 
-    # P, strain, tilt and moment at 129 times or more of each segment.
+    # P, strain, tilt and moment at 129 times or more of each segment; of a straight one at its two
+    # ends.
     samples = []
     for segment in (*path.initial_loading, *path.cycle):
         times = sampled_times(segment, 129)

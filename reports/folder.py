@@ -224,7 +224,8 @@ def usable_folder(out: str | Path, names: Iterable[str] = NAMES_OF_RESULTS) -> P
     ------
     InputError
         Where `out` is a file, can't be made or written to, or holds a file with one of `names` that
-        halfplane did not write.
+        halfplane did not write; where such a file would be written outside through a link, or
+        another process holds the folder for a minute.
     """
     folder = Path(out)
     try:

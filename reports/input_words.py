@@ -101,8 +101,8 @@ def sentences(
     scene
         for the units
     comparison
-        finite elements compared with theory; without it the difference is that of theory corrected
-        by responses of the bodies
+        finite elements compared with theory; without it, or where it has no finite relative
+        difference of W, the difference is that of theory corrected by responses of the bodies
     """
     sentence_on_sliding = sliding_in_words(effects.sliding)
     if effects.reason_unknown:
@@ -120,11 +120,10 @@ def sentences(
     if effects.draws is not None:
         all_sentences.append(_draws_in_words(effects.draws, scene))
 
-    # Values whose second order is large are rough, unless they come from draws.
+    # Values whose second-order change by the inputs is large are rough, unless draws give them too.
     drawn_values = effects.draws.values if effects.draws is not None else {}
     # QUANTITIES_OF_THEORY: names of theory's values by key
     names_of_drawn_values = {QUANTITIES_OF_THEORY[key].words for key in drawn_values}
-    # values whose second order is large, and that were not taken from draws
     names_of_rough_values = [
         value.words
         for key, value in (*effects.values.items(), *effects.difference.items())
@@ -194,7 +193,8 @@ def _with_full_stop(sentence: str) -> str:
 
 def _sentence_on_difference(effects: InputEffects, comparison: JudgedPair | None) -> Iterator[str]:
     """A sentence on the difference in the dissipation W between finite bodies and half-planes, with
-    its uncertainty by the inputs; or on the reason why it is not stated. No sentence where W has no
+    its uncertainty by the inputs. Where a reason stands against it, the sentence states that reason
+    if there is a comparison; without one there is no sentence. Nor is there one where W has no
     difference.
 
     Parameters
@@ -203,7 +203,8 @@ def _sentence_on_difference(effects: InputEffects, comparison: JudgedPair | None
         `difference` of the models by the key of the value, each with its uncertainty;
         `reason_without_difference`: why there is none, "" where there is one
     comparison
-        finite elements compared with theory; None: the difference is that of corrected theory
+        finite elements compared with theory; None without them. Where it has no finite relative
+        difference of W, and where it is None, the difference is that of corrected theory
     """
     if effects.reason_without_difference:
         if comparison is not None:
@@ -228,7 +229,8 @@ def _difference_of_work_and_source(
     uncertain_difference: UncertainValue, comparison: JudgedPair | None
 ) -> tuple[float, str]:
     """Relative difference of W between finite bodies and half-planes, and the source of that number
-    in words: "" where it is the finite elements.
+    in words: "" where it is the finite elements, " by corrected theory" where these give no finite
+    relative difference.
     """
     if comparison is not None:
         metric = comparison.metric(WORK)
@@ -248,7 +250,8 @@ def _sentence_on_measurement(effects: InputEffects, comparison: JudgedPair | Non
         `work_uncertainty`: standard uncertainty of W over W by the inputs, NaN where it is not
         known; `difference` of the models by the key of the value
     comparison
-        finite elements compared with theory; None: the difference is that of corrected theory
+        finite elements compared with theory; None without them. Where it has no finite relative
+        difference of W, and where it is None, the difference is that of corrected theory
     """
     relative_uncertainty = effects.work_uncertainty
     if not math.isfinite(relative_uncertainty):

@@ -332,8 +332,9 @@ def uncertain_value(
 
 # ------------------------------------------------------------------------------- one scene's values
 def values_of_theory(scene: Scene, effects: BodyEffects | None = None) -> _ValueByName:
-    """Half-plane theory's values of the last cycle by name: dissipation, largest pressure, largest
-    half-width, half-width of permanent stick, largest slip and edge tension.
+    """Half-plane theory's values of the last cycle, or of the whole path where nothing repeats, by
+    name: dissipation, largest pressure, largest contact half-width, half-width of permanent stick,
+    largest slip and edge tension.
 
     Long records, and scenes whose bulk stress or tilt needs grids, have dissipation and half-widths
     only: the other values take too long. Under a prescribed displacement (`load.is_driven`) slip
@@ -688,22 +689,23 @@ class _ScalingLaws:
         """x dV/dx of every value V for the radius x of a parabola, by the scaling law of lengths:
         a radius goes as the square of a length.
         """
-        exponents = self._values_times_exponent("length_exponent")
-        return {key: exponent / 2 for key, exponent in exponents.items()}
+        # For each value V: its exponent in the law of lengths, times V.
+        terms_by_length = self._values_times_exponent("length_exponent")
+        return {key: term / 2 for key, term in terms_by_length.items()}
 
     def derivative_by_friction(self) -> _ValueByName:
         """x dV/dx of every value V for the coefficient of friction x, by a scaling law."""
-        shear = self._values_times_exponent("shear_exponent")
+        terms_by_shear = self._values_times_exponent("shear_exponent")
         derivatives_by_q = self.derivative_by_tangential_load()
-        return {key: shear[key] - derivatives_by_q[key] for key in self.values_at_inputs}
+        return {key: terms_by_shear[key] - derivatives_by_q[key] for key in self.values_at_inputs}
 
     def derivative_by_modulus(self) -> _ValueByName:
         """x dV/dx of every value V for the composite modulus x = E*, by a scaling law."""
-        stress = self._values_times_exponent("stress_exponent")
+        terms_by_stress = self._values_times_exponent("stress_exponent")
         derivatives_by_p = self.derivative_by_normal_load()
         derivatives_by_q = self.derivative_by_tangential_load()
         return {
-            key: stress[key] - derivatives_by_p[key] - derivatives_by_q[key]
+            key: terms_by_stress[key] - derivatives_by_p[key] - derivatives_by_q[key]
             for key in self.values_at_inputs
         }
 
@@ -1079,7 +1081,7 @@ def _loads_of_last_cycle(scene: Scene) -> tuple[Array, Array]:
     path = scene.load.path()
     loads_of_segments = []
     for segment in path.cycle or path.initial_loading:
-        # At least 129 times along the segment, and those at which P turns.
+        # Times at which P turns, and 129 or more along the segment (of a straight one, its ends).
         # NORMAL_LOAD: P alone, as a combination of both loads
         times = np.union1d(sampled_times(segment, 129), segment.turning_points(NORMAL_LOAD))
         loads_of_segments.append(np.array(segment.loads(times)))
@@ -1089,11 +1091,13 @@ def _loads_of_last_cycle(scene: Scene) -> tuple[Array, Array]:
 
 # ------------------------------------------------------------------------------------------- draws
 def draws_of_work(scene: Scene, reason: str) -> Draws | None:
-    """Mean and spread of the friction work W over random draws of the inputs: from normal
-    distributions with the stated correlations, the same draws in each run.
+    """Mean, spread and 95 % range of the friction work W, and of the permanent stick half-width
+    where it is known, over random draws of the inputs; with the fractions of draws that slide as a
+    whole, and that no scene can have.
 
-    None where a draw takes too long: long records, prescribed displacements (`load.is_driven`),
-    bulk stress, tilt and unsymmetric profiles (`unsymmetric`). `reason` says why draws are needed.
+    The draws are from normal distributions with the stated correlations, the same in each run. None
+    where a draw takes too long: long records, prescribed displacements (`load.is_driven`), bulk
+    stress, tilt and unsymmetric profiles (`unsymmetric`). `reason` says why draws are needed.
     """
     if scene.load.is_driven or scene.unsymmetric or _is_long_record(scene):
         return None
@@ -1329,7 +1333,8 @@ def input_effects(scene: Scene, effects: BodyEffects | None = None) -> InputEffe
     """The uncertainties that the stated uncertainties of a scene's inputs give to theory's values,
     and to the difference of finite bodies from half-planes. None where none is stated.
 
-    Where theory cannot solve the scene, `reason_unknown` of what is returned says why.
+    Where theory cannot solve the scene or does not converge, `reason_unknown` of what is returned
+    says why.
 
     Parameters
     ----------
@@ -1379,8 +1384,8 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
     """The uncertainties that the inputs give to theory's values and, where it can be computed, to
     the difference of finite bodies from half-planes.
 
-    Random draws are added where derivatives are not enough: near gross sliding, or where the second
-    order is large.
+    Random draws are added where derivatives are not enough: near gross sliding, or where the change
+    of second order is large. Where draws take too long, a note says so instead.
 
     Parameters
     ----------
@@ -1430,12 +1435,12 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
     if RATIO in uncertain_values:
         # Near sliding the larger of the changes up and down counts.
         changes_of_ratio = _changes_towards_sliding(changes_by_inputs)
-        ratio = uncertain_value(
+        uncertain_ratio = uncertain_value(
             quantities[RATIO], values_at_inputs[RATIO], changes_of_ratio, RATIO, correlation
         )
-        uncertain_values[RATIO] = ratio
+        uncertain_values[RATIO] = uncertain_ratio
         # NearSliding: the ratio with its standard uncertainty
-        nearness = NearSliding(ratio.value, ratio.uncertainty)
+        nearness = NearSliding(uncertain_ratio.value, uncertain_ratio.uncertainty)
 
     # Random draws where derivatives are not enough; "" for no reason.
     reason_by_sliding = reason_for_draws or _reason_by_sliding(nearness)

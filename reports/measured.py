@@ -393,9 +393,9 @@ def _noise_in_words(
     Parameters
     ----------
     record_check
-        `noise`: standard deviation in P and in Q, 0 where none is seen; W of all rows, without
-        reduction, and of means over `rows_per_mean` rows; `noise_share`: what noise adds to W over
-        W without it; None where it is not known
+        `noise`: standard deviation in P and in Q, 0 where none is seen; W of all rows, of the means
+        that the load asks for (`work_without_reduction`), and of means over `rows_per_mean` rows;
+        `noise_share`: what noise adds to W over W without it; None where it is not known
     """
     # The loads with noise, in words, and the load without it.
     noisy_loads = []
@@ -433,7 +433,7 @@ def _noise_in_words(
             " cycle, or the record repeats."
         )
         return Sentence(text, is_warning=False)
-    # It is not: how much means would change W.
+    # The record is not averaged: how much means would change W.
     relative_change = _relative_change(record_check.work_of_means, record_check.work_of_all_rows)
     is_warning = abs(relative_change) > _LARGEST_CHANGE_WITHOUT_WARNING
     cure = f"; load.average = {record_check.rows_per_mean} takes it out" if is_warning else ""
@@ -525,8 +525,8 @@ def load_cycles(solution: ContactSolution) -> LoadCycles | None:
     """Cycles of Q in a measured record of loads, by rainflow count, with the dissipation of each.
 
     None for other loads, for results of other programs, and where the solution does not hold the
-    work of each instant. Of a record that repeats, they are the cycles of the last period, counted
-    from the largest Q, so that all are closed.
+    work of each instant. Of a record that repeats, they are counted over one period that begins at
+    the largest Q, so that all are closed. Their work is that of the last period solved.
 
     Parameters
     ----------

@@ -268,8 +268,8 @@ def _pattern_of_residuals(scene: Scene) -> NDArray[np.float64] | None:
     they have a pattern along x; None where they may be white noise.
 
     White noise has two properties. Neighbouring values are not correlated, and the mean of m of
-    them has a variance m times smaller. A pattern is a departure from either that noise shows by
-    chance in one case of 1,000.
+    them has a variance m times smaller. A pattern is a correlation, or a variance of such means, so
+    far above these that noise shows it by chance in one case of 1,000.
     """
     # Record of the fit: measured rows, and the fitted offset, tilt and middle.
     fit = profile_fit_of(scene)

@@ -190,7 +190,7 @@ class TShape(_Sided):
     @model_validator(mode="after")
     def _require_stem_below_flange(self) -> Self:
         """Return this T-shape; refuse (ValueError with what is allowed) one whose stem is as wide
-        as its flange, or whose flange is as high as the body.
+        as its flange or wider, or whose flange is as high as the body or higher.
 
         Widths are along the face, heights from the face.
         """
@@ -240,7 +240,7 @@ class ShoulderedPad(_Sided):
     @model_validator(mode="after")
     def _require_pad_on_shoulder(self) -> Self:
         """Return this pad; refuse (ValueError with what is allowed) a shoulder that is not wider
-        than the pad, or that lies as deep below the contact as the base.
+        than the pad, or that lies as deep below the contact as the base or deeper.
         """
         if self.shoulder_width <= self.width:
             raise ValueError(

@@ -274,9 +274,10 @@ def piecewise_series_of(
     """Approximate a function by a piecewise Chebyshev series to round-off: on the intervals between
     `edges`, halved until each series is accurate.
 
-    Accurate means: to 1e-13 of the largest value on the interval, to 1e-15 of that on the next one,
-    or to 4e-15 of `scale`. A corner (jump of the slope) leaves a run of very short intervals. It
-    is then located, becomes an end of two intervals, and all is fitted again.
+    Accurate means: to 1e-13 of the largest value on the interval, to 1e-15 of that on its first
+    interval or the next one, or to 4e-15 of `scale`. A corner (jump of the slope) leaves a run of
+    very short intervals. It is then located, becomes an end of two intervals, and all is fitted
+    again.
 
     Parameters
     ----------

@@ -264,10 +264,13 @@ def _numbers_in(value: Any) -> Iterator[float]:
 
 
 def require_squarable(number: float) -> float:
-    """A positive number as it is; ValueError where its square would be 0."""
+    """A positive number as it is; ValueError for one below 1e-100, since inverses of products of
+    such numbers may overflow.
+    """
+    # LARGEST_NUMBER: 1e100
     if number < 1 / LARGEST_NUMBER:
         raise ValueError(
-            f"{number:g} is below {1 / LARGEST_NUMBER:g}, and its square would be 0: choose other"
+            f"{number:g} is below {1 / LARGEST_NUMBER:g}, too small to compute with: choose other"
             " units"
         )
     return number
@@ -312,14 +315,14 @@ class Frozen(BaseModel, metaclass=_RefusalsInOneSentence):
     @field_validator("*")
     @classmethod
     def _can_be_squared(cls, value: Any) -> Any:
-        """Refuse numbers of any key above 1e100 in size, whose squares might be no numbers
-        (ValueError); the value itself otherwise.
+        """Refuse numbers of any key above 1e100 in size, since products of such numbers may
+        overflow (ValueError); the value itself otherwise.
         """
+        # LARGEST_NUMBER: 1e100
         for number in _numbers_in(value):
             if abs(number) > LARGEST_NUMBER:
                 raise ValueError(
-                    f"{number:g} is above {LARGEST_NUMBER:g}, and its square would be no number:"
-                    " choose"
+                    f"{number:g} is above {LARGEST_NUMBER:g}, too large to compute with: choose"
                     " other units"
                 )
         return value
@@ -419,7 +422,7 @@ class ShortForm:
 
 PositiveNumber = Annotated[float, Field(gt=0)]
 Positive = Annotated[PositiveNumber, AfterValidator(require_squarable)]
-"""A scale: its square and the inverse of that are numbers."""
+"""A scale: from 1e-100 to 1e100, so that its square and the inverse of that are numbers."""
 
 
 def _require_function(value: Any) -> Any:

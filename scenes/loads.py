@@ -247,7 +247,8 @@ class BulkAndTilt(Frozen, Generic[V]):
         """Return this load, if its keys agree; refuse (ValueError) a tilt stated in two ways, or
         bulk stress or tilt beside a prescribed displacement.
 
-        The load path is made too: that refuses lists of bulk stresses or tilts that do not fit it.
+        With bulk stress, tilt or moment the load path is made too: that refuses lists of their
+        values that do not fit it.
         """
         # Tilt and moment follow from each other, and the moment from the line along which loads
         # act.
@@ -523,9 +524,13 @@ class EllipseLoad(CyclicLoad[Wave]):
         """Return this load; refuse (ValueError) tangential loads beside a prescribed displacement,
         and a normal load that is neither stated nor replaced by an approach.
         """
-        load_keys = (self.mean_tangential_load, self.tangential_amplitude, self.phase_degrees)
-        # `is_driven`: a displacement is prescribed; these are the values of keys left out.
-        if self.is_driven and load_keys != (0.0, 0.0, 90.0):
+        tangential_values = (
+            self.mean_tangential_load,
+            self.tangential_amplitude,
+            self.phase_degrees,
+        )
+        # `is_driven`: a displacement is prescribed; (0, 0, 90) are the values of keys left out.
+        if self.is_driven and tangential_values != (0.0, 0.0, 90.0):
             raise ValueError(
                 "tangential_displacement stands in the place of mean_tangential_load,"
                 " tangential_amplitude and phase_degrees: leave these out"
@@ -1067,7 +1072,8 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         Raises
         ------
         InputError
-            For columns that are missing, with keys of the scene that can stand in their place.
+            For columns that are missing, with keys of the scene that can stand in their place; and
+            for a constant normal load beside an approach, since both stand in the place of P.
         """
         from scenes.text_tables import MissingColumnError  # only a load from a file needs it
 
@@ -1083,7 +1089,8 @@ class TimeSeriesLoad(StraightLoad, FromFile):
 
     def _advice_on_missing_columns(self, fault: MissingColumnError) -> str:
         """Advice for the message on columns that a measured file lacks: keys of the scene that can
-        stand in their place; empty where the file has none of the columns.
+        stand in their place. Empty where there are no such keys, or the file has none of the
+        columns.
 
         `fault` holds the missing `columns`, such as "time", "P" and "Q", and the `headings` of the
         file. `approach` is true where a normal actuator's approach is prescribed in the place of P.

@@ -50,7 +50,8 @@ class Table:
         Raises
         ------
         ValueError
-            With the first row that is none, such as one of text, or with a number beyond 1e100.
+            For rows of text or of unequal lengths; for a number that is not finite or beyond 1e100
+            in size, with its row.
         """
         try:
             values = (
@@ -177,7 +178,8 @@ def unit_of_column(
     Parameters
     ----------
     table
-        `headings` of the file's columns, and `units` of its line of units, "" where there is none
+        `headings` of the file's columns, and their `units` by its line of units or within the
+        headings, "" where there is none
     column
         index of the column
     kind

@@ -848,8 +848,8 @@ class Tabulated(FromFile):
         return self._keys | {"fitted": self._keys["fitted"] | origin}
 
     def spline(self) -> Spline:
-        """The curve for x >= 0; InputError for rows that are to be fitted, which are another
-        profile in a scene.
+        """The quadratic spline through the rows, for x >= 0; InputError where the two sides are
+        unequal, and for rows that are to be fitted.
         """
         if not self.symmetric:
             raise InputError(
@@ -942,8 +942,9 @@ def one_side_of_profile(points: Array, asymmetry: float) -> tuple[Array, Array]:
     Raises
     ------
     RowError
-        With the row: x that does not ascend or has no partner on the other side, no row at x = 0,
-        sides that differ too much, too many rows, h that falls or is flat.
+        With the row: x that does not ascend, is too near to the row before, or has no partner on
+        the other side; no row at x = 0, or fewer than two beyond; sides that differ too much; too
+        many rows; h that falls or is flat.
     """
     if points.shape[1] != 2:
         raise RowError(0, f"two numbers (x, h) are needed, not {points.shape[1]}")
@@ -1015,10 +1016,10 @@ def rising_spline(x: Array, h: Array) -> Spline:
 
     It consists of one parabola or two between neighbouring rows; the spline holds distance, height
     and slope at all knots, and the curvature between them. Slopes at the rows are those of
-    parabolas through three neighbours, 0 at x = 0, and never beyond twice that of a secant (the
-    line between two neighbouring rows). An interval gets one knot inside where a single parabola
-    would not meet the slopes at both its ends. Where three rows lie on a line the spline follows
-    it: any other slope at its ends would bend it back.
+    parabolas through three neighbours, 0 at x = 0, extrapolated at the last row. They are never
+    beyond twice that of a secant (the line between two neighbouring rows). An interval gets one
+    knot inside where a single parabola would not meet the slopes at both its ends. Where three rows
+    lie on a line the spline follows it: any other slope at its ends would bend it back.
 
     Source: Schumaker, SIAM J. Numer. Anal. 20 (1983).
     """
@@ -1134,11 +1135,12 @@ def fit_profile(
     noise
         standard deviation of h [length]; by default that of the residuals
     centre
-        x of the middle [length]; fitted by default
+        x of the middle [length]; by default fitted, but 0 for rows of one side
     extent
         distance from the middle beyond which rows are left out [length]; by default none is
     tilt
-        slope dh/dx by which the measured trace is turned; fitted by default
+        slope dh/dx by which the measured trace is turned; by default fitted, but 0 for rows of one
+        side, and for a "hertz" whose middle is fitted
 
     Returns
     -------

@@ -300,7 +300,7 @@ class Scene(Frozen):
     def _check_profile(self) -> None:
         """Refuse a profile that does not fit the bodies (ValueError).
 
-        Its characteristic length (`datum_length`) must be a number that can be squared. Its radius
+        Its characteristic length (`datum_length`) must lie between 1e-100 and 1e100. Its radius
         must be that of cylinders that touch, and its arcs must go beyond the width of a pad.
         """
         datum_length = self.profile.datum_length
@@ -308,13 +308,11 @@ class Scene(Frozen):
         cylinder_radius = self.bodies.relative_radius()
         # Half the length of the flat, and the radius of the arcs beside it; None for other shapes.
         arc = self.profile.arc
-        # LARGEST_NUMBER: 1e100, whose square is still a number
+        # LARGEST_NUMBER: 1e100; products of larger numbers may overflow
         if not 1 / LARGEST_NUMBER <= datum_length <= LARGEST_NUMBER:
             raise ValueError(
                 f"profile has a length of {datum_length:g}, which is not between"
-                f" {1 / LARGEST_NUMBER:g}"
-                f" and {LARGEST_NUMBER:g}, and its square would overflow or vanish: choose other"
-                " units"
+                f" {1 / LARGEST_NUMBER:g} and {LARGEST_NUMBER:g}: choose other units"
             )
 
         if cylinder_radius is not None and not (

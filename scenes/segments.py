@@ -217,9 +217,10 @@ class LoadSegment(abc.ABC):
         """Time, in the shape of `amount`, at which a combination c_P P + c_Q Q of the loads has
         changed by `amount` since `begin`: the inverse function of its change over time.
 
-        Between `begin` and `end` the combination must be monotonic. An amount of the opposite sign
-        to its change gives `begin`, one beyond the change up to `end` gives `end`. `begin` may be
-        the later time: the returned time has most digits near it.
+        Between `begin` and `end` the combination must be monotonic. An amount of 0, or of the
+        opposite sign to its change, gives `begin`; one beyond the change up to `end` gives `end`. A
+        constant combination gives `begin`. `begin` may be the later time: the returned time has
+        most digits near it.
 
         Parameters
         ----------
@@ -235,17 +236,18 @@ class LoadSegment(abc.ABC):
         NotFoundError
             Where Newton's method does not converge, as for loads that are not finite.
         """
-        change = np.asarray(amount, dtype=float)
+        wanted_change = np.asarray(amount, dtype=float)
         total_change = float(self.change_of(combination, end, begin))
         if abs(total_change) < LEAST_LOAD_CHANGE:  # below 1e-290: the combination is constant
-            return np.full(change.shape, begin)
-        change_towards_end = change * math.copysign(1.0, total_change)
+            return np.full(wanted_change.shape, begin)
+        change_towards_end = wanted_change * math.copysign(1.0, total_change)
         is_before_begin = change_towards_end <= 0
         lies_between = ~(is_before_begin | (change_towards_end >= abs(total_change)))
         time = np.where(is_before_begin, begin, end)
         if np.any(lies_between):
+            # Times (n,) of the amounts between 0 and the total change.
             time_inside = self._time_inside(
-                combination, change[lies_between], total_change, begin, end
+                combination, wanted_change[lies_between], total_change, begin, end
             )
             time[lies_between] = np.minimum(
                 np.maximum(time_inside, min(begin, end)), max(begin, end)
@@ -913,7 +915,8 @@ class HarmonicSegment(LoadSegment):
         times the delay.
 
         `normal` and `tangential` hold (amplitude, phase lag [rad]) of the harmonics k = 1, 2, ...
-        of P and of Q. Start and end grow by the delay itself.
+        of P and of Q. Start and end grow by the delay itself. Segments of bulk stress and of tilt
+        that this one carries are delayed too.
         """
         delay_angle = math.remainder(delay, 2 * math.pi)
         # A delay by whole periods, but for round-off, leaves the phases as they are.
@@ -1184,7 +1187,7 @@ class LoadPath:
 
 def _horner_terms(coefficients: NDArray[np.complex128]) -> WaveTerms:
     """Terms of the sum of c_k exp(i k t) for Horner's scheme, from the highest k down to 0: pairs
-    (c_k, difference of k from the term before, 0 for the first).
+    (c_k, difference of k from the term before; of the first term from m, which is not used).
 
     Terms with c_k = 0 are left out, but for k = 0. `coefficients` (m + 1,) are c_0 to c_m.
     """
@@ -1317,12 +1320,11 @@ def parabola_segment(
 def sampled_times(segment: LoadSegment, least_count: int) -> Array:
     """Evenly spaced times (n,) along a load segment, dense enough to resolve its turning points.
 
-    A straight segment gets its two ends. Others get `least_count`, or more: eight intervals for
-    each possible turning point.
+    A segment without possible turning points, such as a straight one, gets its two ends. Others get
+    `least_count`, or more: eight intervals for each possible turning point.
 
-    `most_turning_points` of the segment bounds the number of turning points of P and Q inside it, 0
-    for a straight one. Below, the arguments of a segment are its start time, its end time and its
-    loads.
+    `most_turning_points` of the segment is an upper bound of the number of turning points of P and
+    Q inside it. Below, the arguments of a segment are its start time, its end time and its loads.
 
     >>> (
     ...     len(sampled_times(StraightSegment(0.0, 1.0, (0.0, 0.0), (3.0, 1.0)), 25)),
@@ -1375,7 +1377,7 @@ def largest_ratio_of(normal_load: Array, tangential_load: Array) -> float:
     """Largest |Q|/P of n instants, P and Q (n,) each [force per thickness]: 0 where both are zero,
     infinite where P is negative, or zero while Q is not.
 
-    Loads below 1e-12 of the largest P count as zero.
+    Loads below 1e-12 of the largest |P| count as zero.
     """
     # _ZERO_LOAD: 1e-12 of the largest |P|
     negligible_load = _ZERO_LOAD * np.max(np.abs(normal_load))

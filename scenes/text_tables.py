@@ -236,7 +236,7 @@ def text_table(
     columns
         quantities to be read, such as "time" or "normal_load". The column of each is found by its
         usual headings, listed in `column_names`. A file of these columns alone, in this order,
-        needs no headings. A # in a row then begins a comment. Empty: every column is read
+        needs no headings, and a # in a row begins a comment. Empty: every column is read
     stated_columns
         quantity -> heading of its column, or column number (from 1), where the user names it
     kind
@@ -544,7 +544,7 @@ def _layouts_with_headings_at(
     request: _Request, lines: list[Line], index: int, fewest_expected_headings: int
 ) -> Iterator[tuple[_Layout, bool]]:
     """Layouts of a text table if `lines[index]` holds its headings, for each separator and each way
-    to cut that line by it. With each, whether the first row fits, or there is none.
+    to cut that line by it. With each True where its first row fits, or where it has no rows.
 
     A row fits if it has a cell for every heading, and a number in a column that is read. A comment
     holds the headings only above a row of numbers that fits.
@@ -1201,8 +1201,8 @@ def _headings_above_rows(
 
     `lines` are (line number, text) of those above the row, `separator` stands between cells (None
     for blanks). Of the lines with `n_columns` cells the last one holds the headings; if its cells
-    are units, the one before does. 0 and empty tuples where other lines stand between headings and
-    row.
+    are units, the one before does. 0 and empty tuples where no line has so many cells, or where
+    other lines stand between headings and row.
     """
     lines_with_all_cells = [
         (number, cells_of_line)
@@ -1500,7 +1500,7 @@ def _values_of_row(
     Raises
     ------
     InputError
-        For more or fewer cells than headings, or a cell that is no finite number.
+        For more or fewer cells than headings, or a cell that is no number of at most 1e100 in size.
     """
     line_number, row_text = line
     names = layout.names

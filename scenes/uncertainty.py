@@ -77,8 +77,8 @@ def _require_amount(kind: AmountKind, value: Any) -> str:
     Raises
     ------
     ValueError
-        With what to write: for a bare number, for text of another form, for an amount where a
-        percentage alone is taken, and for more than half of the value.
+        With what to write: for a bare number, for text of another form, for a number that is not
+        above 0, for an amount where a percentage alone is taken, and for more than 50 %.
     """
     # _EXAMPLES_BY_KIND: examples of what to write
     what_to_write = f"write {_EXAMPLES_BY_KIND[kind]}, in quotation marks"
