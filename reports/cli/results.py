@@ -218,7 +218,7 @@ def _score_loop(
 
     `mapping` names columns and units of the table; `command` is the command line that the page
     states. Options: the compliance of the rig (fitted where it is not given), and whether loops of
-    theory or of finite elements are fitted (`against`).
+    finite elements are computed beside those of theory (`against` is "fe").
 
     An `Answer` holds the exit code, lines and tables for the terminal, and the content for --json.
     """

@@ -563,7 +563,7 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
     --json. Where the code is not 0 for a third solver, an undecided metric or one without a value,
     a line on stderr says so.
 
-    Of `report` are used: the comparison, the error budget and the answer of a third solver (None
+    Of `report` are used: the comparison, the error budget and the results of a third solver (None
     where there is none), and what the uncertainties of the inputs do. `job` has the options and the
     seconds of each stage.
     """
@@ -572,15 +572,15 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
     from reports.page.content import whole_content
 
     comparison = report.comparison
-    third_answer = report.third
+    third_results = report.third
     scene = comparison.scene
     stages = job.stages
     verbose = job.options.verbose
     page = job.folder / "report.html"
     # numbers that the scene expects, each with whether it is met
     findings = list(laws.expected_numbers(scene, (comparison.reference, comparison.result)))
-    if third_answer is not None and third_answer.failure:
-        complain(f"halfplane: {scene.name}: {third_answer.failure}")
+    if third_results is not None and third_results.failure:
+        complain(f"halfplane: {scene.name}: {third_results.failure}")
         code = EXIT_NOT_CONVERGED  # 3
     else:
         code = exit_code(comparison)  # 0 if it passed, else 1
@@ -598,11 +598,11 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
             yield from _notes_shown(report)
         if report.budget is not None and (verbose or job.options.budget):
             yield from _budget_shown(report, report.budget)
-        if third_answer is not None:
+        if third_results is not None:
             yield Sheet(
-                "A third solver", third_answer.heads, third_answer.rows(comparison), (1, 2, 3)
+                "A third solver", third_results.heads, third_results.rows(comparison), (1, 2, 3)
             )
-            yield from third_answer.sentences
+            yield from third_results.sentences
         if verbose:
             yield from _expected_shown(findings)
             times = [(stage, f"{seconds:.2f}") for stage, seconds in stages.seconds.items()]

@@ -193,8 +193,8 @@ def compare(
     Raises
     ------
     InputError
-        If the scenes of the solutions differ, if one holds no whole cycle, or if a key of
-        `tolerances` is no metric.
+        If the scenes of the solutions differ in material, profile, friction or load, if one should
+        hold a whole cycle and does not, or if a key of `tolerances` is no metric.
 
     Examples
     --------

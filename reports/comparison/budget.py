@@ -1220,7 +1220,8 @@ def _extrapolation_by_least_squares(refinement: Refinement, kind: _Kind) -> Extr
     `kind` is "monotone", "oscillating" or "diverging". The uncertainty of monotone values is at
     least the spread of the three finest, otherwise at least the spread of all. Values that are not
     monotone have no limit: the value of the finest mesh stands for it. The safety factor is 1.25
-    for a plausible order, else 3.
+    for a plausible order, else 3. It is larger where the values scatter about the curve by more
+    than they change from mesh to mesh.
     """
     # curve through the solutions: its `limit` at size zero, its value at the finest size, and the
     # standard `deviation` of the solutions from it

@@ -26,7 +26,7 @@ from scenes.errors import first_line
 from scenes.files import parsed_json, text_of
 from scenes.scene import WORDS
 
-# What this version writes. The numbers 1 and 2 of each are read.
+# What this version writes, and the only version that it reads: files of version 1 are refused.
 _FORMAT_OF_BASELINE = "halfplane baseline 2"
 FORMAT_OF_SOLUTION = "halfplane solution 2"
 _FORMAT = re.compile(r"halfplane (baseline|comparison|solution) ([1-9]\d*)")

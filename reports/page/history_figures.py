@@ -162,7 +162,7 @@ def discrepancies(view: CycleView) -> Plate:
     marks: list[Mark] = []
     if has_tolerances:
         marks.append(Rule(1.0, "limit"))
-    keys = []
+    legend_entries = []
     largest_ratio = 0.0
     # `LINE_LOOKS`: classes of lines in the style sheet, one for each metric
     for metric, css in zip(drawn_metrics, LINE_LOOKS, strict=False):
@@ -180,7 +180,7 @@ def discrepancies(view: CycleView) -> Plate:
             f" {view.time[worst_index]:.3g}"
         )
         # `minus`: with a real minus sign
-        keys.append(Key(css, minus(text)))
+        legend_entries.append(Key(css, minus(text)))
     if has_tolerances:
         last_time = float(view.time[-1])
         marks.append(Note(last_time, 1.0, "tolerance", anchor="end", shift=(-4.0, -5.0)))
@@ -205,7 +205,7 @@ def discrepancies(view: CycleView) -> Plate:
         "errors",
         [panel],
         table,
-        keys,
+        legend_entries,
         columns=1,
         judged=has_tolerances,
         cut=has_tolerances and largest_ratio > _LARGEST_DRAWN_RATIO,

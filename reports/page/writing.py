@@ -548,8 +548,9 @@ def draw(report: Report) -> tuple[Plate, ...]:
     """Every figure of a report, in the order of the page. Figures for which the result lacks the
     field (slip, dissipation) or the instants are left out.
 
-    Of `report` are used: the comparison, the study of several meshes of an external result, the
-    error budget, each None where there is none; and `why`, the difference of W split by its causes.
+    Of `report` are used: the comparison; the study of several meshes of an external result, and the
+    error budget, each None where there is none. `comparison.why` is the difference of W split by
+    its causes, or None.
     """
     comparison = report.comparison
     # the last cycles of both solutions, with the axes that figures share

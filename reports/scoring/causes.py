@@ -109,6 +109,7 @@ def _compared_load_width_and_centre(discrepancy: Discrepancy) -> tuple[float, fl
 
 
 def _size_away_from_zero(value: float) -> float:
+    """A size to start a search from: `value`, or 0.02 with its sign where it is smaller."""
     return value if abs(value) > _LEAST_START else float(np.copysign(_LEAST_START, value))
 
 
@@ -121,6 +122,7 @@ def _start_sizes_of_stiffness(discrepancy: Discrepancy) -> Sequence[float]:
 
 
 def _start_sizes_of_factor(discrepancy: Discrepancy) -> Sequence[float]:
+    """Logarithm of the ratio of the pressure sums, result to reference, in a tuple."""
     ratio, _, _ = _compared_load_width_and_centre(discrepancy)
     return (_size_away_from_zero(np.log(ratio)),)
 
@@ -187,6 +189,9 @@ def _start_sizes_of_stretch(discrepancy: Discrepancy) -> Sequence[float]:
 
 
 def _start_sizes_of_offset(discrepancy: Discrepancy) -> Sequence[float]:
+    """Distance between the centroids of the pressures, result minus reference, over a_ref, at most
+    2; in a tuple. 0.02 in place of 0.
+    """
     _, _, shift = _compared_load_width_and_centre(discrepancy)
     limit = 2 * discrepancy.half_width
     return (float(np.clip(shift, -limit, limit)) / discrepancy.half_width or _LEAST_START,)
@@ -202,6 +207,7 @@ def _has_shear(discrepancy: Discrepancy) -> bool:
 
 
 def _start_sizes_where_shear(*starts: float) -> Callable[[Discrepancy], Sequence[float]]:
+    """The function that gives `starts` where file and scene have a shear, else no size."""
     return lambda discrepancy: starts if _has_shear(discrepancy) else ()
 
 
@@ -214,6 +220,9 @@ def _start_sizes_on_cycle(discrepancy: Discrepancy) -> Sequence[float]:
 
 
 def _start_sizes_of_short_steps(discrepancy: Discrepancy) -> Sequence[float]:
+    """The size 1 where the result's steps may be too long: a symmetric scene on a cycle of at most
+    64 steps, with shear; else none.
+    """
     is_short = len(discrepancy.comparison.result_cycle.time) - 1 <= _MOST_STEPS_OF_CYCLE
     return (
         (1.0,)
@@ -239,6 +248,9 @@ def _start_sizes_of_layer(discrepancy: Discrepancy) -> Sequence[float]:
 
 
 def _start_sizes_of_coupling(discrepancy: Discrepancy) -> Sequence[float]:
+    """Dundurs' constants from which the search for unlike materials starts; none without a shear,
+    for an unsymmetric scene, and for prescribed displacements.
+    """
     has_shear = discrepancy.has_shear and bool(discrepancy.scene.friction.coefficient)
     is_plain = not discrepancy.unsymmetric and not discrepancy.scene.load.is_driven
     may_be_coupled = has_shear and is_plain

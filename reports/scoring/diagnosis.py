@@ -48,15 +48,17 @@ _TRACTION_UNIT_WORDS = ("p_ref", "f p_ref")
 
 
 def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
-    """Findings on why an external result differs from the reference, likely causes first; for a
-    result within its tolerances only those on outliers, traces, load steps and a shear beyond the
-    Coulomb limit.
+    """Findings on why an external result differs from the reference. Empty without a contact.
 
     Looked for in turn: single outliers; traces, signs of one fault in a few rows, such as creep in
     stick; known faults, fitted to all tractions; other problems, such as adhesion; bodies, mesh and
-    scatter.
+    scatter. Where nothing is found for tractions outside their tolerances, one finding says so.
+
+    Where the tractions are within their tolerances, outliers and traces are looked for first, then
+    load steps that are too long. If nothing is found and the whole comparison is within tolerance,
+    a shear beyond the Coulomb limit comes last, and no known fault is fitted.
     """
-    # tractions of both at instants of the last cycle; None where the result has no contact
+    # tractions of both at instants of the last cycle; None where neither has a contact
     discrepancy = discrepancy_of(comparison)
     if discrepancy is None:
         return ()

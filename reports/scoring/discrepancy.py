@@ -111,7 +111,7 @@ class Discrepancy:
 
     @property
     def is_loaded(self) -> Mask:
-        """(k,) whether an instant has more than a hundredth of the largest P."""
+        """(k,) whether an instant has more than a hundredth of the reference load P_ref."""
         return self.normal_load > 0.01 * self.comparison.scales.normal_load
 
     @property
@@ -123,7 +123,7 @@ class Discrepancy:
     def resultant_ratio(self) -> float:
         """Integral of the result's pressure over x, divided by what it should be: about 1 where the
         result is in equilibrium. NaN where no instant is loaded by more than a hundredth of the
-        largest P.
+        reference load.
 
         Of two ratios the one nearer to 1 counts: to P, as the median over the loaded instants; and
         to the same integral of the reference's pressure, both summed over these instants. Nodal
@@ -347,8 +347,8 @@ def discrepancy_of(comparison: Comparison) -> Discrepancy | None:
 
     A value that is no number, or an outlier at a single point, is replaced by the reference's, with
     weight 0. Where the reference is half-plane theory and the scene has finite bodies, theory with
-    their elastic responses takes its place. None where the result has no instant with a contact, or
-    not one number.
+    their elastic responses takes its place. None where no instant has a contact in result or
+    reference, or where no value counts.
     """
     # at most ten instants: of those loaded enough to be judged; without any, of those at which
     # either has pressure

@@ -49,7 +49,7 @@ class EvidenceStep:
 def evidence_steps(comparison: Comparison) -> tuple[EvidenceStep, ...]:
     """What an external result shows about itself and beside the reference, in five steps, each with
     its title and a sentence: what was read, equilibrium, resolution, laws of contact, shape. Empty
-    for a result without a contact.
+    where neither result nor reference has a contact.
     """
     # tractions of result and reference at instants of the last cycle; None without a contact
     discrepancy = discrepancy_of(comparison)

@@ -220,11 +220,12 @@ def _find_tractions(
     ):
         names = list(names_of_scalars)
         if mapping_states_names:
-            # normalised: spellings of one name compare equal
+            # components of vectors and tensors, such as "traction:0"
             for name, values in tensor_fields.items():
                 names += [f"{name}:{number}" for number in range(values.shape[1])]
         return _find_named_tractions(path, names, mapping)
-    # known names of traction vectors, then of stress tensors
+    # known names of traction vectors, then of stress tensors; normalised, spellings of one name
+    # compare equal
     for name, values in tensor_fields.items():
         if values.shape[1] >= 2 and normalised_name(name) in map(
             normalised_name, _NAMES_OF_VECTORS

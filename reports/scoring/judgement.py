@@ -188,8 +188,8 @@ class Judgement:
         at the sizes that the causes have in `pressure_fit`. It is `pressure_fit` itself where the
         shear has no theory.
 
-        Empty without causes, and where they leave more than a tenth of the difference in pressure
-        (norm) that is not noise.
+        Empty without causes. Empty too where they leave more than a tenth of the difference in
+        pressure (norm, without noise), and more than noise.
         """
         if not pressure_fit.causes:
             return []
@@ -435,8 +435,9 @@ class Judgement:
         cause of a wrong width of contact. Such causes are wrong factors of E*, loads or x; faults
         of the model are finite bodies, and faces with a soft layer. Both change the width alike.
 
-        `fits` are the fits tried before. Empty where the best one leaves less than a millionth of
-        the mean square of the whole difference, or without any fit noise alone.
+        `fits` are the fits tried before. Without any, each fault of the model is tried alone. Empty
+        where no fit changes the width, where the best that does leaves less than a millionth of the
+        mean square of the whole difference, or where there is no fit and the difference is noise.
 
         # notation: E* composite modulus
         """

@@ -24,7 +24,8 @@ def score_folder(
 ) -> Report:
     """Score all files of a folder as results of one problem on different meshes. Returns the report
     of the finest mesh, with a study of how each metric converges over all meshes. Files that can't
-    be scored are named in its notes.
+    be scored are named in its notes. Where only one of several files can be scored, the report is
+    of that one, without a study.
 
     `against` is the reference: "exact" for half-plane theory, "fe" for finite elements. `mapping`
     states columns, units and signs of the files. `stages` shows progress by named stages;
@@ -33,7 +34,8 @@ def score_folder(
     Raises
     ------
     InputError
-        Where no file can be scored, with the reason for the first; where two are of one mesh.
+        Where no file can be scored, with the reason for the first; where the folder holds a single
+        result; where two are of one mesh.
     """
     # files of the folder that may be results, and notes on those left out
     files, notes_on_files = result_files(folder)

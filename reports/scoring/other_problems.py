@@ -277,8 +277,9 @@ def _fit_of_adhesion(discrepancy: Discrepancy) -> ProblemFit | None:
     (2, k, n) with this pressure, those of the reference that they must do better than, and the
     number of fitted sizes.
 
-    None where the result has no tension next to both edges, and where p0 or p1 would not be
-    positive. `discrepancy` holds the tractions of result and reference.
+    None unless two points on each side of the peak are in tension at every instant, by up to 5 % of
+    the largest pressure or more. None too where p0 or p1 would not be positive. `discrepancy` holds
+    the tractions of result and reference.
 
     # notation: p pressure, p0 and p1 fitted factors
     """
@@ -396,8 +397,8 @@ def _fit_of_limited_pressure(discrepancy: Discrepancy) -> ProblemFit | None:
     flattens the middle. Returns the tractions (2, k, n) with this pressure, those of the reference
     that they must do better than, and the number of fitted sizes.
 
-    None where fewer than five points of an instant lie on a limit, and where the contact is not
-    symmetric. `discrepancy` holds the tractions of result and reference.
+    None where no instant has five points on the limit, and where the contact is not symmetric.
+    `discrepancy` holds the tractions of result and reference.
 
     # notation: P normal load, p pressure
     """
@@ -599,7 +600,7 @@ def _most_changed_instants(
     reference_rms = np.sqrt(np.mean(reference_pressure**2, axis=1))
     largest_change = (0.0, 0, 0)
     for first_instant, second_instant in itertools.combinations(range(len(pressure)), 2):
-        # more than a hundredth of the largest P
+        # more than a hundredth of the reference load
         if not (discrepancy.is_loaded[first_instant] and discrepancy.is_loaded[second_instant]):
             continue
         load_difference = abs(load[first_instant] / load[second_instant] - 1)

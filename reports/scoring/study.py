@@ -87,7 +87,8 @@ class StudyRow:
     metric
         as it is on the finest mesh
     values
-        on each mesh, the finest first, all at the instant at which the finest is worst
+        on each mesh, the finest first, at the instant at which the finest is worst; a mesh with
+        other instants has its own worst value
     extrapolation
         order, kind, and value at element size zero with its uncertainty
     """
