@@ -392,11 +392,14 @@ def _energy_of(
     corrected_path: PathSeries,
     steady_from: int | None,
 ) -> _Energy:
-    """Friction work of the last cycle of a rig, or of a path without a cycle; the closed integral
-    of its loads over their displacements; and relative errors of both [energy per thickness].
+    """Friction work of the last cycle of a rig, or of all of a path that has no steady cycle; the
+    closed integral of its loads over their displacements [energy per thickness]; and relative
+    errors of both and of Q.
 
-    To the work of the path is added what tilt and bulk strain of the bodies change, and what the
-    terms of their effects beyond curvatures do.
+    To the work by steps is added what tilt and bulk strain of the bodies add, and what the terms of
+    their effects beyond the curvatures, x^4, add. The closed integral is NaN without a steady
+    cycle, and with tilt or bulk strain. The error of the work is NaN where what tilt and strain add
+    is not known.
 
     Parameters
     ----------
@@ -433,8 +436,8 @@ def _energy_of(
     loop_work = math.nan
     # With tilt or bulk strain the closed integral is another number than the work: of their changes
     # U contains the moment of the pressure alone, which is not all that adds to the work.
-    is_mirrored = tilt_and_strain == TiltAndStrainPart()
-    if steady_from is not None and loads_up_to_end.period is not None and is_mirrored:
+    has_no_tilt_or_strain = tilt_and_strain == TiltAndStrainPart()
+    if steady_from is not None and loads_up_to_end.period is not None and has_no_tilt_or_strain:
         loop_work = corrected_path.loop_work(last_cycle)
         coarse_cycle, _ = _rows_of_answer(coarse_path, rig.scene, steady_from)
         if loop_work > 0:

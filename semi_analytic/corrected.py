@@ -1993,7 +1993,9 @@ def _works_and_errors(
 
     # Both paths by the same steps: their errors nearly cancel.
     friction_works = exact_works + (works_of_bodies - works_of_half_planes)
-    friction_works = friction_works + np.array([work.value for work in works_of_tilt_and_strain])
+    friction_works = friction_works + np.array(
+        [added_work.value for added_work in works_of_tilt_and_strain]
+    )
 
     # The displacements lack what tilt and bulk strain do to slip: no comparison with them.
     has_loop_work = (

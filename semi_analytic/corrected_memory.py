@@ -1826,8 +1826,8 @@ def _cut_at_end_of_slip(
     bound: _Bound,
     round_off: float,
 ) -> int:
-    """Cut a memory curve at the inner end of the slip zone at its outer end: number of the
-    outermost piece that still sticks. The outer end of that piece is the stick edge.
+    """Cut the slip zone next to the edge of contact off a memory curve: number of the outermost
+    piece that is left, which still sticks. The outer end of that piece is the stick edge.
 
     The curve is the locked-in tangential force F over the half-width of the flat punches. The zone
     ends where F meets its Coulomb bound. If that is within a piece, its inner part becomes a new

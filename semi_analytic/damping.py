@@ -71,8 +71,9 @@ def hysteresis(
     Raises
     ------
     InputError
-        For half-planes without a datum length or effects, or with both. For a solution with bulk
-        stress, without the fields, or without a whole cycle, and where Q does not move.
+        For half-planes without a datum length or effects, or with both; for finite bodies with
+        either. For a solution with bulk stress, without the fields, or without a whole cycle, and
+        where Q does not move.
 
     Examples
     --------
@@ -148,7 +149,8 @@ def added_compliance(
     Raises
     ------
     InputError
-        For half-planes without either, for both at once, and for either beside finite bodies.
+        For half-planes without either, for both at once, and for either beside finite bodies; for
+        a datum length that is not a finite number above 0.
     """
     # By theory without the effects of finite bodies, whatever bodies the scene has.
     is_half_plane_theory = solution.engine == "semi_analytic" and "effects" not in solution.settings

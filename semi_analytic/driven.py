@@ -162,32 +162,37 @@ class Compliance(NamedTuple):
         face_curvature = self.curvatures.tangential
         # G(c) = (pi E*/4) c^2 = c^2/(2 A/pi)
         parabola_load = squared_width / (2 * self.unit_compliance)
-        half_plane_rate = self.unit_compliance * np.log(2 * self.datum_length / stick_half_width)
-        body_rate = (
+        half_plane_compliance = self.unit_compliance * np.log(
+            2 * self.datum_length / stick_half_width
+        )
+        compliance_by_bodies = (
             self.tangential_body_compliance
             + face_curvature * squared_width / 2
             - face_curvature**2 * parabola_load * squared_width / 8
         )
-        tilt_rate = self.tilt_products[1] * np.asarray(normal_load)
+        decrease_by_tilt = self.tilt_products[1] * np.asarray(normal_load)
         return np.asarray(
-            half_plane_rate + body_rate + self.tangential_spring_compliance - tilt_rate
+            half_plane_compliance
+            + compliance_by_bodies
+            + self.tangential_spring_compliance
+            - decrease_by_tilt
         )
 
     def require_unique_force(self, largest_half_width: float, largest_load: float) -> None:
-        """Raise InputError if the displacement U that a rig prescribes does not determine Q: if U
-        falls while Q grows.
+        """Raise InputError if the displacement that a rig prescribes does not determine Q: if U of
+        the contact plus Q/k_s of the rig's spring falls, or rests, while Q grows.
 
-        dU/dQ is checked for all half-widths of the stick zone up to `largest_half_width` [length],
-        under the normal load `largest_load`.
+        The derivative d(U + Q/k_s)/dQ is checked at 400 half-widths of the stick zone, evenly
+        spaced up to `largest_half_width` [length], under the normal load `largest_load`.
         """
         stick_half_width = (
             largest_half_width * np.arange(1, _SAMPLED_HALF_WIDTHS + 1) / _SAMPLED_HALF_WIDTHS
         )
         # dU/dQ plus the compliance of the spring, at 400 half-widths.
-        slope_of_displacement = self.actuator_compliance(stick_half_width, largest_load)
-        if np.all(slope_of_displacement > 0):
+        compliance_of_actuator = self.actuator_compliance(stick_half_width, largest_load)
+        if np.all(compliance_of_actuator > 0):
             return
-        worst_half_width = float(stick_half_width[np.argmin(slope_of_displacement)])
+        worst_half_width = float(stick_half_width[np.argmin(compliance_of_actuator)])
         raise InputError(
             f"load.tangential_displacement: with the datum length {self.datum_length:.6g} and the"
             f" half-width {worst_half_width:.4g} that sticks U falls while Q grows, so that no Q"
@@ -223,8 +228,8 @@ def actuator_rows(
     """Instants between which the motion of the actuators of a rig is taken as linear, with P or the
     normal approach and U_act there.
 
-    They are turning points, ends of segments, instants of separation and touch, and equal steps
-    between these.
+    They are turning points, ends of segments, instants of separation and touch, ends of equal steps
+    between these, and `extra_times` within the path. P or approach is 0 where it is negative.
 
     Parameters
     ----------
@@ -330,7 +335,8 @@ def _root_between(function: Callable[[float], float], begin: float, end: float) 
     """Root of a function that has opposite signs at `begin` and `end`, by the Illinois algorithm.
 
     That is false position, but the value at an end that stays twice is halved. The iteration ends
-    where the function is 1e-14 of the larger of its first two values, or after 200 trials.
+    where the function is at most 1e-14 of the larger of its values at `begin` and `end`, or after
+    200 trials.
     """
     value_at_begin = function(begin)
     value_at_end = function(end)
@@ -826,7 +832,7 @@ class _StepSolver:
 
         Q is the root of U(Q) + Q/k_s = U_act - `free_displacement` by Newton's method in a bracket:
         U of the contact and the bodies, k_s the spring of the rig, U_act of the actuator.
-        If it would exceed f P, the bodies slide as a whole; if P is 0, they are apart.
+        If |Q| would exceed f P, the bodies slide as a whole; if P is 0, they are apart.
 
         Parameters
         ----------

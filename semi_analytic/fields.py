@@ -500,16 +500,16 @@ class ArcIntegrals:
 @lru_cache(maxsize=16)  # kernels and points of one solution share its arcs
 def _turning_point(segment: LoadSegment, arc_end: float, other_end: float) -> TurningPoint:
     """The turning point of the load P(t) at one end of an arc, or beyond that end by less than the
-    arc's length; the end itself where there is none.
+    arc's duration; the end itself where there is none.
 
     An arc is the part of the load segment between the times `arc_end` and `other_end`, along which
     P grows in time. The turning point is found by Newton's method on dP/dt. The formulas of the
     segment hold beyond its ends too.
     """
-    arc_length = other_end - arc_end
-    time_increment = 1e-3 * arc_length
+    signed_duration = other_end - arc_end
+    time_increment = 1e-3 * signed_duration
     # P grows along the arc: it is least at the begin, largest at the end.
-    sign_of_curvature = math.copysign(1.0, arc_length)
+    sign_of_curvature = math.copysign(1.0, signed_duration)
     turning_time = arc_end
     for _ in range(20):
         load_rate = float(segment.rate_of(NORMAL_LOAD, turning_time))
@@ -520,16 +520,16 @@ def _turning_point(segment: LoadSegment, arc_end: float, other_end: float) -> Tu
             load_rate / load_curvature if load_curvature * sign_of_curvature > 0 else math.inf
         )
         # A Newton step that leads too far away, or into the arc: no turning point at this end.
-        if abs(newton_step) > abs(arc_length) or (
+        if abs(newton_step) > abs(signed_duration) or (
             arc_end - turning_time + newton_step
         ) * sign_of_curvature < -abs(time_increment):
             return TurningPoint(
                 arc_end, float(segment.loads(arc_end)[0]), sign_of_curvature, other_end
             )
         turning_time -= newton_step
-        if abs(newton_step) <= 1e-15 * (abs(turning_time) + abs(arc_length)):
+        if abs(newton_step) <= 1e-15 * (abs(turning_time) + abs(signed_duration)):
             break
-    turning_time = min(turning_time, arc_end) if arc_length > 0 else max(turning_time, arc_end)
+    turning_time = min(turning_time, arc_end) if signed_duration > 0 else max(turning_time, arc_end)
     return TurningPoint(
         turning_time, float(segment.loads(turning_time)[0]), sign_of_curvature, other_end
     )
@@ -956,7 +956,7 @@ class KernelIntegrals:
 
     def _straight_integrals(self, slope: Array, lower_load: Array, upper_load: Array) -> Array:
         """Slope times the integral of K d eta over straight parts of memory curves, between two
-        loads (n,), at each of k points: (n, k); 0 for parts without slope or length.
+        loads (n,), at each of k points: (n, k); 0 for parts without slope, or with equal loads.
 
         The memory curve M(eta) is the tangential force that the flat punches up to the load eta
         carry, K the kernel. A part takes the difference of two integrals from 0 on. The slip of a
@@ -968,13 +968,15 @@ class KernelIntegrals:
         is_short = np.zeros(len(part_numbers), dtype=bool)
         if self.kernel == "slip" and isinstance(self.contact, PunchSuperposition):
             # Parts shorter than 1 % of their upper load.
-            load_length = upper_load[part_numbers] - lower_load[part_numbers]
+            load_range = upper_load[part_numbers] - lower_load[part_numbers]
             # Not across a corner of the profile, or close behind one: there a(P) is not smooth.
-            corners = self.contact.corner_loads
-            corners_below = np.searchsorted(corners, lower_load[part_numbers] - load_length)
-            corners_above = np.searchsorted(corners, upper_load[part_numbers])
-            is_short = (load_length < _SHARE_OF_SHORT_PART * upper_load[part_numbers]) & (
-                corners_below == corners_above
+            corner_loads = self.contact.corner_loads
+            n_corners_below_part = np.searchsorted(
+                corner_loads, lower_load[part_numbers] - load_range
+            )
+            n_corners_up_to_part_end = np.searchsorted(corner_loads, upper_load[part_numbers])
+            is_short = (load_range < _SHARE_OF_SHORT_PART * upper_load[part_numbers]) & (
+                n_corners_below_part == n_corners_up_to_part_end
             )
         # By differences of integrals from 0 on, and by integrals over the parts themselves.
         long_parts = part_numbers[~is_short]

@@ -1301,7 +1301,8 @@ class _State(NamedTuple):
 
 def _state_at(grid: Grid, fields: GridFields, instant: int, x: Array, compliance: Array) -> _State:
     """Shear, slip and stick zones of g grids at one instant: q/(f p) and slip s at points x (m,),
-    (g, m) each, the outer edges of stick (g, 2), and the largest number of stick zones of a grid.
+    (g, m) each, the outer edges of stick (g, 2), and the largest number of stick zones of a grid,
+    at least 1.
 
     q/(f p) is interpolated between cells, 0 without contact; slip follows from all tractions. A
     cell that sticks at the edge of contact sticks up to that edge, wherever it lies in the cell:

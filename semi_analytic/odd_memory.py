@@ -118,9 +118,9 @@ class SecondOrderWork:
         uncertainty [energy per thickness]; o = (alpha_P, alpha_Q, e_P, e_Q), (4,).
 
         The uncertainty is the quadrature error plus that of the next order. The latter is half of
-        r times the sum of the absolute terms of the quadratic form. r is the ratio above 1 of which
+        r times the sum of the absolute terms of the quadratic form. Where the ratio r is above 1,
         one side of the contact slips alone. Fitted to 500 random ellipses and polygons on grids:
-        the true error was a third of it at most, but once 0.99.
+        the true error was a third of the uncertainty at most, but once 0.99 of it.
 
         Raises
         ------
@@ -509,9 +509,9 @@ class _StickEdge:
 def _stick_edge_at(
     span: Span, piece: Piece, time: Array, slip_zone_load: Array, radius: float
 ) -> _StickEdge:
-    """Steepness of the memory curve at the stick edge, and shift of the centre of stick, at times
-    (n,) of a span of slip; the load at the edge, P_c = P - `slip_zone_load` (n,), lies on a
-    `piece` of the memory curve.
+    """Steepness of the memory curve at the stick edge, changes of P and Q since it was set there,
+    and shift of the centre of stick since then, at times (n,) of a span of slip. The load at the
+    edge, P_c = P - `slip_zone_load` (n,), lies on a `piece` of the memory curve.
 
     The memory curve M(eta) is the tangential force of the flat punches up to the load eta. It was
     set at P_c in stick when P grew to P_c, or by slip at the end of a stroke; m is that instant.
@@ -915,15 +915,15 @@ def _work_at_passed_end(span: Span, radius: float, n_panels: int) -> Array:
 
 # ------------------------------------------------------------------------------- where it holds
 def _one_sided_slip_ratios(span: Span, radius: float, modulus: float) -> Iterator[Array]:
-    """Arrays (n, 4) of coefficients c of o = (alpha_P, alpha_Q, e_P, e_Q) at instants of a span, in
-    slip or in stick: while |c . o| < 1, both sides of the contact slip alike, or stick. Nothing is
+    """Arrays (n, 4) of coefficients k of o = (alpha_P, alpha_Q, e_P, e_Q) at instants of a span, in
+    slip or in stick: while |k . o| < 1, both sides of the contact slip alike, or stick. Nothing is
     yielded for a span of stick in which P does not grow.
 
     1. In slip, the distance of the centres of stick and contact over the width a - c of the slip
        zone.
     2. The slip rate at an edge of contact that tilt and strain cause, a_s' sqrt(a^2 - c^2), over
-       the one that the loads cause, (A/pi) N' arccosh(a/c). In stick, c = a, both functions are in
-       the ratio a; it is taken for slip in each direction.
+       the one that the loads cause, (A/pi) N' arccosh(a/c). In stick c = a: the quotient of root
+       and arccosh is a, and the ratio is taken for slip in each direction.
 
     N = f P - s Q, a_s = f alpha - s eps, A = 2/E*; alpha is the tilt, eps the bulk strain, s the
     direction of slip, ' is d/dt. a and c are the half-widths of contact and stick. `radius` is R of

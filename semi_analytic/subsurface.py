@@ -139,16 +139,16 @@ def stress(
     x_places, y_places, times = _places_and_times(x, y, instants)
     if body not in ("lower", "upper"):
         raise InputError(f"body: {body!r} is neither 'lower' nor 'upper'")
-    side = 1.0 if body == "lower" else -1.0
-    if np.any(side * y_places > 0):
+    sign_of_body = 1.0 if body == "lower" else -1.0
+    if np.any(sign_of_body * y_places > 0):
         raise InputError(
-            f"y: {side * float(np.max(side * y_places)):.6g} is outside the {body} body; y points"
-            " out of the lower one"
+            f"y: {sign_of_body * float(np.max(sign_of_body * y_places)):.6g} is outside the {body}"
+            " body; y points out of the lower one"
         )
-    depth = side * y_places  # <= 0: the upper body as the mirror image of a lower one
+    depth = sign_of_body * y_places  # <= 0: the upper body as the mirror image of a lower one
     poisson_ratio = getattr(scene.material, body).poisson_ratio
 
-    # In the upper body, mirrored to a lower one, shear and xy stress change their sign: `side`.
+    # In the upper body, mirrored to a lower one, shear and xy stress change their sign.
     stresses = np.zeros((len(times), len(x_places), 4))
     if scene.unsymmetric:  # bulk stress, tilt or unequal sides: from the tractions of solutions
         # For each instant a solution, and the number (row) of the instant in it.
@@ -156,7 +156,7 @@ def stress(
         _, profile = path_loads_and_contact(scene)
         for instant_number, (answer, row) in enumerate(answers):
             stresses[instant_number, :, :3] = _stress_by_sine_series(
-                answer, row, profile, x_places, depth, side
+                answer, row, profile, x_places, depth, sign_of_body
             )
         stresses[..., 0] += _bulk_stresses(answers)[:, int(body == "upper"), None]
     else:
@@ -169,11 +169,11 @@ def stress(
             )
             stresses[instant_number, :, :3] = _stress_from_potentials(
                 normal_potential,
-                side * tangential_potential,
+                sign_of_body * tangential_potential,
                 depth * normal_derivative,
-                depth * side * tangential_derivative,
+                depth * sign_of_body * tangential_derivative,
             )
-    stresses[..., 2] *= side
+    stresses[..., 2] *= sign_of_body
     stresses[..., 3] = poisson_ratio * (stresses[..., 0] + stresses[..., 1])
     return stresses
 
@@ -224,6 +224,11 @@ def edge_tension(
     values, uncertainties
         (n_instants, 2, 2) by body (lower, upper) and edge (left, right); out of contact the bulk
         stress alone; an uncertainty is NaN where coarse grids do not follow the path
+
+    Raises
+    ------
+    InputError
+        Without instants, or for a time outside the path.
 
     Examples
     --------
@@ -442,7 +447,7 @@ def _rows_with_tractions(
     """By time, the answer and the number of its instant, for those `times` that the answer covers.
 
     It covers an instant if it has pressure and shear then at 60 points of the contact or more, or
-    if there is no contact. Empty where the answer has no pressure or no shear.
+    if there is no contact. Empty where pressure or shear is NaN anywhere in the answer.
     """
     if not (np.isfinite(answer.pressure).all() and np.isfinite(answer.shear).all()):
         return {}
@@ -555,8 +560,8 @@ def _edge_tensions_of_answer(
 
     The uncertainty is a sum: the change if half of the points are used, and 1e-3 of f times the
     largest pressure, since q/p is taken as straight lines between points. For an answer from grids
-    the change by coarse grids and a fraction of the stated error of the shear are added. Stress and
-    uncertainty are 0 where no point is in contact.
+    the change by coarse grids and a fraction of the stated error of the shear are added; it is NaN
+    where `coarse_shear` is. Stress and uncertainty are 0 where no point is in contact.
 
     Parameters
     ----------
@@ -666,7 +671,8 @@ def _stress_by_sine_series(
     zeta.imag = np.abs(y) / half_width
     root_of_zeta = np.sqrt(zeta - 1) * np.sqrt(zeta + 1)
     omega = zeta - root_of_zeta
-    series_sums = np.zeros((4, len(x)), dtype=complex)  # N, T and the same with k A_k
+    # Sums of N and T over pi, then those with k A_k in the place of A_k for their derivatives.
+    series_sums = np.zeros((4, len(x)), dtype=complex)
     with np.errstate(divide="ignore"):
         log_of_omega = np.log(np.minimum(np.abs(omega), 1 - 1e-12))
         terms_needed = np.minimum(

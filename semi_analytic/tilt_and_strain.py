@@ -112,8 +112,9 @@ def change_by_tilt_and_strain(scene: Scene, effects: BodyEffects) -> Estimate:
     ------
     InputError
         For a scene that states bulk stress, tilt or unequal sides of the profile itself, unlike
-        materials, loads under which half-planes do no friction work. Where grids are needed, also for a path of more than 60
-        segments, a profile that bends down somewhere, a grid that does not converge.
+        materials, loads under which half-planes do no friction work. Where grids are needed, also
+        for a path of more than 60 segments, a profile that bends down somewhere, a grid that does
+        not converge.
     """
     if checked_effects(effects) is None:
         return ZERO_ESTIMATE
