@@ -70,8 +70,8 @@ _INSTANTS_OF_LOADING = 100
 # cycles that were followed.
 _HistoriesByPath = dict[tuple[LoadPath, float], dict[int, "History"]]
 _kept_histories: ContextVar[_HistoriesByPath | None] = ContextVar("histories", default=None)
-# Share of a cycle, or of the whole path, within which somebody else's instant is one of the path's
-# own.
+# Share of a cycle, or of the whole path, within which an instant of the user counts as one of the
+# path.
 INSTANT_SLACK_SHARE = 1e-9
 
 
@@ -195,8 +195,8 @@ def require_admissible(segments: Sequence[LoadSegment], friction: float) -> None
 def _check_part(
     segment: LoadSegment, begin: float, end: float, friction: float, slack: float
 ) -> None:
-    """Refuse a part of a load segment on which |Q| > f P or P < 0 somewhere: InadmissibleLoadError
-    at the first such instant.
+    """Raise InadmissibleLoadError where |Q| > f P or P < 0 on a part of a load segment, with the
+    first such instant; None for an admissible part.
 
     P, Q - f P and Q + f P are monotonic between the times `begin` and `end` of the part, so that
     its end is beyond a limit if anything is. P may be beyond its limit by `slack` [force per

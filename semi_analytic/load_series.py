@@ -270,8 +270,8 @@ def kinds_of_steps(rows: Array, friction: float) -> NDArray[np.int8]:
 
     1 is slip forward, -1 slip in reverse, 0 full stick, 2 unloading. Where P does not fall a step
     slips if |dQ| > f dP, and sticks if not. Where P falls a step slips if |dQ| >= f |dP|. If not,
-    or if both are 0, it is of the last kind: the memory curve, the tangential force carried up to
-    each load, decides on its slip.
+    or if dQ = 0 without friction, it is of kind 2: the memory curve, the tangential force carried
+    up to each load, decides on its slip.
     """
     # dP and dQ of each step
     load_growth, force_rise = np.diff(rows, axis=0).T
@@ -916,9 +916,10 @@ class LoadSeries:
         #           and the memory curve (tangential force up to each load) at its first row;
         #           `first_steps` number of the first step of each part; `times` of all rows
 
-        About 400 a cycle and 100 of the initial loading, evenly spread over each record, a portion
-        of a load step, with both its ends. Of a measured path of more than 1,000 rows they are all
-        rows, or about 400 of them if `thinned`. With `last_cycle_only` only the last part counts.
+        About 400 a cycle and 100 of the initial loading, evenly spread over each portion of a load
+        step in which the stick edge moves along one line of the memory curve, with both its ends.
+        Of a measured path of more than 1,000 rows, `is_long_record`, they are all rows, or about
+        400 of them if `thinned`. With `last_cycle_only` only the last part counts.
         """
         first_part = len(self.parts) - 1 if last_cycle_only else 0
         if self.is_long_record:
@@ -928,18 +929,18 @@ class LoadSeries:
             return times_of_answer, len(row_times) - len(times_of_answer)
         times_of_parts = []
         for part_number, part in enumerate(self.parts[first_part:], first_part):
-            # portions of steps in which the stick edge moves along one line of the memory curve
-            records = follow(part.curve, part.rows[:, 1:], self.friction).records
+            # the portions of the steps of this part
+            portions = follow(part.curve, part.rows[:, 1:], self.friction).records
             row_times = self.times[self.first_steps[part_number] :]
-            step_begin = row_times[records.step_number]
-            step_end = row_times[records.step_number + 1]
-            # A record ends at the share `step_share_at_end` of its step.
-            time_inside_step = step_begin + records.step_share_at_end * (step_end - step_begin)
-            record_ends = np.where(records.step_share_at_end == 1, step_end, time_inside_step)
-            ends_of_records = np.unique(np.append(row_times[0], record_ends))
+            step_begin = row_times[portions.step_number]
+            step_end = row_times[portions.step_number + 1]
+            # A portion ends at the share `step_share_at_end` of its step.
+            time_inside_step = step_begin + portions.step_share_at_end * (step_end - step_begin)
+            portion_ends = np.where(portions.step_share_at_end == 1, step_end, time_inside_step)
+            ends_of_portions = np.unique(np.append(row_times[0], portion_ends))
             is_initial = part_number < self.first_cycle_part
-            # 100 or 400 in all, with the ends of the records
-            times_of_parts.append(evenly_spaced_times(ends_of_records, initial=is_initial))
+            # 100 or 400 in all, with the ends of the portions
+            times_of_parts.append(evenly_spaced_times(ends_of_portions, initial=is_initial))
         return np.unique(np.concatenate(times_of_parts)), 0
 
     def locate(self, time: Array) -> tuple[Indices, Array, Array]:
@@ -1162,7 +1163,7 @@ def _follow_cycles(
     loading, cycle_parts
         rows of time, P and Q of the initial loading and of the cycles that are followed at most
     period
-        of the cycle
+        duration of a cycle
     whole_cycles
         number of whole cycles that the answer covers; 0 for all that are followed, or for the
         first one where they do not repeat
