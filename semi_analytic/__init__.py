@@ -9,8 +9,8 @@ Normal contact::
                             transform of tables
     punch_superposition.py  Ciavarella-Jaeger superposition of flat punches: p, outer displacement
                             and slip kernel of any P(a)
-    tilted_profile.py       the same with tilt and bulk strain, also with unequal sides: families of
-                            nested contact intervals
+    tilted_profile.py       normal contact with tilt and bulk strain, also with unequal sides:
+                            families of nested contact intervals
     opposite_slip.py        large bulk stress at constant P: ends that slip opposite ways (Nowell
                             and Hills)
 
@@ -37,7 +37,7 @@ From a request to an answer::
     friction_work.py        global and pointwise dissipation W and W(x), the area of the loop of Q
                             over U
     quadrature.py           Gauss' rule; trapezoidal rule for singular ends
-    solution.py             `solve`: which of three ways answers a scene
+    solution.py             `solve`: which method answers a scene
     answer.py               the question, what is found, the record of a ContactSolution
     answer_by_memory.py     one memory curve: states, fields, dissipations
     stated_errors.py        how far its values may be from exact ones: an estimate for each kernel
@@ -57,7 +57,8 @@ From a request to an answer::
     odd_memory.py           what tilt and bulk strain of the bodies add to W of a parabola, in the
                             second order, beside the memory curve; centres of contact and stick
     stroke_end.py           what the smooth end of a stroke leaves there
-    tilt_and_strain.py      the same of any profile: in the second order, or on grids
+    tilt_and_strain.py      what tilt and bulk strain of the bodies add to W of any profile: in the
+                            second order, or on grids
     subsurface.py           stress inside the bodies (McEwen), tension at the trailing edge
     largest_values.py       largest pressure, slip, W(x) and tension of a cycle, to 1e-9 of
                             themselves

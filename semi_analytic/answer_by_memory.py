@@ -177,7 +177,7 @@ def findings_by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> F
     NotFoundError
         Where a value of a field, a half-width or an error is not a number.
     """
-    time_at_start = clock.perf_counter()
+    clock_at_start = clock.perf_counter()
     scene = question.scene
 
     # the friction history, and the instants
@@ -193,20 +193,22 @@ def findings_by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> F
 
     # contact, points and instants, then states at the instants and work of the cycles
     request = _request_of(question, bulk_tilt_path, path, time)
-    time_after_history = clock.perf_counter()
+    clock_after_history = clock.perf_counter()
     # friction states, works of cycles, friction work per area W(x) at the different |x|
     path_answer = path_result(path, request)
-    time_after_work = clock.perf_counter()
+    clock_after_work = clock.perf_counter()
 
     # values over time, fields at the points, and their errors
     loads_and_edges = _values_over_time(request, path_answer.snapshot)
     # arcs: curved pieces of the memory curve
-    fields, arc_errors = _fields_at_points(request, path_answer.snapshot, loads_and_edges)
-    time_after_fields = clock.perf_counter()
+    fields_at_points, arc_errors = _fields_at_points(request, path_answer.snapshot, loads_and_edges)
+    clock_after_fields = clock.perf_counter()
     work_of_last_cycle = float(path_answer.works[-1])
     # closed integral of Q dU of the last cycle, U the relative tangential displacement
     loop_work = _loop_work_of(path_answer)
-    errors = _relative_errors(request, path_answer, loads_and_edges, fields, arc_errors, loop_work)
+    errors = _relative_errors(
+        request, path_answer, loads_and_edges, fields_at_points, arc_errors, loop_work
+    )
     # of loads below round-off that were left out
     errors_of_neglect = _errors_of_neglect(question, bulk_tilt_path)
     for name, error in errors_of_neglect.items():
@@ -222,11 +224,11 @@ def findings_by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> F
     termination, message = _term_and_sentence_of_end(path)
     permanent_stick = _permanent_stick(request.contact, path_answer, path.largest_load)
     seconds = {
-        "history": time_after_history - time_at_start,
-        "fields": time_after_fields - time_after_work,
+        "history": clock_after_history - clock_at_start,
+        "fields": clock_after_fields - clock_after_work,
     }
     seconds["dissipation"] = (
-        time_after_work - time_after_history + clock.perf_counter() - time_after_fields
+        clock_after_work - clock_after_history + clock.perf_counter() - clock_after_fields
     )
     # Work of each increment of load, where every instant is a row of the path.
     energy_over_time = {}
@@ -236,7 +238,7 @@ def findings_by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> F
         time=time,
         x=request.x,
         values=loads_and_edges
-        | fields
+        | fields_at_points
         | permanent_stick
         | {
             "dissipation": work_of_last_cycle,
@@ -249,7 +251,7 @@ def findings_by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> F
         message=message,
         notes=tuple(notes),
         errors=errors,
-        certificates=_admissibility_checks(request, path_answer, fields),
+        certificates=_admissibility_checks(request, path_answer, fields_at_points),
         energy=energy_over_time,
         counts={"points_evaluated": len(request.distance), "cycles_solved": len(path.cycles)}
         | path_answer.counts,

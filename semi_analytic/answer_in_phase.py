@@ -28,15 +28,15 @@ _INSTANTS_PER_CYCLE = 400  # of the cycle, besides turning points
 
 
 def findings_in_phase(question: Question, strokes: tuple[Stroke, Stroke]) -> Findings:
-    """Half-plane answer for the steady cycle of loads in phase: pressure, edges, state and friction
-    work under P, Q, bulk strain and tilt that go there and back on one line.
+    """Half-plane answer for the steady cycle of loads in phase: loads, pressure, edges, state and
+    friction work under P, Q, bulk strain and tilt that go there and back on one line.
 
-    The second cycle is steady. What depends on the initial loading is NaN: shear, slip and the
-    tangential displacement. `strokes` are the forward and the reverse half of the cycle, in which Q
-    rises and falls, with slip in one direction each. The question holds scene, points and the
-    fields that are wanted.
+    Instants are those of the second cycle, which is steady. What depends on the initial loading is
+    NaN: shear, slip and the tangential displacement. `strokes` are the forward and the reverse half
+    of the cycle, in which Q rises and falls, with slip in one direction each. The question holds
+    scene, points and the fields that are wanted.
     """
-    time_at_start = clock.perf_counter()
+    clock_at_start = clock.perf_counter()
     scene = question.scene
     path = scene.load.path()
     # P, Q, bulk strain and tilt over time, and the contact under any tilt
@@ -129,7 +129,7 @@ def findings_in_phase(question: Question, strokes: tuple[Stroke, Stroke]) -> Fin
         # PROMISED_ERROR: 1e-12; STROKE_NODE_COUNT: 48
         errors={name: error for name, error in errors.items() if error > PROMISED_ERROR},
         counts={"quadrature_nodes": 4 * STROKE_NODE_COUNT**2, "cycles_solved": 1},
-        seconds={"dissipation": clock.perf_counter() - time_at_start},
+        seconds={"dissipation": clock.perf_counter() - clock_at_start},
     )
 
 

@@ -395,8 +395,8 @@ def _slip_spans(
         how much later than the segment itself the spans are: whole periods of the cycle
     """
     segment = begin_instant.segment
-    slip_level = slip_combination(direction, friction)  # the combination s Q - f P of the loads
-    growth_in_part = float(segment.change_of(slip_level, end_instant.time, begin_instant.time))
+    combination = slip_combination(direction, friction)  # s Q - f P of the loads
+    growth_in_part = float(segment.change_of(combination, end_instant.time, begin_instant.time))
     # _STICK_EDGE_ROUNDOFF_SHARE: 2e-15 of f P
     force_roundoff = _STICK_EDGE_ROUNDOFF_SHARE * friction * end_instant.normal_load
     span_begin = begin_instant
@@ -415,7 +415,7 @@ def _slip_spans(
             continue
         # Both relative to the level at the instant from which the piece is measured.
         level_at_begin = float(
-            combination_change(curve.anchor, segment, slip_level, begin_instant.time)
+            combination_change(curve.anchor, segment, combination, begin_instant.time)
         )
         level_at_bottom = float(
             slip_combination_on_piece(curve, direction, friction, curve.bottom_load)
@@ -432,7 +432,7 @@ def _slip_spans(
             break
         # when the level has grown to that of the lower end
         passing_time = segment.time_of(
-            slip_level, growth_to_bottom, begin_instant.time, end_instant.time
+            combination, growth_to_bottom, begin_instant.time, end_instant.time
         )
         passing_instant = instant(segment, float(passing_time))
         if passing_instant.time > span_begin.time:
@@ -999,14 +999,14 @@ def corner_times(contact: Contact, span: Span) -> Array:
         loads_on_piece = corner_loads[
             (corner_loads > piece.bottom_load) & (corner_loads < piece.top_load)
         ]
-        # s Q - f P, relative to its value at the anchor
-        slip_level = slip_combination(span.direction, span.friction)
-        level_at_begin = float(combination_change(piece.anchor, segment, slip_level, begin.time))
+        # levels: s Q - f P, relative to its value at the anchor
+        combination = slip_combination(span.direction, span.friction)
+        level_at_begin = float(combination_change(piece.anchor, segment, combination, begin.time))
         levels_at_corners = slip_combination_on_piece(
             piece, span.direction, span.friction, loads_on_piece
         )
         times_of_passing_corners.append(
-            segment.time_of(slip_level, levels_at_corners - level_at_begin, begin.time, end.time)
+            segment.time_of(combination, levels_at_corners - level_at_begin, begin.time, end.time)
         )
     shortest_time = 1e-12 * max(abs(begin.time), abs(end.time), end.time - begin.time)
     sorted_times = np.sort(np.concatenate(times_of_passing_corners))

@@ -300,9 +300,10 @@ class _Search:
         friction = self.scene.friction.coefficient
         for segment, begin, end in self.monotonic_parts:
             turning_times += [begin, end]
-            for slip_level in (slip_combination(1, friction), slip_combination(-1, friction)):
+            # Q - f P and -Q - f P
+            for combination in (slip_combination(1, friction), slip_combination(-1, friction)):
                 turning_times += [
-                    time for time in segment.turning_points(slip_level) if begin < time < end
+                    time for time in segment.turning_points(combination) if begin < time < end
                 ]
         return np.unique(turning_times)
 
@@ -345,21 +346,23 @@ class _Search:
             contact passes one of the places.
             """
             time = np.unique(np.concatenate([self.turning_times, self._times_of_passing_edge(x)]))
-            # slip and edges of contact at these instants
-            answer = self._answer_at(x, time, ("slip",))
+            # slip, P and edges of contact at these instants
+            answer_at_x = self._answer_at(x, time, ("slip",))
             # rows of the last cycle
             cycle_rows = (
-                answer.last_cycle if self.on_straight_steps else np.arange(len(answer.time))
+                answer_at_x.last_cycle
+                if self.on_straight_steps
+                else np.arange(len(answer_at_x.time))
             )
-            edges = answer.contact_edges[cycle_rows]
+            edges = answer_at_x.contact_edges[cycle_rows]
             # 1e-10 of the contact width at the largest load
             edge_tolerance = _EDGE_TOLERANCE_SHARE * float(np.diff(self.widest_edges)[0])
             is_within_edges = (x >= edges[:, :1] - edge_tolerance) & (
                 x <= edges[:, 1:] + edge_tolerance
             )
-            is_in_contact = is_within_edges & (answer.normal_load[cycle_rows] > 0)[:, None]
+            is_in_contact = is_within_edges & (answer_at_x.normal_load[cycle_rows] > 0)[:, None]
             # largest minus smallest slip while in contact
-            return range_of_slip(answer.slip[cycle_rows], is_in_contact)
+            return range_of_slip(answer_at_x.slip[cycle_rows], is_in_contact)
 
         # searched for over x, between the kinks
         return self._largest_over_contact("slip_place", slip_ranges)
@@ -400,8 +403,8 @@ class _Search:
         ends_of_cycle = self.instants[[0, -1]]
 
         def work_densities(x: Array) -> Array:
-            answer = self._answer_at(x, ends_of_cycle, ("dissipation_density",))
-            return np.asarray(answer.dissipation_density)
+            answer_at_x = self._answer_at(x, ends_of_cycle, ("dissipation_density",))
+            return np.asarray(answer_at_x.dissipation_density)
 
         return self._largest_over_contact("dissipation_density_place", work_densities)
 

@@ -177,11 +177,12 @@ class Stroke:
         return all(bool(np.min(slip_rates) >= least_slip_rate) for slip_rates in rates_at_edges)
 
     def work(self, count: int = STROKE_NODE_COUNT) -> float:
-        """Friction work of this stroke, from one end of the cycle to the other: the integral of f p
-        |ds| over both slip zones and the stroke [energy per thickness].
+        """Friction work of this stroke, from one turning point of the loads to the other: the
+        integral of f p |ds| over both slip zones and the stroke [energy per thickness].
 
-        `count` nodes are taken along x and along the stroke; they suit square roots at both ends. A
-        zone lies on each side of the stick zone, up to the edge of contact.
+        f is the friction, p the pressure, s the slip. `count` nodes are taken along x and along the
+        stroke; they suit square roots at both ends. A slip zone lies on each side of the stick
+        zone, up to the edge of contact.
         """
         nodes, weights = _end_root_quadrature(count)
         stroke_fraction = nodes[:, None]  # rows are instants, columns points

@@ -75,8 +75,9 @@ def fretting_map(
     Returns
     -------
     FrettingMap
-        At constant P without an error of the steps; else as with about 200 steps a cycle. The
-        dissipation leaves out tilt, bulk strain and the next order of the bodies' compliance.
+        At constant P a stroke is one step and leaves no step error; else a cycle has about 200
+        steps. The dissipation leaves out tilt, bulk strain and the next order of the bodies'
+        compliance.
 
     Raises
     ------

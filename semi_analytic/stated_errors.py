@@ -64,9 +64,10 @@ def roundoff_error_of_little_slip(quantity: str, share: float) -> float:
     """Relative error of "slip", "dissipation" or "dissipation_density" by the last digits of P_c,
     the load at the stick edge.
 
-    `share` is the load P - P_c of the slip zones over P. The error is 0 where it is below the
-    accuracy of closed forms, 1e-12, or nothing slips. _ERROR_OVER_THAT_OF_SLIP_LOAD is 8 for slip,
-    3 for both others: the error over that of P - P_c.
+    `share` is the load P - P_c of the slip zones over P. All three errors are 0 where nothing
+    slips, or where the largest of them, that of slip, is within the accuracy of closed forms,
+    1e-12. _ERROR_OVER_THAT_OF_SLIP_LOAD is 8 for slip, 3 for both others: the error over that of
+    P - P_c.
     """
     # LAST_DIGITS: four round-offs
     error_of_slip_load = LAST_DIGITS / share if share > 0 else 0.0
@@ -209,10 +210,11 @@ def errors_of_sums(contact: Contact, sums: SumsOfKernels) -> dict[str, float]:
 
     They hold farther than 1 % of a half-width from the edges of contact and of stick. With "at the
     edge" behind the name they hold at the points themselves, however near. A kernel is a pressure
-    or slip integral of the contact under one load; a sum has at most `n_kernels`. Pressure and
-    shear are over the largest p and f p, slip over the largest slip; without pressure or slip they
-    are left out. Of closed forms, and of tilted contacts, only errors along arcs are there, above
-    1e-12.
+    or slip integral of the contact under one load; a sum has at most `n_kernels`. The record `sums`
+    holds points, loads and half-widths at which kernels are sampled. Pressure and shear are over
+    the largest p and f p, slip over the largest slip; without pressure or slip they are left out.
+    Of closed forms, and of tilted contacts, only errors along arcs are there, above 1e-12; arcs are
+    curved pieces of the memory curve.
     """
     # 25 points
     sampled_places = sums.distances[_evenly_spread_numbers(len(sums.distances), _SAMPLED_PLACES)]

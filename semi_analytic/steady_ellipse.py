@@ -1526,8 +1526,8 @@ def works_by_lam(
     # rows: reverse slip, later and earlier forward slip, without the constant factors
     sums_by_phase = np.empty((3, len(order_by_kind)))
     ends_of_kinds = np.cumsum(np.bincount(kind_of_ellipse, minlength=2 * len(_LAM_RULES)))
-    # Used again and again: what is allocated once stays in the cache.
-    memory = np.empty(12 * max(_NODES_AT_ONCE, 64 * len(_LAM_RULES[-1][0])))
+    # For intermediate values: what is allocated once stays in the cache.
+    buffer = np.empty(12 * max(_NODES_AT_ONCE, 64 * len(_LAM_RULES[-1][0])))
     for kind_number in np.flatnonzero(np.diff(ends_of_kinds, prepend=0)).tolist():
         # as many as have 16,384 nodes together
         ellipses_at_once = max(_NODES_AT_ONCE // len(_LAM_RULES[kind_number // 2][0]), 64)
@@ -1542,7 +1542,7 @@ def works_by_lam(
                 parameters_by_kind[:, columns],
                 _LAM_RULES[kind_number // 2],
                 lam_kernel,
-                memory,
+                buffer,
             )
     integral_of_reverse_slip, integral_of_later_slip, integral_of_early_slip = 2 * sums_by_phase
 
