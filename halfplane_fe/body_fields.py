@@ -454,15 +454,15 @@ def _tension_change_by_new_contact(solution: ContactSolution, step: int) -> Arra
     rim_pressure = nodal_tractions.pressure[rim_nodes]
     distances_of_rim = np.abs(nodal_tractions.x[rim_nodes] - solution.contact_edges[step])
 
-    # Jump of q/p between the strip of each increment and the contact before it.
-    q_over_p = q_increments[start_of_growth:] / p_increments[start_of_growth:]
+    # Jump of q/p between the strip of each increment, where it is dQ/dP, and the contact before.
+    ratio_in_strips = q_increments[start_of_growth:] / p_increments[start_of_growth:]
     # q/p at the edge before each increment: before the first, that of the rim node.
-    ratio_before = np.tile(np.append(np.nan, q_over_p[:-1])[:, None], 2)
+    ratio_before = np.tile(np.append(np.nan, ratio_in_strips[:-1])[:, None], 2)
     ratio_before[0] = nodal_tractions.shear[rim_nodes] / rim_pressure
     strip_widths = np.abs(
         solution.contact_edges[step] - solution.contact_edges[start_of_growth:step]
     )
-    jump_of_ratio = np.abs(q_over_p[-1] - ratio_before)
+    jump_of_ratio = np.abs(ratio_in_strips[-1] - ratio_before)
 
     # Change of s_xx by each strip, (n_increments, 2): (4/pi) c K sqrt(w).
     pressure_at_width = rim_pressure * np.sqrt(strip_widths / distances_of_rim)
@@ -1558,8 +1558,9 @@ def _nodal_stress(
     element_areas = basis.dx.sum(axis=1)[:, None]
     cells = cells_of(basis.mesh, condensed_body.order).ravel()
     n_nodes = basis.mesh.p.shape[1]
-    areas_of_nodes = np.broadcast_to(element_areas, stress_at_element_nodes.shape[1:]).ravel()
-    areas = np.bincount(cells, areas_of_nodes, n_nodes)
+    # the area of its element for each node of each element
+    areas_of_cells = np.broadcast_to(element_areas, stress_at_element_nodes.shape[1:]).ravel()
+    areas = np.bincount(cells, areas_of_cells, n_nodes)
     weighted_sums = [
         np.bincount(cells, (element_areas * component).ravel(), n_nodes)
         for component in stress_at_element_nodes

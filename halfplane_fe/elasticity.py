@@ -536,7 +536,8 @@ def _elimination_ranks(system: System, stiffness: sparse.csr_matrix) -> Indices:
     stiff_nodes = np.flatnonzero(stiffness.diagonal()[: 2 * n_nodes : 2])
     remaining_dofs = np.concatenate([system.contact_dofs[0], system.reaction_dofs[0]])
     inner_nodes = stiff_nodes[~np.isin(2 * stiff_nodes, remaining_dofs)]
-    # The pressure r of contact nodes comes last: first of all, it would fill the factors.
+    # The mixed pressure r of contact nodes has the last rank too: ranked first, it would fill the
+    # factors.
     ranks = np.full(n_nodes, n_nodes)
     if len(inner_nodes):
         # `perm_c` of the sparse factors is the rank of each row in the order of elimination.
@@ -815,8 +816,9 @@ def _tension_response_and_error(
 def _held_on_arc(
     system: System, subspace: _Subspace, arc_numbers: Indices
 ) -> tuple[Indices, Indices]:
-    """Split the degrees of freedom on the arc of a half-disc into a few that are held against rigid
-    motion and the others, ascending. One is held for each rigid motion in the subspace.
+    """Split the motions of a subspace that move the arc of a half-disc into a few that are held at
+    zero, against rigid motion, and the others, ascending. One is held for each rigid motion in the
+    subspace.
 
     Pivoted QR of the rigid motions picks those that hold best.
 

@@ -292,12 +292,12 @@ def _displacements_by_stress_and_tilt(
     return stretch_of_lower_body, stretch_of_upper_body, displacement_by_tilt
 
 
-# Distance of two nodes over the element size within which the mesh error of N - T and K dies out,
+# Distance of two nodes, in distances of neighbouring nodes there (half an element of order 2),
+# within which the mesh error of N - T and K dies out,
 _ELEMENTS_WITH_MESH_ERROR = 8.5
 # and up to which the smooth part is read off beyond that.
 _ELEMENTS_TO_MEAN_END = 10.5
-# Digits behind the point of a distance over the element size: far more than matter, and fewer than
-# round-off changes.
+# Digits behind the point of such a distance: far more than matter, fewer than round-off changes.
 _DIGITS_OF_DISTANCES = 9
 # Polynomial in x_i and x_j for the smooth part of a compliance: largest degree in both together,
 _LARGEST_DEGREE = 8
@@ -318,7 +318,8 @@ def without_mesh_error(interface: Interface, scene: Scene) -> Interface | None:
     along itself, whether it presses or shears. So N - T is smooth, and K smooth on either side of
     its jump at x = x'. A mesh of quadratic elements adds errors over the next ten nodes, whatever
     the element size. They make the contact (by N) longer or shorter, against the stick zone
-    (by T), by a part of an element. Wherever edges move, W then has an error of first order.
+    (by T), by a part of an element. Wherever edges move, the friction work W then has an error of
+    first order in the element size.
 
     Here N - T is replaced by a smooth fit near the diagonal: N stays, and T changes. So is K, on
     each side of the diagonal. The singular parts of N and T thereby become equal.
@@ -334,20 +335,20 @@ def without_mesh_error(interface: Interface, scene: Scene) -> Interface | None:
     """
     if not _has_room_beyond_mesh_error(interface, scene):
         return None
-    # signed distance (n, n) of two nodes over the element size; the band is 8.5 of these wide
-    distances_in_elements = _distances_in_elements(interface.x)
-    # _ELEMENTS_WITH_MESH_ERROR: 8.5 elements, over which the mesh error of a compliance dies out
-    is_in_band = np.abs(distances_in_elements) <= _ELEMENTS_WITH_MESH_ERROR
-    tangential_compliance = _tangential_with_normal_mesh_error(interface, distances_in_elements)
+    # signed distance (n, n) of two nodes, in distances of neighbouring nodes there
+    distances_in_spacings = _distances_in_elements(interface.x)
+    # _ELEMENTS_WITH_MESH_ERROR: 8.5 of these, over which the mesh error of a compliance dies out
+    is_in_band = np.abs(distances_in_spacings) <= _ELEMENTS_WITH_MESH_ERROR
+    tangential_compliance = _tangential_with_normal_mesh_error(interface, distances_in_spacings)
 
     # Coupling in the band: smooth on either side of the diagonal, the mean of both on it.
     coupling = interface.coupling
     if coupling is not None:
-        smooth_part_on_left = _smooth_compliance(coupling, interface.x, distances_in_elements)
-        smooth_part_on_right = _smooth_compliance(coupling, interface.x, -distances_in_elements)
-        smooth_part = np.where(distances_in_elements > 0, smooth_part_on_left, smooth_part_on_right)
+        smooth_part_on_left = _smooth_compliance(coupling, interface.x, distances_in_spacings)
+        smooth_part_on_right = _smooth_compliance(coupling, interface.x, -distances_in_spacings)
+        smooth_part = np.where(distances_in_spacings > 0, smooth_part_on_left, smooth_part_on_right)
         mean_of_sides = (smooth_part_on_left + smooth_part_on_right) / 2
-        smooth_part = np.where(distances_in_elements == 0, mean_of_sides, smooth_part)
+        smooth_part = np.where(distances_in_spacings == 0, mean_of_sides, smooth_part)
         coupling = read_only_copy(np.where(is_in_band, smooth_part, coupling))
     return replace(
         interface, tangential_compliance=read_only_copy(tangential_compliance), coupling=coupling
@@ -363,7 +364,7 @@ def _has_room_beyond_mesh_error(interface: Interface, scene: Scene) -> bool:
     the half-width of their faces and the depth of material below.
     """
     spacing = np.diff(interface.x)
-    # _ELEMENTS_TO_MEAN_END: 10.5 elements
+    # _ELEMENTS_TO_MEAN_END: 10.5 node distances
     n_nodes_needed = int(_ELEMENTS_TO_MEAN_END)
     room_beside_contact = least_face_half_width(scene) - float(np.abs(interface.x).max())
     return (
@@ -377,21 +378,21 @@ def _tangential_with_normal_mesh_error(interface: Interface, distances_in_elemen
     """Tangential compliance T (n, n) whose mesh error between nearby nodes is replaced by that of
     the normal compliance N, so that N - T is smooth.
 
-    Within 8.5 element sizes of the diagonal N - T is replaced by a smooth fit of its values further
-    away; beyond, T stays. Elements are exact for a uniform traction, so that each row of the change
-    of T has to have the sum 0, weighted by the length of face. The part within 8.5 sizes alone has
-    not: what it lacks is subtracted, spread over 17 sizes. Without this, W of Cattaneo-Mindlin's
-    cycle stays 6e-5 too small on any mesh.
+    Within 8.5 node distances of the diagonal N - T is replaced by a smooth fit of its values
+    further away; beyond, T stays. Elements are exact for a uniform traction, so that each row of
+    the change of T has to have the sum 0, weighted by the length of face. The change within 8.5
+    node distances alone has not: what is left of the sum is subtracted, spread over 17. Without
+    this, the friction work of Cattaneo-Mindlin's cycle stays 6e-5 too small on any mesh.
 
     Parameters
     ----------
     interface
         condensed compliances N and T, and the length of face of each node, (n,) `face_lengths`
     distances_in_elements
-        (n, n) signed distance of two nodes over the size of the elements there
+        (n, n) signed distance of two nodes, in distances of neighbouring nodes there
     """
     # T near the diagonal: N minus the smooth part of N - T.
-    # _ELEMENTS_WITH_MESH_ERROR: 8.5 elements, over which the mesh error of a compliance dies out
+    # _ELEMENTS_WITH_MESH_ERROR: 8.5 node distances, over which the mesh error dies out
     is_in_band = np.abs(distances_in_elements) <= _ELEMENTS_WITH_MESH_ERROR
     smooth_difference = _smooth_compliance(
         interface.normal_compliance - interface.tangential_compliance,
@@ -421,31 +422,33 @@ def least_depth(scene: Scene) -> float:
 
 
 def _distances_in_elements(x: Array) -> Array:
-    """Signed distance x_i - x_j of the contact nodes over the larger element size at i and at j,
-    (n, n): between equal elements it counts nodes.
+    """Signed distance x_i - x_j of the contact nodes, (n, n), over the distance of neighbouring
+    nodes, the larger one of i and of j: between equal elements it counts nodes. `x` (n,) ascending.
 
-    The mesh error of large elements reaches 8.5 of their sizes, so that small elements beside them
-    count as larger. Distances are rounded to nine digits behind the point: they are compared with a
-    number of nodes, and round-off of x must not decide on which side they lie.
+    The mesh error of large elements reaches 8.5 of their node distances, so that smaller ones
+    beside them count as larger. The result is rounded to nine digits behind the point: it is
+    compared with a number of nodes, and round-off of x must not decide on which side it lies.
     """
-    spacing = np.diff(x)  # x (n,) are ascending
-    size_on_right = np.append(spacing, spacing[-1])
-    size_on_left = np.insert(spacing, 0, spacing[0])
+    spacing = np.diff(x)
+    spacing_on_right = np.append(spacing, spacing[-1])
+    spacing_on_left = np.insert(spacing, 0, spacing[0])
     distance = np.subtract.outer(x, x)
-    largest_size_beside = np.maximum(size_on_right, size_on_left)
-    # The size that counts at a node falls linearly with the distance from a large element.
-    # _ELEMENTS_WITH_MESH_ERROR: 8.5 elements, over which the mesh error of a compliance dies out
-    size_at_node = np.max(
-        largest_size_beside - np.abs(distance) / _ELEMENTS_WITH_MESH_ERROR, axis=1
+    larger_spacing_beside = np.maximum(spacing_on_right, spacing_on_left)
+    # The spacing that counts at a node falls linearly with the distance from a large element.
+    # _ELEMENTS_WITH_MESH_ERROR: 8.5 node distances, over which the mesh error dies out
+    spacing_at_node = np.max(
+        larger_spacing_beside - np.abs(distance) / _ELEMENTS_WITH_MESH_ERROR, axis=1
     )
-    return np.round(distance / np.maximum.outer(size_at_node, size_at_node), _DIGITS_OF_DISTANCES)
+    return np.round(
+        distance / np.maximum.outer(spacing_at_node, spacing_at_node), _DIGITS_OF_DISTANCES
+    )
 
 
 def _smooth_compliance(matrix: Array, x: Array, distances_in_elements: Array) -> Array:
     """Smooth part (n, n) of a compliance matrix that has a mesh error between nearby nodes.
 
-    A polynomial in x_i and x_j is fitted to the pairs of nodes further apart than 8.5 element
-    sizes. The mean residual at 8.5 to 10.5 sizes is added to it.
+    A polynomial in x_i and x_j is fitted to the pairs of nodes further apart than 8.5 distances of
+    neighbouring nodes. The mean residual at 8.5 to 10.5 of these is added to it.
 
     Parameters
     ----------
@@ -454,8 +457,8 @@ def _smooth_compliance(matrix: Array, x: Array, distances_in_elements: Array) ->
     x
         (n,) places of the nodes [length]
     distances_in_elements
-        (n, n) distance of two nodes over the element size. If it is signed, only pairs on the
-        positive side of the diagonal are fitted
+        (n, n) distance of two nodes, in distances of neighbouring nodes. If it is signed, only
+        pairs on the positive side of the diagonal are fitted
     """
     # Nodes next to 48 Chebyshev points along the face; pairs of them that are far enough apart.
     unit_x = 2 * (x - x[0]) / (x[-1] - x[0]) - 1
@@ -463,7 +466,7 @@ def _smooth_compliance(matrix: Array, x: Array, distances_in_elements: Array) ->
     sample_nodes = np.searchsorted(unit_x, chebyshev_places).clip(0, len(x) - 1)
     # With their mirror images, so that a symmetric compliance stays symmetric.
     sample_nodes = np.union1d(sample_nodes, len(x) - 1 - sample_nodes)
-    # _ELEMENTS_WITH_MESH_ERROR: 8.5 elements, over which the mesh error of a compliance dies out
+    # _ELEMENTS_WITH_MESH_ERROR: 8.5 node distances, over which the mesh error dies out
     row_samples, column_samples = np.nonzero(  # positions among the sample nodes
         distances_in_elements[np.ix_(sample_nodes, sample_nodes)] > _ELEMENTS_WITH_MESH_ERROR
     )
@@ -486,13 +489,13 @@ def _smooth_compliance(matrix: Array, x: Array, distances_in_elements: Array) ->
 
 
 def _mean_beyond_mesh_error(matrix: Array, distances_in_elements: Array) -> Array:
-    """Mean of a matrix (n, n) over its entries 8.5 to 10.5 element sizes from the diagonal, (n, n):
-    for the entry i, j half from row i and half from column j.
+    """Mean of a matrix (n, n) over its entries 8.5 to 10.5 node distances from the diagonal,
+    (n, n): for the entry i, j half from row i and half from column j.
 
     Where the row or the column has no such entries, the other counts alone. `distances_in_elements`
-    (n, n) is the distance of two nodes over the size of the elements.
+    (n, n) is the distance of two nodes, in distances of neighbouring nodes.
     """
-    # _ELEMENTS_WITH_MESH_ERROR: 8.5 elements, over which the mesh error of a compliance dies out
+    # _ELEMENTS_WITH_MESH_ERROR: 8.5 node distances; _ELEMENTS_TO_MEAN_END: 10.5
     is_counted = (distances_in_elements > _ELEMENTS_WITH_MESH_ERROR) & (
         distances_in_elements <= _ELEMENTS_TO_MEAN_END
     )

@@ -8,7 +8,7 @@ With gap g >= 0, pressure p >= 0, slip increment ds of the upper face and shear 
 
 Both are one projection: for any r > 0, (p, q) = project(p - r g, q + r ds). The penalty law is the
 same projection with an elastic layer between the faces, p = project(-g/k_n), q = project(q_old +
-ds/k_t): see `contact.Layer`.
+ds/k_t): see `systems.Layer`.
 
 Source: Alart and Curnier (1991), Simo and Laursen (1992); return mapping as in plasticity.
 """

@@ -158,7 +158,7 @@ def run_at_all_nodes(run: PathRun, faces: Interface) -> PathRun:
 
     A state's values are approach, shift and tilt, then slip, p, q and gap of the nodes. Each is
     that of the mirror image times a factor. It is 1/2 for p and q, which are forces of a node and
-    its image together. Slip and q change sign at x < 0 where they are odd.
+    its image together (1 at x = 0). Slip and q change sign at x < 0 where they are odd.
 
     Parameters
     ----------

@@ -81,11 +81,11 @@ def mortar(lower_face: Side, upper_face: Side) -> Mortar:
     """Dual mortar coupling of two contact faces: operators that give gap and slip at the n nodes of
     the lower face as weighted means of the displacements of both faces.
 
-    Points above each other are compared along normal n and tangent t of the line half-way between
-    the faces. With psi_j the dual function (Lagrange multiplier) of node j of the lower face, and
-    w_j = int psi_j:
+    Points above each other are compared along the unit normal N and tangent T of the line half-way
+    between the faces. With psi_j the dual function (Lagrange multiplier) of node j of the lower
+    face, and w_j = int psi_j:
 
-        gap_j = int psi_j n (X_u + u_u - X_l - u_l) / w_j,   slip_j = int psi_j t (u_u - u_l) / w_j
+        gap_j = int psi_j N (X_u + u_u - X_l - u_l) / w_j,   slip_j = int psi_j T (u_u - u_l) / w_j
 
     # notation: X places, u displacements, subscripts u, l of the upper and the lower face; in
     # subscripts of einsum s segments of the common refinement, m Gauss points of each, k, l nodes

@@ -37,7 +37,7 @@ class SolverSettings:
         `FiniteElementSolution.penalty`. Of active_set the weights of gap and slip in the trial
         tractions, of augmented_lagrangian the penalty: the answer does not depend on them
     steps_per_cycle
-        regular increments of one revolution or of the longest leg of a polygon; instants at
+        regular increments of one revolution or of the longest side of a polygon; instants at
         which a node touches or lets go, and the turning points of the path, come on top, and so
         do halved increments
     step_tolerance

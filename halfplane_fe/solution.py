@@ -194,7 +194,8 @@ def solve(
     InadmissibleLoadError
         If the path has gross sliding or separation, with instant and loads.
     ConvergenceError
-        With `partial`, the solution up to the last accepted increment.
+        Where an increment does not converge, or the contact reaches the end of its mesh. Its
+        `partial` is the solution up to there.
 
     Examples
     --------
@@ -206,7 +207,7 @@ def solve(
     # where they share busy cores.
     with threadpool_limits(limits=1, user_api="blas"):
         # without `progress` nothing is reported
-        report = progress or (lambda _step, _of_steps, _text: None)
+        report = progress or (lambda _n_done, _n_parts, _text: None)
         if bodies not in get_args(Bodies):
             raise InputError(f"bodies = {bodies!r} is refused: it is 'meshed' or 'kernel'")
         return _solve(

@@ -29,7 +29,7 @@ def check_bulk_stress(scene: Scene) -> None:
     Raises
     ------
     InputError
-        For a bulk stress other than 0 in a pad, a cylinder or a block with guided sides.
+        For a bulk stress other than 0 in any body but a half-plane or a block with free sides.
     """
     stress_histories = [
         segment.bulk for segment in prescribed_path(scene).segments(1) if segment.bulk is not None

@@ -72,7 +72,7 @@ def surface_grading(
 ) -> SurfaceGrading:
     """Element sizes along the face of a body: finest where edges of contact and stick travel, from
     just inside the innermost to just outside the outermost place they reach. Where fewer than four
-    elements of the other size would fit inside that zone, it begins at x = 0.
+    of the larger elements fit between x = 0 and that zone, it begins at x = 0.
 
     Parameters
     ----------
