@@ -50,9 +50,10 @@ def advise(
     Raises
     ------
     InputError
-        Where the scene has no friction, or theory dissipates nothing.
+        Where the scene has no friction.
     NoAdvice
-        Where neither corrected theory nor kernels take the scene.
+        An InputError too: where neither corrected theory nor kernels take the scene, also because
+        theory dissipates nothing.
 
     Examples
     --------

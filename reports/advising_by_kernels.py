@@ -120,8 +120,9 @@ def changes_of(
     solution: ContactSolution, theory: ContactSolution | None = None
 ) -> dict[str, Change]:
     """How much the values of a solution of real bodies differ from those of half-plane theory: for
-    each quantity its name, theory's value, and solution/theory - 1. Its uncertainty is what the
-    solution states, over theory's value; NaN where theory has none, or 0.
+    each quantity its name, theory's value, and the change solution/theory - 1. The uncertainty of
+    the change is what the solution states, over theory's value. Both are NaN where theory has no
+    value, or 0.
 
     The solution is by finite elements, or by half-planes with the compliance of the bodies added
     (kernels). Theory is solved where it is not given.

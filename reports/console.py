@@ -274,8 +274,8 @@ class _Layout(NamedTuple):
 def _layout(rows: Sequence[Sequence[str]], total_width: int) -> _Layout:
     """The layout of a table within `total_width`, its first row being the heads, its rules the
     vertical strokes between columns and at both ends: the widest in which no cell needs a second
-    line. Where there is none, the layout with the fewest lines; one without columns where no layout
-    is as narrow as that.
+    line. Where there is none, the layout with the fewest lines; one whose `widths` are empty where
+    words would have to be broken in each.
 
     >>> _layout([("a head", "b"), ("12 words", "c")], 12)
     _Layout(blanks=0, has_outer_rules=True, widths=[8, 1])

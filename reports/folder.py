@@ -317,6 +317,8 @@ def results_folder(
                 _move_solutions(staging_folder, folder, stale_prefixes, out, solutions, fault)
                 raise
             sentence = ""
+            # `_remove_all_except`: names of the solutions that were written; other files are
+            # removed
             if is_moving or _remove_all_except(new_results_folder, solutions):
                 cleanup.pop_all()  # nothing is removed
                 sentence = _place_of_rescued_files(staging_folder)

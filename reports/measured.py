@@ -522,7 +522,8 @@ class LoadCycles:
 
 
 def load_cycles(solution: ContactSolution) -> LoadCycles | None:
-    """Cycles of Q in a measured record of loads, by rainflow count, with the dissipation of each.
+    """Cycles of Q in a measured record of loads, by rainflow count, with the dissipation of each;
+    and the dissipation since the first instant at each later one.
 
     None for other loads, for results of other programs, and where the solution does not hold the
     work of each instant. Of a record that repeats, they are counted over one period that begins at

@@ -234,7 +234,7 @@ def _values_with_other_noise(
     scene
         whose profile was fitted; its name stands in the message
     fit
-        record of the fit, with its noise
+        record of the fit, with the standard deviation of the noise of h
     pattern
         residuals (m,) of the m fitted rows where they have a pattern along x, which is added at
         another place; None: they are noise
@@ -249,8 +249,8 @@ def _values_with_other_noise(
     values_of_resamples = []
     for _ in range(count):
         # Heights of standard deviation 1 for each row; keys of the profile fitted to them, or None.
-        noise = _simulated_noise(random, fit, pattern)
-        profile_keys = fitted_again(scene.profile, noise)
+        simulated_noise = _simulated_noise(random, fit, pattern)
+        profile_keys = fitted_again(scene.profile, simulated_noise)
         values = _values_under_other_fit(scene, profile_keys, work_method)
         if values is not None:
             values_of_resamples.append(values)

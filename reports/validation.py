@@ -155,8 +155,8 @@ def result_against_theory(
         of the result with theory: `metric(key)` is the relative difference of a value (`absolute`
         where it is not relative)
     effects
-        uncertainties of theory's values by the scene's inputs. Nothing is compared where it is
-        None, for none are stated, or where it is not known
+        uncertainties of theory's values by the scene's inputs, with `reason_unknown` where they are
+        not known; None where none are stated. In both cases nothing is compared
     measured_uncertainties
         relative standard uncertainties of the result, as the mapping file states them; those that
         it does not state count as 0
@@ -213,8 +213,9 @@ def loop_area_against_models(
         `loops`: the measured loop first, then the loops computed beside it, each with its area
         [energy / thickness]
     effects
-        `work_uncertainty`: standard uncertainty of theory's W over W by the scene's inputs. Nothing
-        is compared where it is None, for none are stated, or where it is not known
+        `work_uncertainty`: standard uncertainty of theory's W over W by the scene's inputs, NaN
+        where it is not known; None where no uncertainties are stated. In both cases nothing is
+        compared
     measured_uncertainties
         relative standard uncertainties of the measurement, as the mapping file states them
 

@@ -251,8 +251,10 @@ def _levelled_trace(x: Array, h: Array, request: FitRequest) -> _Trace:
     """Prepare measured points x, h (n,) for a fit: level a trace that is tilted as a whole, and
     decide whether its middle (axis of symmetry) and a remaining tilt are fitted.
 
-    A stated tilt is removed as it is. Points on one side of the middle show no tilt. Nor does a
-    parabola whose middle is fitted: a tilt only moves it.
+    Returned are the levelled heights (n,) and the tilt that was removed; the middle where it is
+    known, else None; whether all points lie on one side of it; whether a tilt is fitted; and the x
+    at which the search for the middle begins. A stated tilt is removed as it is. Points on one side
+    of the middle show no tilt. Nor does a parabola whose middle is fitted: a tilt only moves it.
 
     Parameters
     ----------
@@ -465,7 +467,8 @@ def _fit_about(
 
     Places and heights are made dimensionless first, by the largest distance from that middle and by
     the range of h: so no fit depends on the units of the trace. The middle itself may be fitted
-    too, and then differs from the assumed one.
+    too, and then differs from the assumed one. Returned are the fitted points, the assumed middle,
+    both units, and the dimensionless fit.
 
     Parameters
     ----------
@@ -624,11 +627,11 @@ def fitted_again(
     ----------
     profile
         a profile of a scene that was fitted: `height` is its gap h(x), and `fitted` the record of
-        the fit: measured rows, centre, offset (h at the centre), tilt, noise; `centre_fitted` and
-        `tilt_fitted` state whether these two were fitted or stated
+        the fit: measured rows, centre, offset (h at the centre), tilt, `noise` (standard deviation
+        of h); `centre_fitted` and `tilt_fitted`: whether these two were fitted, not stated
     noise
-        (n,) random heights of standard deviation 1, one for each fitted point: the simulated points
-        are the first fit plus its own noise times these; None: the measured points
+        (n,) random heights of standard deviation 1, one for each fitted point. Times the standard
+        deviation `fitted.noise` they are added to the first fit; None: the measured points
     smoothing
         factor on the smoothing weight of the first fit
     """

@@ -648,9 +648,9 @@ class StraightLoad(BulkAndTilt[tuple[float, ...]]):
         # at which the cycle starts.
         entry_numbers, cycle_start_vertex = self.entries_of_vertices(len(normal_loads))
         if not isinstance(key_value, tuple):
-            growth = normal_loads / (normal_loads[cycle_start_vertex] or 1.0)
+            load_over_start_load = normal_loads / (normal_loads[cycle_start_vertex] or 1.0)
             is_before_cycle = np.arange(len(normal_loads)) < cycle_start_vertex
-            return (key_value or 0.0) * np.where(is_before_cycle, growth, 1.0)
+            return (key_value or 0.0) * np.where(is_before_cycle, load_over_start_load, 1.0)
 
         # `rule_of_entries`: words for the message on what the entries belong to.
         needed_count = self.needed_entry_count(entry_numbers)

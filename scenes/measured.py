@@ -334,24 +334,24 @@ class FromFile(Frozen):
         }
 
         # The columns of the file, each converted into the scene's units.
-        table = self._table_of(path, tuple(kinds), stated_columns)
+        file_table = self._table_of(path, tuple(kinds), stated_columns)
         # (what, how) for the key `read_as`
-        descriptions = layout_in_words(path, table)
+        descriptions = layout_in_words(path, file_table)
         is_converted = False
         for column, (name, kind) in enumerate(kinds.items()):
             # Number that means zero, factor to the scene's units, and a description.
-            column_reading = self._reading_of_column(path, table, column, name, kind, units)
+            column_reading = self._reading_of_column(path, file_table, column, name, kind, units)
             is_converted = is_converted or (column_reading.unit_known and kind != "time")
             # Numbers that are not finite are refused later, with their row.
             with np.errstate(over="ignore", invalid="ignore"):
-                table.values[:, column] -= column_reading.zero
-                table.values[:, column] *= column_reading.factor
+                file_table.values[:, column] -= column_reading.zero
+                file_table.values[:, column] *= column_reading.factor
             descriptions.append((name, column_reading.description))
 
         # What else the user gets to know, such as columns that were not read.
         descriptions += self._stated_quantities_in_words()
-        if table.unread_headings:
-            descriptions.append(("not read", _headings_in_words(table.unread_headings)))
+        if file_table.unread_headings:
+            descriptions.append(("not read", _headings_in_words(file_table.unread_headings)))
         if is_converted:
             descriptions.append((SCENE_UNITS, units))
 
@@ -363,7 +363,7 @@ class FromFile(Frozen):
             )
 
         # Rows with the quantities that the scene states in place of columns.
-        values = Table.of_rows(self._with_stated_quantities(table.values)).values
+        values = Table.of_rows(self._with_stated_quantities(file_table.values)).values
         # The optional columns come last.
         n_table_columns = values.shape[1] - len(optional_names)
         values_of_keys: dict[str, Any] = {
@@ -578,8 +578,8 @@ class FromFile(Frozen):
                 from scenes.text_tables import text_table
 
                 columns = _values_by_column(getattr(self, "columns", None))
-                table = text_table(path, tuple(self.column_kinds), columns)
-                place = f"{path}, line {table.line_numbers[fault.row]}"
+                file_table = text_table(path, tuple(self.column_kinds), columns)
+                place = f"{path}, line {file_table.line_numbers[fault.row]}"
             raise ValueError(f"{place}: {fault.rule}") from fault
         # READING_KEYS: keys on how a file is read, such as "columns" and "units"
         unused_keys = [key for key in READING_KEYS if getattr(self, key, None) is not None]

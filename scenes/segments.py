@@ -530,8 +530,10 @@ class StraightSegment(LoadSegment):
         time: float,  # noqa: ARG002 the same all along
     ) -> tuple[float, float] | None:
         """Slope dQ/dP of the line, and 0 for d2Q/dP2; None where P is constant."""
-        rise = self.last_point[0] - self.first_point[0]
-        return ((self.last_point[1] - self.first_point[1]) / rise, 0.0) if rise else None
+        change_of_p = self.last_point[0] - self.first_point[0]
+        return (
+            ((self.last_point[1] - self.first_point[1]) / change_of_p, 0.0) if change_of_p else None
+        )
 
 
 @dataclass(frozen=True)
@@ -825,7 +827,9 @@ class HarmonicSegment(LoadSegment):
                 return []
             first_multiple = math.ceil((self.start + lead) / math.pi)
             last_multiple = math.floor((self.end + lead) / math.pi)
-            turning_times = [k * math.pi - lead for k in range(first_multiple, last_multiple + 1)]
+            turning_times = [
+                multiple * math.pi - lead for multiple in range(first_multiple, last_multiple + 1)
+            ]
             return [time for time in turning_times if self.start < time < self.end]
 
         # Several harmonics: coefficients i k c_k of the rate, those at round-off set to 0.
@@ -979,17 +983,17 @@ class ChebyshevSegment(LoadSegment):
         A load that starts from 0 is computed as its change since the start: small loads there keep
         their digits.
         """
-        loads: list[Array] = []
+        p_and_q: list[Array] = []
         # First P, as the combination 1 P + 0 Q, then Q.
         for combination, coefficients, starts_from_zero in zip(
             (NORMAL_LOAD, TANGENTIAL_LOAD), self._series, self._starts_from_zero, strict=True
         ):
             if starts_from_zero:
-                loads.append(self.change_of(combination, time, self.start))
+                p_and_q.append(self.change_of(combination, time, self.start))
             else:
                 u = self._series_variable(time)
-                loads.append(np.asarray(chebyshev.chebval(u, coefficients)))
-        normal_load, tangential_load = loads
+                p_and_q.append(np.asarray(chebyshev.chebval(u, coefficients)))
+        normal_load, tangential_load = p_and_q
         return normal_load, tangential_load
 
     def rate_of(self, combination: Combination, time: ArrayLike) -> Array:
@@ -1075,13 +1079,14 @@ class ChebyshevSegment(LoadSegment):
         parabola; None elsewhere.
         """
         # Chebyshev coefficients of P, then of Q: the mean, the linear one, those of higher degree.
-        (_, rise, *higher_p), (_, linear_coefficient, *higher_q) = self._series.tolist()
-        if not rise or any(higher_p) or any(higher_q[1:]):
+        (_, linear_p, *higher_p), (_, linear_q, *higher_q) = self._series.tolist()
+        if not linear_p or any(higher_p) or any(higher_q[1:]):
             return None
-        second_coefficient = higher_q[0] if higher_q else 0.0
+        quadratic_q = higher_q[0] if higher_q else 0.0
+        # `_series_variable`: u, -1 at the segment's start and 1 at its end
         return (
-            linear_coefficient + 4 * second_coefficient * float(self._series_variable(time))
-        ) / rise, 2 * second_coefficient / rise**2
+            linear_q + 4 * quadratic_q * float(self._series_variable(time))
+        ) / linear_p, 2 * quadratic_q / linear_p**2
 
 
 @dataclass(frozen=True)

@@ -88,20 +88,20 @@ def _require_amount(kind: AmountKind, value: Any) -> str:
             f" {what_to_write}"
         )
     # Number and unit, "%" for a percentage; None where the text does not begin with a number.
-    amount = _parsed_amount(value)
-    if amount is None:
+    parsed_text = _parsed_amount(value)
+    if parsed_text is None:
         raise ValueError(f"{shortened_repr(value)} does not begin with a number; {what_to_write}")
-    if not amount.unit:
+    if not parsed_text.unit:
         raise ValueError(
             f"{shortened_repr(value)} has no unit: it may be a share or an amount; {what_to_write}"
         )
-    if not 0 < amount.number < math.inf:
+    if not 0 < parsed_text.number < math.inf:
         raise ValueError(
             f"{shortened_repr(value)} is not above 0; leave the key out for an input that is known"
             " exactly"
         )
-    if amount.unit == "%":
-        _require_small(amount.number / 100, value)
+    if parsed_text.unit == "%":
+        _require_small(parsed_text.number / 100, value)
     elif kind == "share":
         raise ValueError(f"{shortened_repr(value)} is not in per cent; {what_to_write}")
     return value.strip()
@@ -497,13 +497,13 @@ def _relative_uncertainty(key: str, stated_text: str, value: float | None, units
         For a unit that is not known, and for more than half of the value.
     """
     # Number and unit, "%" for a percentage.
-    amount = _parsed_amount(stated_text)
-    assert amount is not None  # the table was checked
-    if amount.unit == "%":
+    parsed_text = _parsed_amount(stated_text)
+    assert parsed_text is not None  # the table was checked
+    if parsed_text.unit == "%":
         return share_of(stated_text)
     kind: Kind = "stress" if key.endswith("young_modulus") else "length"
     try:
-        factor_to_scene_units, _ = unit_factor(amount.unit, kind, units)
+        factor_to_scene_units, _ = unit_factor(parsed_text.unit, kind, units)
     except ValueError as reason:
         # A file's column has a scale to state instead; an uncertainty has none.
         reason_text = str(reason).removesuffix("; use scale")
@@ -512,7 +512,7 @@ def _relative_uncertainty(key: str, stated_text: str, value: float | None, units
             ' share, such as "1 %"'
         ) from reason
     assert value is not None  # loads are stated in per cent
-    relative_uncertainty = amount.number * factor_to_scene_units / value
+    relative_uncertainty = parsed_text.number * factor_to_scene_units / value
     try:
         _require_small(relative_uncertainty, stated_text)
     except ValueError as reason:

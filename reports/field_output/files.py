@@ -65,7 +65,7 @@ def instants_of(
     texts: Sequence[str], solution: ContactSolution, option: str
 ) -> tuple[Instant, ...]:
     """Instants of a solution that the user asked for on the command line, in order of time, each
-    with a label that says what happens there.
+    with a label: the event there, or that this time was asked for.
 
     Parameters
     ----------
