@@ -115,6 +115,7 @@ def example(bodies: bool = False, profile: Literal["hertz", "flat_rounded"] = "h
     lines, else they are comments, and the bodies half-planes. Of its two profiles `profile` is the
     valid one, the other a comment.
     """
+    # TEMPLATES: folder of the texts that commands print
     text = (TEMPLATES / "scene.toml").read_text("utf-8")
     if bodies:
         # remove the sign of a comment from the lines of the bodies

@@ -307,6 +307,7 @@ def _notes_on_pair(pair: Pair) -> Iterator[str]:
             yield in_template("not_steady", name)
         yield from (f"{name}: {note}" for note in solution.record.notes)
     has_other_datum = pair.effects is not None or pair.lacks_common_datum
+    # _DISPLACEMENT: name of the field, "tangential_displacement"
     if has_other_datum and _DISPLACEMENT not in reason_by_missing_field(pair.result):
         yield in_template("displacements", pair.effects is not None)
     if (

@@ -112,7 +112,7 @@ class Refinements(PythonNumbers):
     reasons_not_measured: Mapping[str, str]  # source of error -> why it was not measured
     cpu_seconds: float  # CPU time of all but the run itself
     # with the load increments of the run and with halved ones, on the coarse mesh; empty where not
-    # measured. None where theory has an answer on the polygon of the increments: none are needed
+    # measured. None where theory has a solution on the polygon of the increments: none are needed
     step_runs: tuple[Run, ...] | None = None
 
 
@@ -127,8 +127,8 @@ def theory_on_steps(
     """Half-plane theory for a result's scene, with loads that run straight from one instant of the
     result to the next, at the result's surface points.
 
-    The result minus this answer holds no error of the load increments. None where bulk stress or
-    tilt (an unsymmetric scene) leave theory without an answer on such a path. `fields` names the
+    The result minus this solution holds no error of the load increments. None where bulk stress or
+    tilt (an unsymmetric scene) leave theory without a solution on such a path. `fields` names the
     fields that theory computes, such as "pressure": all by default, which an error budget needs.
     """
     import semi_analytic
@@ -156,7 +156,7 @@ def values_without_step_error(comparison: Comparison) -> dict[str, float | None]
     """Value of each metric, by its key, without the error of the load increments: the result is
     compared with theory on the result's own straight increments (the polygon reference).
 
-    Where bulk stress or tilt leave theory without such an answer, the result is compared with
+    Where bulk stress or tilt leave theory without such a solution, the result is compared with
     theory on the smooth path. InputError where the polygon reference is absent for another reason.
     `comparison.effects` are the compliances of finite bodies, or None.
     """
@@ -250,7 +250,7 @@ def solve_refinements(
     run, r = `mesh_ratio(mesh)`. Where that is None, nothing is solved. Two coarser meshes are the
     least that shows an order, at a third of the cost. The far field, a half-disc of finite radius
     in place of a half-plane, is measured at r^2 h. So are load increments where theory has no
-    answer on their polygon. A penalty layer, springs that let the faces overlap and creep, is
+    solution on their polygon. A penalty layer, springs that let the faces overlap and creep, is
     measured at h and r h.
 
     Parameters
@@ -309,7 +309,7 @@ def solve_refinements(
                 " one of twice"
             )
     step_runs: tuple[Run, ...] | None = None
-    # Where theory has no answer on the increments of a run, their error is measured by halving
+    # Where theory has no solution on the increments of a run, their error is measured by halving
     # them.
     if not solver.follows_polygon:
         step_runs = (coarse_run, _finer_steps_run(solver, coarse_run, coarse_mesh, coarse_settings))
@@ -378,7 +378,7 @@ class _RunSolver:
     ) -> Run:
         """Solve the scene by finite elements and compare the solution with half-plane theory. The
         returned run holds the value of each metric. Where the finite elements do not converge, or
-        theory has no answer, it holds the reason and no values.
+        theory has no solution, it holds the reason and no values.
 
         The solver's attributes are those of all runs: `scene`, `effects` (compliances of finite
         bodies, or None), `scales` (half-width of contact, ...: meshes need it), `stage` (progress),
@@ -422,7 +422,7 @@ class _RunSolver:
         )
 
     def _half_plane_theory(self, solution: ContactSolution) -> ContactSolution | None:
-        """Half-plane theory at the points and instants of a run; None where it has no answer."""
+        """Half-plane theory at the points and instants of a run; None where it has no solution."""
         import semi_analytic
 
         if self.follows_polygon:
@@ -613,8 +613,8 @@ def error_budget(
     `seconds_of_run` is the CPU time of the run without the refinements. The two metrics that are
     parts of the dissipation, that of the load increments and the rest, have no budget of their own.
     """
-    # theory is the exact answer for half-planes
-    has_exact_answer = are_half_planes(comparison.scene)
+    # theory is the exact solution for half-planes
+    has_exact_solution = are_half_planes(comparison.scene)
     # an error that is the same in all metrics; the other five differ from metric to metric
     iteration_term = _iteration_term(comparison)
     budgets = []
@@ -631,7 +631,7 @@ def error_budget(
             iteration_term,
             _theory_term(metric, comparison),
         )
-        budgets.append(Budget(metric, terms, has_exact_answer))
+        budgets.append(Budget(metric, terms, has_exact_solution))
     return ErrorBudget(tuple(budgets), refinements, seconds_of_run)
 
 

@@ -61,6 +61,7 @@ def metric_content(metric: Metric, scene: Scene, is_covered: bool | None) -> dic
     known. Texts on the last cycle are changed to the whole path where the loads of `scene` do not
     repeat: "norm" (how errors at points become one value), "region" (which points count).
     """
+    # _FIELDS_OF_METRIC: names of attributes that JSON holds as they are, such as "label", "value"
     return {
         **{name: getattr(metric, name) for name in _FIELDS_OF_METRIC},
         "norm": text_on_part_of_path(metric.norm, scene),

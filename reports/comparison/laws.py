@@ -384,6 +384,7 @@ def expected_numbers(
     for expected in scene.expected:
         if expected.engine in solution_by_engine:
             solution = solution_by_engine[expected.engine]
+            # QUANTITIES: name of a quantity -> how its value is taken from a solution
             value = QUANTITIES[expected.quantity].value_of(solution)
             difference = (value - expected.value) / _scale_of_tolerance(expected, solution)
             yield ExpectedNumber(expected, value, difference)

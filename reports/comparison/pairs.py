@@ -97,7 +97,7 @@ class Pair:
 
     @property
     def has_external_result(self) -> bool:
-        """Whether the result is no finite-element answer of this project: its points and instants
+        """Whether the result is no finite-element solution of this project: its points and instants
         are its own choice.
         """
         return self.result.engine != "halfplane_fe"

@@ -317,7 +317,7 @@ def with_uncertainty(value: float, uncertainty: float | None) -> str:
     return f"{minus(f'{value:.{decimals}f}')} ± {uncertainty:.{decimals}f}"
 
 
-# --------------------------------------------------------------------------------------- the answer
+# ----------------------------------------------------------------------------- headline and verdict
 def headline_sentence(comparison: JudgedPair) -> str:
     """The comparison in one sentence: how wrong half-plane theory is for these bodies, or how far
     the two solutions agree.

@@ -156,6 +156,7 @@ def discrepancies(view: CycleView) -> Plate:
     metrics = [metric for metric in view.comparison.metrics if metric.series is not None]
     metrics_with_tolerance = [metric for metric in metrics if metric.tolerance is not None]
     has_tolerances = bool(metrics_with_tolerance)
+    # OWN_TOLERANCES: by key, tolerances of metrics by which half-planes are judged
     drawn_metrics = metrics_with_tolerance or [
         metric for metric in metrics if metric.key in OWN_TOLERANCES
     ]

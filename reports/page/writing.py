@@ -160,17 +160,17 @@ def _figure_of_stress(comparison: Comparison, instants: Sequence[Instant]) -> Pl
     import halfplane_fe
     from reports.field_output.pictures import scales_of, stress
 
-    answer = with_bodies(comparison.result, "--stress")
-    snapshots = halfplane_fe.fields(answer, [instant.time for instant in instants])
-    return stress(answer, snapshots, instants, scales_of(snapshots))
+    solution = with_bodies(comparison.result, "--stress")
+    snapshots = halfplane_fe.fields(solution, [instant.time for instant in instants])
+    return stress(solution, snapshots, instants, scales_of(snapshots))
 
 
 def _write_vtu(comparison: Comparison, times: Sequence[float], folder: Path) -> None:
     """Both bodies of the result at these times, for ParaView."""
     import halfplane_fe
 
-    answer = with_bodies(comparison.result, "--vtu")
-    write_fields(answer, halfplane_fe.fields(answer, times), folder)
+    solution = with_bodies(comparison.result, "--vtu")
+    write_fields(solution, halfplane_fe.fields(solution, times), folder)
 
 
 def _write_third(comparison: Comparison, third_answer: ThirdAnswer, folder: Path) -> dict[str, Any]:

@@ -197,7 +197,7 @@ def _surface_columns(
     }
     steps = {step for step, _ in frames}
     # time that the text of each frame states, None without one
-    time_matches = [_TIME_IN_FRAME.search(frame) for _, frame in frames]
+    time_matches = [_TIME_IN_FRAME.search(frame_text) for _, frame_text in frames]
     if len(steps) == 1 and all(time_matches):
         times = np.array([float(match["time"]) for match in time_matches if match])
         frame_of_row = surface_columns["frame"].astype(int)
@@ -295,10 +295,10 @@ def _tables_of_report(path: Path) -> Iterator[_ReportTable]:
     lines_above: list[str] = []  # lines since the last empty one: headings, if dashes come
     names: list[str] = []
     rows: list[list[float]] = []
-    line_of_dashes = 0  # 0 while none has been passed
+    line_number_of_dashes = 0  # 0 while none has been passed
     row_count = 0
     for line_number, line in _numbered_lines(path):
-        if line_of_dashes and line:  # a row of the table
+        if line_number_of_dashes and line:  # a row of the table
             row_count += 1
             if row_count > _MOST_ROWS:
                 raise InputError(
@@ -308,16 +308,16 @@ def _tables_of_report(path: Path) -> Iterator[_ReportTable]:
             rows.append(_numbers_in_row(f"{path}, line {line_number}", line, names))
         elif rows:  # the end of the table
             yield _ReportTable(
-                **header_values, names=names, values=np.array(rows), line=line_of_dashes
+                **header_values, names=names, values=np.array(rows), line=line_number_of_dashes
             )
             lines_above = []
             names = []
             rows = []
-            line_of_dashes = 0
+            line_number_of_dashes = 0
         elif not line:
-            lines_above = lines_above if line_of_dashes else []
+            lines_above = lines_above if line_number_of_dashes else []
         elif re.fullmatch(r"\s*-{12,}", line) and lines_above:
-            line_of_dashes = line_number
+            line_number_of_dashes = line_number
         else:
             lines_above.append(line)
             # a line that states step, frame, location or region

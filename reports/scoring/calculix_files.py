@@ -131,7 +131,7 @@ def read_frd(
                 case "3C":
                     elements += lines.elements_below(line)
                 case "100C":
-                    header_line = lines.line_number
+                    header_line_number = lines.line_number
                     time = lines.decimal_number(
                         line[12:24], "the time of a frame in columns 13 to 24"
                     )
@@ -140,7 +140,7 @@ def read_frd(
                     block_names[name] = None
                     # characters of a node's number; records with their continuations
                     label_width, records = lines.records_below(
-                        line, f"records of block {name}", header_line
+                        line, f"records of block {name}", header_line_number
                     )
                     has_named_block = bool(blocks) and blocks[0].name in names
                     if name in names and not has_named_block:
@@ -150,7 +150,9 @@ def read_frd(
                             records, label_width, len(components)
                         )
                         blocks.append(
-                            FrdBlock(name, time, components, node_numbers, values, header_line)
+                            FrdBlock(
+                                name, time, components, node_numbers, values, header_line_number
+                            )
                         )
                 case "9999":
                     has_end_mark = True
@@ -253,13 +255,13 @@ class _Lines(Iterator[str]):
                 " place of *NODE OUTPUT, *ELEMENT OUTPUT and *CONTACT OUTPUT"
             )
         records: list[_DataLine] = []
-        for line in self:
+        for line_text in self:
             # key -1: a record; -2: its continuation; -3: the end of the block
-            if line.startswith(" -1"):
-                records.append(_DataLine(self.line_number, line[3:], []))
-            elif line.startswith(" -2") and records:
-                records[-1].continuations.append(line[3:])
-            elif line.startswith(" -3"):
+            if line_text.startswith(" -1"):
+                records.append(_DataLine(self.line_number, line_text[3:], []))
+            elif line_text.startswith(" -2") and records:
+                records[-1].continuations.append(line_text[3:])
+            elif line_text.startswith(" -3"):
                 if len(records) != n_announced:
                     raise self.error_expecting(
                         f"{n_announced} {noun} as announced here, found {len(records)}", header_line
@@ -268,7 +270,7 @@ class _Lines(Iterator[str]):
             else:
                 raise self.error_expecting(
                     "the head of a record (-1), then its rest (-2), or the end of the block (-3),"
-                    f" found {line[:40]!r}"
+                    f" found {line_text[:40]!r}"
                 )
         raise self.error_expecting(
             f"the end of the block (-3): the file breaks off after {len(records)} of {n_announced}"
@@ -279,24 +281,26 @@ class _Lines(Iterator[str]):
         """Numbers (n,) and coordinates (n, 3) of the nodes in the block below `header` [length].
         InputError where a number comes twice, or a coordinate is not finite.
         """
-        header_line = self.line_number
+        header_line_number = self.line_number
         # characters of a node's number; records with their continuations
-        label_width, records = self.records_below(header, "nodes", header_line)
+        label_width, records = self.records_below(header, "nodes", header_line_number)
         nodes, points = self.table_of_records(records, label_width, 3)
         if len(np.unique(nodes)) < len(nodes):
-            raise self.error_expecting("every node once: a number comes twice", header_line + 1)
+            raise self.error_expecting(
+                "every node once: a number comes twice", header_line_number + 1
+            )
         # 1e100: the square of a larger coordinate would be infinite
         if not (np.abs(points) <= _LARGEST_COORDINATE).all():
-            raise self.error_expecting("finite coordinates", header_line + 1)
+            raise self.error_expecting("finite coordinates", header_line_number + 1)
         return nodes, points
 
     def elements_below(self, header: str) -> Iterator[FrdElement]:
         """Number, kind and node numbers of each element of a .frd file, in the block below
         `header`. InputError for an element without nodes.
         """
-        header_line = self.line_number
+        header_line_number = self.line_number
         # characters of a node's or element's number; records with their continuations
-        label_width, records = self.records_below(header, "elements", header_line)
+        label_width, records = self.records_below(header, "elements", header_line_number)
         for line_number, record_text, continuations in records:
             number = self.whole_number(
                 record_text[:label_width], "an element's number", line_number
@@ -313,7 +317,8 @@ class _Lines(Iterator[str]):
             )
             if not nodes:
                 raise self.error_expecting(
-                    f"nodes (-2) of every element, found none of element {number}", header_line
+                    f"nodes (-2) of every element, found none of element {number}",
+                    header_line_number,
                 )
             yield FrdElement(number, kind, nodes)
 
@@ -520,15 +525,19 @@ def _pair_force(
         from 1; `reader` reads numbers and makes errors with file and line.
         """
         lines_of_statistics = lines[title_line : title_line + 19]
-        for heading_line, line in enumerate(lines_of_statistics, start=title_line + 1):
-            if line.strip().startswith(heading) and heading_line + 1 < len(lines):
-                number_texts = lines[heading_line + 1].split()
+        for heading_line_number, line_text in enumerate(lines_of_statistics, start=title_line + 1):
+            if line_text.strip().startswith(heading) and heading_line_number + 1 < len(lines):
+                number_texts = lines[heading_line_number + 1].split()
                 if len(number_texts) != 6:
                     raise reader.error_expecting(
-                        f"6 numbers under {heading!r}, found {len(number_texts)}", heading_line + 2
+                        f"6 numbers under {heading!r}, found {len(number_texts)}",
+                        heading_line_number + 2,
                     )
                 return np.array(
-                    [reader.decimal_number(text, line=heading_line + 2) for text in number_texts]
+                    [
+                        reader.decimal_number(text, line=heading_line_number + 2)
+                        for text in number_texts
+                    ]
                 )
         raise reader.error_expecting(
             f"{heading!r} below this title: the file breaks off", title_line

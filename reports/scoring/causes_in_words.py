@@ -152,5 +152,6 @@ def coupling_sentence(discrepancy: Discrepancy) -> str:
     if abs(beta) <= NEGLIGIBLE_BETA:
         return FAULTS["coupling"]
     reference_has_coupling = discrepancy.comparison.reference.engine == "halfplane_fe"
+    # WORDS: templates of sentences
     key = "coupling_of_reference" if reference_has_coupling else "own_coupling"
     return str(WORDS["others"][key].format(own=beta))

@@ -379,6 +379,7 @@ def _place_of_largest_difference(discrepancy: Discrepancy) -> Iterator[str]:
     )
     channel, instant, point = map(int, index_of_largest)
     position = discrepancy.x[point] / discrepancy.half_width
+    # channel 0 is the pressure, 1 the shear; TRACTIONS are their names
     yield (
         f"largest: the {TRACTIONS[channel]} at x = {position:.2g} a_ref, t ="
         f" {discrepancy.time[instant]:.4g}, by {scaled_difference[channel, instant, point]:+.2g}"

@@ -190,8 +190,8 @@ def _with_places_of_outliers(
         magnitudes_written = magnitudes_in_table[:, columns_of_quantity]
         factor = float(magnitudes_read.max() / magnitudes_written.max())
         difference = np.abs(magnitudes_written * factor - abs(outlier.value))
-        row, column_index = np.unravel_index(np.argmin(difference), difference.shape)
-        column = columns_of_quantity[column_index]
+        row, index_among_columns = np.unravel_index(np.argmin(difference), difference.shape)
+        column = columns_of_quantity[index_among_columns]
         outliers.append(
             replace(
                 outlier,
@@ -307,7 +307,9 @@ def _read_heading(name: str, mapping: Mapping) -> _Heading:
     """
 
     def quantity_of(base: str) -> ColumnQuantity | None:
-        """The quantity with this name, by the mapping, else by known names (ALIASES)."""
+        """The quantity with this name, by the mapping, else by known names (ALIASES): x, pressure,
+        shear or slip.
+        """
         for quantity in _QUANTITIES_OF_POINTS:
             stated_column = getattr(mapping.columns, quantity)
             aliases = ALIASES[quantity] if stated_column is None else (stated_column,)

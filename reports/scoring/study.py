@@ -286,6 +286,7 @@ def element_size(path: Path, mapping: Mapping, comparison: Comparison) -> tuple[
     """
     if path.name in mapping.element_sizes:
         return mapping.element_sizes[path.name], "from the mapping"
+    # such as "mesh_0.025mm" or "h=0.05"
     if size_in_name := _SIZE_IN_NAME.search(path.stem):
         return float(size_in_name[1]), "from the file's name"
     x = comparison.result.x

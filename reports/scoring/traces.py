@@ -358,6 +358,7 @@ def find_scatter(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
         min(residual.mean_square_of_noise, residual.mean_square) ** 0.5 for residual in residuals
     ]
     if len(noise_by_channel) > 1:
+        # _LEAST_NOISE: 1e-10 of p_ref, below which there is none
         pressure_noise = max(noise_by_channel[PRESSURE], _LEAST_NOISE)
         # one code, one file: a shear alone does not scatter, here five times as much as the
         # pressure
@@ -419,6 +420,7 @@ def find_long_steps(comparison: Comparison) -> Iterator[Diagnosis]:
         ),
         "the tractions are within their tolerances",
     )
+    # FAULTS: templates of sentences on known faults
     sentence = FAULTS["steps"].format(steps=n_steps)
     # key and sentence of the finding, evidence, strength from 0 to 1
     yield Diagnosis("steps", sentence, evidence, 1 - abs(error_on_straight_lines / error))
