@@ -884,7 +884,8 @@ class PathLoads:
         """Times in a segment of the load path at which P, Q, bulk strain, tilt or moment turn, and
         the end of the segment; one time for all that turn together, within 1e-6 of the duration.
         """
-        # turning_points(c): times at which the weighted sum c of the two loads of a segment turns;
+        # turning_points(c): times at which the weighted sum c of the two loads of a segment has a
+        # maximum or minimum; NORMAL_LOAD, TANGENTIAL_LOAD: its first and its second load alone.
         # strain_per_stress: bulk strain by a unit of bulk stress in the lower and the upper body.
         times = segment.turning_points(NORMAL_LOAD)
         times += segment.turning_points(TANGENTIAL_LOAD)

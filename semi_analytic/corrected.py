@@ -1811,7 +1811,8 @@ def _states(point_fields: PointFields, distance: Array, row_numbers: Indices) ->
     ]
     inner_zone_ends = followed_path.table.half_width(followed_path.inner_zone_s[row_numbers])
 
-    # direction: of slip at the edge, 0 where it sticks; inner_zone_direction: likewise.
+    # direction: of slip at the edge, 0 where it sticks; inner_zone_direction: of slip in the inner
+    # zone, 0 without one.
     # By the direction of slip, -1, 0 or +1, plus 1.
     states_by_direction = np.array((SLIP_REVERSE, STICK, SLIP_FORWARD), dtype=np.int8)
     state_at_edge = states_by_direction[followed_path.direction[row_numbers, None] + 1]

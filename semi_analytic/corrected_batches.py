@@ -94,8 +94,9 @@ class EllipseOfLoads:
 
 
 class CurvatureColumns(NamedTuple):
-    """Curvatures N, N_Q of the gap and T, T_P of the faces that finite bodies add per unit of P and
-    Q, as in `Curvatures`: a column (m, 1) each over m ellipses [1/(stress length^2)].
+    """Curvatures that finite bodies add to half-planes: N, N_Q of the gap per unit of P and of Q,
+    T, T_P of the faces per unit of Q and of P; a column (m, 1) each over m ellipses [1/(stress
+    length^2)].
     """
 
     normal: Array
@@ -163,7 +164,8 @@ def cycle_of_punches(
     profile_load
         eta (m, k): normal load that the punches up to each carry of the profile
     parabola_load
-        G = (pi E*/4) c^2 (m, k), the same of a parabola of curvature 1
+        G = (pi E*/4) c^2 (m, k): normal load that the punches up to each carry of a parabola of
+        curvature 1
 
     Returns
     -------
@@ -215,8 +217,9 @@ def works_of_ellipses(
     half-width of permanent stick, for m elliptic load paths on one profile, (m,) each.
 
     Finite bodies add `curvatures` to gap and faces. Values are NaN where the contact is wider than
-    the profile or would split; the half-width is 0 where no point sticks all through. The loads
-    must not slide the contact as a whole: W then has no meaning. 2048 ellipses are taken at once.
+    the profile or than twice that of half-planes, or would split. The half-width is 0 where no
+    point sticks all through. The loads must not slide the contact as a whole: W then has no
+    meaning. 2048 ellipses are taken at once.
 
     Parameters
     ----------
@@ -261,7 +264,7 @@ def _works_and_stick(
 ) -> Array:
     """Friction work of forward and of reverse slip, times pi/A = pi E*/2, and half-width of
     permanent stick, (3, m), for all m ellipses at once; NaN where the contact is wider than the
-    profile or would split.
+    profile or than twice that of half-planes, or would split.
 
     The work is the integral of w(c) dc/c over the flat punches that slip. Their half-widths c lie
     between permanent stick and the largest contact. Each punch goes through the cycle by itself.

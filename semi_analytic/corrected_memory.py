@@ -1582,8 +1582,9 @@ _INDEX_OF_TANGENTIAL_CURVATURE = Row._fields.index("tangential_curvature")
 
 
 class MemoryStep(NamedTuple):
-    """Memory at the end of a step, and its slip zones as in `FollowedPath`: s of the stick edge and
-    of both ends of the inner zone, directions of slip.
+    """Memory at the end of a step, and its slip zones: s of the stick edge and direction of slip at
+    the edge of contact, 0 where it sticks; s of both ends of an inner slip zone and its direction,
+    0 without one.
     """
 
     state: MemoryState

@@ -788,7 +788,9 @@ class _StepSolver:
         n_pieces = len(memory.pieces)
 
         def excess_displacement(direction: int, fraction: float) -> float:
-            """U_act beyond that at the limit of sliding, at a fraction of the step [length]."""
+            """How far U_act, counted along a direction +1 or -1, is beyond that at the limit of
+            sliding, at a fraction of the step [length].
+            """
             instant = begin.at_fraction(end, fraction)
             row_at_limit = self.row_under_loads(
                 instant.normal_load, direction * memory.friction * instant.normal_load

@@ -143,8 +143,8 @@ class ArcIntegrals:
     _error_of_panels: float
 
     def __init__(self, contact: Contact, kernel: Kernel, piece: Piece, x: Array) -> None:
-        """Integrals of one kernel times dQ at |x| = `x` (k,) along an arc, up to the end of each
-        panel of time: what this arc of the memory curve adds to shear, slip or displacement.
+        """Integrals of one kernel times dQ at |x| = `x` (k,) along an arc, panel of time by panel:
+        what this arc of the memory curve adds to shear, slip or displacement.
 
         An arc is a curved segment of the load path that was travelled in full stick while P grew.
         The kernel is the shear, slip or displacement ("shift") that a unit of load on a flat punch

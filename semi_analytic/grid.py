@@ -929,9 +929,10 @@ def _slip_of_sliding_cells(
     """Slip v of the sliding cells in an increment, (g, k) for g grids of k cells, 0 in all cells
     that stick [length]: the solution of G v = q_0 - q over the sliding cells.
 
-    `shear_excess` (g, k) is q_0 - q: q_0 is the shear if no cell slid, q = +-f p. G is the
-    stiffness of the cells in contact, `cell_stiffness.matrix` (k, k). Grids have different numbers
-    of sliding cells: their systems are filled up to one size with unit rows.
+    `is_sliding` (g, k) marks those cells. `shear_excess` (g, k) is q_0 - q: q_0 is the shear if no
+    cell slid, q = +-f p. G is the stiffness of the cells in contact, `cell_stiffness.matrix` (k,
+    k). Grids have different numbers of sliding cells: their systems are filled up to one size with
+    unit rows.
     """
     slip = np.zeros(shear_excess.shape)
     most_sliding_cells = int(np.max(np.sum(is_sliding, axis=1)))
@@ -1619,8 +1620,8 @@ class GridRequest:
     most_cycles
         largest number of cycles
     steady
-        whether the last cycle alone is wanted, without q and s; of `works` all but the last are
-        then of coarse grids
+        whether the last cycle alone is wanted, without q and s; if there are more than two cycles,
+        all works but the last are then of coarse grids
     pointwise
         whether q, s and the state are wanted at points; NaN and open otherwise
     cells, increments

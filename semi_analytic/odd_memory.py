@@ -100,7 +100,7 @@ class SecondOrderWork:
     matrix
         (4, 4) symmetric [energy per thickness, over two of the numbers]; NaN where no matrix holds
     coarse_matrix
-        the same with half as many quadrature points: the difference is the quadrature error
+        that matrix by half as many quadrature points: the difference is the quadrature error
     one_sided_ratios
         arrays (n, 4) of coefficients c at instants, one for each span and criterion: where
         |c . o| > 1, one side of the contact slips alone

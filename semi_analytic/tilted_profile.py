@@ -767,9 +767,10 @@ class CurvedProfile(ConvexProfile):
         """Place x where the profile under a tilt alpha touches without load, h' + alpha = 0
         [length]; infinite where h' does not reach -alpha.
 
-        h' falls nowhere. The first and the last place of the slope -alpha are found by bisection,
-        in an interval about x = 0. It is doubled until it holds them, up to 1e9 times
-        `typical_half_length`, a typical half-length of contact. Their middle is returned.
+        The profile is even in x and h' falls nowhere. The first and the last place of the slope
+        -alpha are found by bisection, in an interval about x = 0. It is doubled until it holds
+        them, up to 1e9 times `typical_half_length`, a typical half-length of contact. Their middle
+        is returned.
         """
         target_slope = -np.asarray(tilt, dtype=float)
         half_interval = self.typical_half_length
@@ -1575,7 +1576,7 @@ class TiltedProfile:
         t = places - m
         difference_of_squares = (c - t) * (c + t)
         is_beside_face = np.abs(places - face_middle) >= face_half_width
-        # Nearer to an edge than about 5 % of c.
+        # Nearer to an edge than about 5 % of c; _NEAR_EDGE_FRACTION: 0.1 of c^2.
         is_near_edge = difference_of_squares < _NEAR_EDGE_FRACTION * c * c
         needs_edge_movement = is_near_edge & (load_rise > 0) & is_beside_face
         if np.any(needs_edge_movement):
