@@ -73,8 +73,10 @@ class Question:
         the fields that are wanted
     x, time
         (m,) points and (n,) instants as asked for; None: theory chooses
-    cycles, straight_steps
-        as in `solve`
+    cycles
+        "all" cycles, or the "steady" one alone; no effect where instants are given
+    straight_steps
+        whether the path is straight from one given instant to the next, in place of the scene's
     effects
         what finite bodies add to half-planes; None: nothing
     """

@@ -896,8 +896,8 @@ def _result_of_history(history: History, request: Request) -> PathResult:
     works = np.full(len(history.covered), math.nan)
     work_errors = np.zeros(len(history.covered))
     if works_of_cycles:
-        works = np.array([works_of_cycles[cycle].work for cycle in history.covered])
-        work_errors = np.array([works_of_cycles[cycle].error for cycle in history.covered])
+        works = np.array([works_of_cycles[number].work for number in history.covered])
+        work_errors = np.array([works_of_cycles[number].error for number in history.covered])
     return PathResult(
         snapshot=snapshot,
         force_error=_force_error(snapshot),
@@ -989,12 +989,12 @@ def _works_of_cycles(history: History, request: Request) -> dict[int, _WorkOfCyc
     if friction > 0 and history.ellipse_of_cycle is not None:
         ellipses = _ellipse_of_segment(history.ellipse_of_cycle, friction)
     works_of_cycles: dict[int, _WorkOfCycle] = {}
-    for cycle in set(history.covered):
-        is_steady = history.steady_from is not None and cycle >= history.steady_from
+    for cycle_number in set(history.covered):
+        is_steady = history.steady_from is not None and cycle_number >= history.steady_from
         if ellipses is not None and is_steady:
-            works_of_cycles[cycle] = _work_of_ellipse(ellipses, friction, request)
+            works_of_cycles[cycle_number] = _work_of_ellipse(ellipses, friction, request)
         else:
-            works_of_cycles[cycle] = _work_of_spans(history.cycles[cycle], request)
+            works_of_cycles[cycle_number] = _work_of_spans(history.cycles[cycle_number], request)
     return works_of_cycles
 
 

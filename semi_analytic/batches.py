@@ -1409,7 +1409,7 @@ def _reasons_of_loads(
     Parameters
     ----------
     mean_tangential_load
-        (m,) Q0, with its sign turned where the ellipse was mirrored [force per thickness]
+        (m,) Q0, -Q0 where the ellipse was mirrored [force per thickness]
     tangential_amplitude, friction
         (m,) Q1 and f
     """

@@ -100,8 +100,8 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
     >>> spans, _ = spans_along(
     ...     None, straight_segments([(0.0, 0.0, 0.0), (1.0, 1.0, 0.0), (2.0, 1.0, 0.3)]), 0.5, 0.0
     ... )  # k = 0.6
-    >>> closed = 0.5**2 / math.pi * (0.4 * math.log(0.4) + 0.6 - 0.18)
-    >>> round(float(global_dissipation(contact, 1.0, spans).total), 12), round(closed, 12)
+    >>> formula = 0.5**2 / math.pi * (0.4 * math.log(0.4) + 0.6 - 0.18)
+    >>> round(float(global_dissipation(contact, 1.0, spans).total), 12), round(formula, 12)
     (0.004256098192, 0.004256098192)
     """
     # one range of time for each span with slip; without a sticking piece the whole contact slips
@@ -125,6 +125,8 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
         # `_scaled_excess_rate`: f w'
         return np.asarray(np.sum(weights * _scaled_excess_rate(span, times) * kernel, axis=-1))
 
+    # A/pi times the integrals, summed by direction of slip; `_span_by_span` takes one span after
+    # the other
     work_by_direction = _work_over_spans(
         contact, modulus, ranges_of_spans, 1, _span_by_span(work_in_range)
     )
@@ -447,6 +449,8 @@ def pointwise_dissipation(
         density_at_nodes = weights * _scaled_excess_rate(span, times) * pressure * arccosh_ratio
         return np.asarray(np.sum(density_at_nodes, axis=-1))
 
+    # A/pi times the integrals, summed by direction of slip; `_span_by_span` takes one span after
+    # the other
     return _work_over_spans(
         contact, modulus, ranges_of_spans, len(x), _span_by_span(density_in_ranges)
     )
@@ -535,7 +539,7 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
     ...     (4.0, 1.0, 0.3),
     ... ]  # k = 0.6
     >>> spans, _ = spans_along(None, straight_segments(rows), 0.5, 0.0)
-    >>> closed = 4 * 0.5**2 / math.pi * (0.4 * math.log(0.4) + 0.6 - 0.18)
+    >>> formula = 4 * 0.5**2 / math.pi * (0.4 * math.log(0.4) + 0.6 - 0.18)
     >>> (
     ...     round(
     ...         closed_integral(contact, 1.0, [span for span in spans if span.begin.time >= 2.0])[
@@ -543,7 +547,7 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
     ...         ],
     ...         12,
     ...     ),
-    ...     round(closed, 12),
+    ...     round(formula, 12),
     ... )
     (0.017024392768, 0.017024392768)
     """
@@ -566,9 +570,11 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
     )
     roundoff = roundoff_of_displacement * total_change_of_force
 
+    # one range of time for each span
     ranges_of_spans = [_range_of_span(span) for span in spans]
+    # -int U dQ over ranges of time, times pi/A
     work_along = partial(_works_of_ranges, integrals)
-    # times A/pi
+    # A/pi times the sum over all spans
     integral_of_loop = _work_over_spans(contact, modulus, ranges_of_spans, 1, work_along).total[0]
     return LoopWork(float(integral_of_loop), 2 / (math.pi * modulus) * roundoff)
 
@@ -604,9 +610,9 @@ def _with_moved_datum(contact: Contact, largest_load: float) -> Contact:
     """A contact whose displacement U counts from a moved datum: the datum length L becomes half the
     largest half-width, so that ln(2 L/a) is 0 where the contact is largest.
 
-    A moved datum adds a multiple of Q to U, which a closed integral of U dQ does not see. It keeps
-    digits where the logarithm hardly varies, as for a face that is nearly all flat. `largest_load`
-    is the largest P.
+    A moved datum adds a multiple of Q to U, which does not change the closed integral of U dQ. It
+    keeps digits where the logarithm hardly varies, as for a face that is nearly all flat.
+    `largest_load` is the largest P.
     """
     moved_contact = replace(contact, datum_length=float(contact.half_width(largest_load)) / 2)
     if isinstance(moved_contact, TiltedProfile):

@@ -748,9 +748,9 @@ def follow(
     """Friction history of an initial loading and of the cycles after it, up to the first cycle that
     ends in the state in which it began, else of all of them; `friction` is f.
 
-    States agree where the memory curves do; the less slips in a cycle, the closer these must agree.
-    A memory curve M(eta) is the tangential force of the flat punches up to the load eta. A cycle
-    holds its load segments and how much later than their own time it is.
+    States agree where the memory curves do, within a tolerance that is smaller where less slips in
+    the cycle. A memory curve M(eta) is the tangential force of the flat punches up to the load eta.
+    A cycle holds its load segments, and its `delay`: how much later it is than their own time.
 
     Raises
     ------

@@ -268,7 +268,7 @@ def inner_slip(
         half_widths = _refined_half_widths(half_widths, solution.is_slipping, slip_ends)
         finer_solution = _slip_on_punches(contact, half_widths, solution)
         if finer_solution is None:
-            # The check of the Coulomb limit sees by how much the coarser one still exceeds it.
+            # The check of the Coulomb limit then states by how much the coarser one exceeds it.
             return solution
         solution = finer_solution
     return solution
@@ -366,10 +366,10 @@ def _slip_on_punches(
 
         # which points are in the wrong state
         added_shear = direction * (shear_per_density @ densities)
-        slip = direction * (slip_per_density @ densities + slip_at_middle)
-        slip_roundoff = _ROUND_OFF_SHARE * float(np.max(np.abs(slip)))
-        moves_back = (states == _SLIPPING) & (slip < -slip_roundoff)
-        moves_back |= (states == _SLIPPING_BACK) & (slip > slip_roundoff) & ~is_at_edge
+        added_slip = direction * (slip_per_density @ densities + slip_at_middle)
+        slip_roundoff = _ROUND_OFF_SHARE * float(np.max(np.abs(added_slip)))
+        moves_back = (states == _SLIPPING) & (added_slip < -slip_roundoff)
+        moves_back |= (states == _SLIPPING_BACK) & (added_slip > slip_roundoff) & ~is_at_edge
         new_states = np.where(moves_back, _STICKING, states)
         exceeds_limit = is_sticking_point & (excess + added_shear > excess_tolerance)
         new_states = np.where(exceeds_limit, _SLIPPING, new_states)

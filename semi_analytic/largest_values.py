@@ -1,5 +1,5 @@
-"""Largest values of half-plane theory through a cycle, found on its own points and instants,
-whatever answer they stand beside.
+"""Largest values of half-plane theory through a cycle, searched for over all places and instants,
+not only over those of an answer.
 
 The pressure and the contact are largest at the largest load P, since p(x, P) and a(P) grow with P.
 At a point x the slip s moves one way between turning points of P, Q - f P and -Q - f P, and until

@@ -1185,8 +1185,8 @@ def _follow_cycles(
         for _, block in blocks_of_part(followed_cycle, friction):
             curve = block.curve
             largest_slip_zone_load = max(largest_slip_zone_load, block.largest_slip_zone_load)
-        # The less slips in a cycle, the closer its memory curves must agree.
-        # largest P - P_c over the largest P of the cycle, P_c the load at the stick edge
+        # Where less slips in a cycle its memory curves must agree more closely: the tolerance
+        # follows from the largest P - P_c over the largest P, P_c the load at the stick edge.
         slip_zone_share = share_of_largest_load(largest_slip_zone_load, cycle)
         tolerance = repeat_tolerance(slip_zone_share)
         # M(eta), tangential force up to each load eta, at begin and end of the cycle

@@ -123,7 +123,8 @@ class FrictionBatch:
     sentences
         one for each member without a root, at most ten
     notes
-        as in `DissipationBatch`
+        what holds for all members and must not be missed: the coupling of unlike materials, which
+        is neglected
     """
 
     roots: Array
@@ -250,8 +251,8 @@ def sliding_limit(
 
     Loads are P = P0 + P1 cos t and Q = Q0 + Q1 cos(t - `phase`) [rad], with P0 `mean_normal_load`,
     P1 `normal_amplitude`, Q0 `mean_tangential_load`, Q1 `tangential_amplitude`. Q - f P touches 0
-    where (f P0 - Q0)^2 = Q1^2 - 2 f P1 Q1 cos(phase) + f^2 P1^2, and so does Q + f P with Q0
-    turned.
+    where (f P0 - Q0)^2 = Q1^2 - 2 f P1 Q1 cos(phase) + f^2 P1^2; Q + f P touches 0 where this holds
+    with -Q0 and -Q1.
 
     >>> float(
     ...     sliding_limit(*(np.array(value) for value in (3.0, 0.0, 0.5, 1.0, 0.3)))

@@ -190,10 +190,15 @@ def _stick_edge_series(
         right_edge = (1 - right_depth).reshape(unloading.shape)
         return left_edge, right_edge
 
-    ends = np.array([0.0, largest_unloading])
+    # Chebyshev series over this range, to round-off of 1, the size of the edges over a
+    unloading_range = np.array([0.0, largest_unloading])
     return (
-        piecewise_series_by_halving(lambda unloading: stick_edges(unloading)[0], ends, 1.0),
-        piecewise_series_by_halving(lambda unloading: stick_edges(unloading)[1], ends, 1.0),
+        piecewise_series_by_halving(
+            lambda unloading: stick_edges(unloading)[0], unloading_range, 1.0
+        ),
+        piecewise_series_by_halving(
+            lambda unloading: stick_edges(unloading)[1], unloading_range, 1.0
+        ),
     )
 
 

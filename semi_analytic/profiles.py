@@ -565,7 +565,7 @@ def law_of_even_polynomial(modulus: float, length: float, rises: tuple[float, ..
             f"profile: the contact would split near a half-width of {half_width:.6g}; half-plane"
             " theory here needs one contact"
         )
-    first_rising_term = int(np.flatnonzero(loads_of_terms > 0)[0])
+    first_positive_term = int(np.flatnonzero(loads_of_terms > 0)[0])
 
     def load(a: Array) -> Array:
         squared_ratio = np.square(a / length)
@@ -584,7 +584,7 @@ def law_of_even_polynomial(modulus: float, length: float, rises: tuple[float, ..
         load,
         edge_advance_function(load, stiffness, length),
         stiffness,
-        power=2.0 * (first_rising_term + 1),
+        power=2.0 * (first_positive_term + 1),
         half_width_may_be_steep=has_several_terms,
     )
 
@@ -1543,4 +1543,4 @@ _KINDS: dict[type, _Kind] = {
     Tabulated: _Kind.by_law(law_of_table, _convex_table),
     CallableProfile: _Kind.by_law(law_of_function, _convex_function),
 }
-"""The functions that make contacts of each type of profile: the one place that tells them apart."""
+"""The functions that make contacts of each type of profile."""

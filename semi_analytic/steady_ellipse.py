@@ -76,7 +76,8 @@ _MOST_HALVINGS = 15
 
 @dataclass(frozen=True, eq=False)
 class Ellipses:
-    """Steady ellipses, turned the way round that has 0 <= phase <= pi; all arrays of shape (m,).
+    """Steady ellipses, mirrored (Q -> -Q) where needed for 0 <= phase <= pi; all arrays of shape
+    (m,).
 
     Attributes
     ----------
@@ -1760,13 +1761,13 @@ def phase_integrals(
     nodes, weights = rule
     h, g, permanent_stick_load, least_load, u, v, alpha, beta, k = parameters
     shape = (4, 3, len(nodes), len(h))
-    # P_c and P - P_c of all three phases, and working arrays (3, n, m)
-    stick_edge_loads, slip_zone_loads, work_arrays, kernel_buffer = memory[
+    # P_c and P - P_c of all three phases, and arrays of intermediate values (3, n, m)
+    stick_edge_loads, slip_zone_loads, scratch_arrays, kernel_buffer = memory[
         : math.prod(shape)
     ].reshape(shape)
     stick_load_of_e_to_g, stick_load_of_j_to_m, stick_load_of_i_to_j = stick_edge_loads
     slip_zone_load_of_e_to_g, slip_zone_load_of_j_to_m, slip_zone_load_of_i_to_j = slip_zone_loads
-    tangent, sine_cosine, squared_secant = work_arrays
+    tangent, sine_cosine, squared_secant = scratch_arrays
 
     # E-G and J-M
     # tan(h y) and 1 + tan^2(h y)

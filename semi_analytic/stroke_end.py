@@ -1,15 +1,15 @@
-"""What the smooth end of a stroke leaves of shear where tilt or bulk strain goes on changing.
+"""Shear that the smooth end of a stroke of slip leaves where tilt or bulk strain still changes.
 
 Near the end of a stroke the level N = f P - s Q has a minimum, N = N''/2 t^2, while a_s = f alpha -
-s eps goes on changing. One side of the slip zone c < |x| < a then comes to rest before the other:
+s eps still changes. One side of the slip zone c < |x| < a then comes to rest before the other:
 rates of slip and of f p - s q >= 0 are a linear complementarity problem, with |x| < c in stick.
 With x over a and v = (A/pi) N'' t/(a a_s') it has one parameter, c/a::
 
     int G(x, xi) rho(xi) d xi - v arccosh(|x|/c) + sgn(x) sqrt(x^2 - c^2) = rate of slip >= 0
     rho >= 0, and rho = 0 where it slips
 
-G = ln |(1 - w w')/(w - w')|, w = sgn(x) e^(-arccosh(|x|/c)): the influence outside of a stretch
-that sticks. Points come to rest one after the other, from the edge -a to -c and from c to a, and
+G = ln |(1 - w w')/(w - w')|, w = sgn(x) e^(-arccosh(|x|/c)): the influence of shear outside of a
+stick zone. Points come to rest one after the other, from the edge -a to -c and from c to a, and
 stay at rest. In that order, with G = L L^T over panels, each joins at v_k = y_k/z_k (y = L^-1 of
 the root, z = L^-1 of arccosh) and all solutions are one formula, rho(v) = L^-T z (v - v_k)_+. What
 is left at the end, beyond what the same theory without a_s' leaves, is its integral over v; the
