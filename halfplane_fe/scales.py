@@ -500,30 +500,38 @@ def estimate_room(scene: Scene, work_counts: Counter[str]) -> RoomForContact:
 
 
 def _size_near_contact(pair: _CoarsePair) -> float:
-    """Half-width [length] of the part of the face to be meshed finely, so that the contact at the
-    largest load takes 0.3 of it or more, but not all.
+    """Half-width [length] of the zone, the part of the face whose nodes may touch, so that the
+    contact at the largest load reaches to 0.3 of it or more, but not to its end.
 
-    It is twice the half-width of the contact found with the half-width tried before; after ten
-    trials the last one is taken. Where it would come near the end of the face, all of the face is
-    taken, `pair.largest_face_half_width`. InputError where the contact takes all of that.
+    The first trial is the half-width that suits half-planes. Each next one is twice the farthest
+    |x| of the contact in the trial before. After ten trials the eleventh half-width is taken
+    untried.
+
+    The largest half-width, `pair.largest_face_half_width`, is 0.97 of that of the narrower face. It
+    is taken instead of any half-width of half of it or more; then the contact may reach to less
+    than 0.3 of it. InputError where all nodes of the largest zone touch in a trial.
 
     `pair` are the bodies on a coarse mesh, with the largest load.
     """
-    face_half_width = min(_size_on_half_planes(pair), pair.largest_face_half_width)
+    zone_half_width = min(_size_on_half_planes(pair), pair.largest_face_half_width)
+    # _MOST_ENLARGEMENTS: ten trials
     for _ in range(_MOST_ENLARGEMENTS):
-        contact_fraction = _contact_fraction(pair, face_half_width)
-        if contact_fraction == 1 and face_half_width == pair.largest_face_half_width:
+        # farthest |x| of the contact over that half-width; 1 where all nodes of the zone touch
+        contact_fraction = _contact_fraction(pair, zone_half_width)
+        if contact_fraction == 1 and zone_half_width == pair.largest_face_half_width:
             raise _past_the_end(pair.scene)
-        # _CONTACT_FRACTIONS: 0.6 and 0.85; _FAR_ENLARGEMENT: 2
+        # _CONTACT_FRACTIONS[0]: 0.6; _FAR_ENLARGEMENT: factor 2, so that 0.3 is enough
         if _CONTACT_FRACTIONS[0] / _FAR_ENLARGEMENT <= contact_fraction < 1:
             break
-        face_half_width = min(
-            contact_fraction * face_half_width * _FAR_ENLARGEMENT, pair.largest_face_half_width
+        zone_half_width = min(
+            contact_fraction * zone_half_width * _FAR_ENLARGEMENT, pair.largest_face_half_width
         )
-    # A contact that shear or tilt may bring to the end of the face is looked at there at once.
+
+    # From half of the largest zone on, the largest is taken at once: shear or tilt may move the
+    # contact farther out.
     return (
-        face_half_width
-        if face_half_width * _FAR_ENLARGEMENT < pair.largest_face_half_width
+        zone_half_width
+        if zone_half_width * _FAR_ENLARGEMENT < pair.largest_face_half_width
         else pair.largest_face_half_width
     )
 
@@ -743,7 +751,7 @@ def _fitting_size(pair: _CoarsePair) -> float:
     face_half_width = min(_size_on_half_planes(pair), pair.largest_face_half_width)
     # Factors of 3, then bisection: more than 400 trials floating-point numbers do not allow.
     for _ in range(400):
-        # half-width of the contact over that of the part of the face
+        # farthest |x| of the contact over the half-width of the part of the face
         contact_fraction = _contact_fraction(pair, face_half_width)
         # _CONTACT_FRACTIONS: 0.6 and 0.85
         if _CONTACT_FRACTIONS[0] <= contact_fraction <= _CONTACT_FRACTIONS[1]:
@@ -787,8 +795,11 @@ def _size_on_half_planes(pair: _CoarsePair) -> float:
 
 
 def _contact_fraction(pair: _CoarsePair, size: float) -> float:
-    """Half-width of the contact at the largest load over that of the part of the face that may
-    touch (`size` [length]); 1 where all its nodes touch. `pair` are the bodies on a coarse mesh.
+    """Farthest |x| of a node that touches at the largest load without shear, over the half-width
+    `size` [length] of the part of the face that may touch; 1 where all nodes of that part touch.
+
+    Where the contact is symmetric to x = 0 that |x| is its half-width, else more than that. `pair`
+    are the bodies on a coarse mesh.
     """
     problem, pressed_state = _pressed(pair, size)
     if pressed_state.is_closed.all():

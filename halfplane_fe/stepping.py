@@ -230,32 +230,42 @@ def increments_along(
 def _end_by_turn_of_slip(
     problem: ContactProblem, start_state: InterfaceState, loads_at: LoadsAt, latest_end: float
 ) -> float:
-    """Instant at which the nodes that slide in `start_state` stop sliding that way, since a
-    prescribed movement turns round; `latest_end` where they do not up to there, and where loads are
-    given.
+    """Instant at which the next increment shall end at the latest: where the slip of the nodes that
+    slide at its start is largest, since prescribed movements turn round; else `latest_end`.
 
-    Of given loads the instant is known beforehand: a turning point of Q - f P or Q + f P. Where
-    movements are given it is when the slip of the sliding nodes, each weighted by its pressure, is
-    largest, if they go on sliding the same way. An instant in the first eighth of the time to
-    `latest_end` does not count.
+    The slip is the sum over these nodes, each weighted by its pressure and counted in its
+    direction of sliding. It is predicted as if every node went on sliding, sticking or gaping.
+
+    `latest_end` is returned
+
+    - where it is the instant of largest slip, or that lies in the first eighth of the time to it;
+    - where no node slides, or so few nodes hold that the bodies are free to move;
+    - where loads are prescribed. Between like half-planes slip then ends at turning points of
+      Q - f P or Q + f P, at which increments end anyway. In other bodies it ends a little earlier
+      or later, which is looked for when the increment is solved.
 
     Parameters
     ----------
     problem
         the contact problem, whose `actuators` may prescribe movements; its `rates` are derivatives
-        of the values of all nodes by the loads at given node states, (n_loads, 3 + 4 n)
+        of the values of all nodes by loads and movements while each node sticks, slides or is
+        apart as given, (n_loads, 3 + 4 n)
     start_state
-        state at which the increment starts, with its node states and pressure
+        start of the increment: its instant `time`, which nodes slide forward or in reverse
+        (`node_states`), and their `pressure` (n,)
     loads_at
-        function of an instant: the scaled loads, or movements in their place
+        function of an instant: the scaled loads, or movements in their place, (n_loads,)
     latest_end
         latest end of the increment
     """
     if not problem.actuators.prescribe_movements:
         return latest_end
+    # +1 or -1 of nodes that slide forward or in reverse, 0 of others, (n,)
     slip_directions = slip_sign(start_state.node_states)
     if not slip_directions.any():
         return latest_end
+
+    # Derivatives of the nodal slip (n_loads, n); those of pressure, shear and gap are not needed.
     try:
         slip_by_loads, _, _, _ = nodal_values(
             problem.rates(start_state.node_states, len(start_state.loads))
@@ -263,12 +273,16 @@ def _end_by_turn_of_slip(
     except SingularSet:  # so few nodes hold that the bodies are free to move
         return latest_end
     weighted_slip_by_loads = slip_by_loads @ (slip_directions * start_state.pressure)
-    end_of_stroke = _instant_of_most_slip(start_state, loads_at, latest_end, weighted_slip_by_loads)
-    # _N_INSTANTS_OF_STROKE: nine
-    first_instant_tried = start_state.time + (latest_end - start_state.time) / (
+
+    # Instant of the largest weighted slip, among nine and between them.
+    instant_of_most_slip = _instant_of_most_slip(
+        start_state, loads_at, latest_end, weighted_slip_by_loads
+    )
+    # _N_INSTANTS_OF_STROKE: nine instants from start to latest end, eighths of the time apart
+    end_of_first_eighth = start_state.time + (latest_end - start_state.time) / (
         _N_INSTANTS_OF_STROKE - 1
     )
-    return end_of_stroke if end_of_stroke > first_instant_tried else latest_end
+    return instant_of_most_slip if instant_of_most_slip > end_of_first_eighth else latest_end
 
 
 def _instant_of_most_slip(

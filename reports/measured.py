@@ -56,8 +56,8 @@ class RecordCheck:
     n_rows, n_path_rows
         number of rows of the record, and of those that the load path goes through
     work_of_path
-        W of the load path by half-plane theory, [energy] like all W; None, like all W, where it
-        was not needed or could not be computed
+        W of the load path by half-plane theory, [energy per thickness] like all W; None, like all
+        W, where it was not needed or could not be computed
     work_without_reduction
         W of all rows, or of the means of rows that `load.average` asks for
     work_of_all_rows
@@ -450,8 +450,8 @@ class LoadCycle:
     """A cycle of Q that rainflow counts (`count` 1 for a closed one, 0.5 for half of one), from
     `start` to `end`, when it closes; `range` and `mean` are those of Q [load].
 
-    `dissipation` is that of its own time, without what closed cycles within it dissipate: all of
-    them add up to W.
+    `dissipation` [energy per thickness] is that of its own time, without what closed cycles within
+    it dissipate: all of them add up to W.
     """
 
     count: float
@@ -471,7 +471,7 @@ class LoadCycles:
     cycles
         in the order in which they end
     time, cumulative
-        (n,) instants, and the dissipation from the first instant to each [energy]
+        (n,) instants, and the dissipation from the first instant to each [energy per thickness]
     last_whole
         the load cycle between the last three turning points of Q, with all its work; None for a
         record that repeats, and where Q turns less often

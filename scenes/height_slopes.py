@@ -247,11 +247,12 @@ def _samples(count: int) -> _Samples:
 
 
 def _relative_roundoff_near_zero(height_above_middle: Function, extent: float) -> float:
-    """Standard deviation of the height's round-off over the height, for x from 2^-21 to 2^-20 of
-    the `extent`: how many digits the height has near x = 0.
+    """Standard deviation of the round-off in a profile's height near x = 0, divided by the largest
+    absolute height there: how many digits the height has.
 
-    Infinite where the height is 0 or not finite there. `height_above_middle` is h(x) - h(0), from
-    an array of x to an array of heights.
+    It is of heights h(x) - h(0) at 512 places x, from 2^-21 to 2^-20 of the `extent`, the largest
+    x of the profile. Infinite where all these heights are 0, or where one is not finite.
+    `height_above_middle` gives h(x) - h(0), from an array of x to an array of heights.
     """
     # Places on [-1, 1], and the least-squares series through values at them.
     # _SAMPLES_OF_INTERVAL: 512 places on [-1, 1]

@@ -1676,8 +1676,8 @@ def instants_and_row_numbers(
 ) -> tuple[Array, Indices]:
     """Instants of the answer, (n,), and the number of the followed instant nearest to each, (n,).
 
-    The instants are those of the question. Where it gives none, they are all followed instants, or
-    those of the last cycle if only that is wanted.
+    The instants are those of the question. Where it gives none, they are the followed instants up
+    to the end of the last cycle of the answer, or those of that cycle if only that is wanted.
 
     Parameters
     ----------
@@ -1686,7 +1686,7 @@ def instants_and_row_numbers(
     rows
         the followed instants, `time` (r,), and the `period` of the path
     last_cycle
-        rows of the last cycle of the answer
+        rows of the last cycle of the answer; the path may be followed beyond it
     """
     if question.time is None:
         first_row = last_cycle.start if question.wants_last_cycle_alone else 0

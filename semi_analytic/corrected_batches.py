@@ -448,30 +448,45 @@ def _roots_between(
 
 
 def _work_of_punches(cycle: CycleOfPunches, friction: Array) -> Array:
-    """w = closed-int f L |dF| of flat punches in a steady cycle, k under each of m ellipses, in
-    forward and in reverse slip, (2, m, k) [force^2 per thickness^2].
+    """Friction work w = closed-int f L |dF| of flat punches of half-width c over one steady cycle,
+    in forward and in reverse slip, (2, m, k) [force^2 per thickness^2]. The dissipation W is A
+    times the integral of w dc/(pi c), A = 2/E*.
 
-    F is the tangential force that a punch keeps while it sticks, L the normal load that wider
-    punches carry. `cycle` has s B_s for s = +1 and -1, and L, as sinusoids of the phase angle:
-    mean + amplitude cos(angle - phase), (m, k) each; `friction` (m, 1) is f.
+    Each of m elliptic load paths, P = P0 + P1 cos t and Q = Q0 + Q1 cos(t - phase), has k punches.
+    L is the normal load that is carried outside of a punch, and F the tangential force that the
+    punch keeps while it sticks. F stays between the Coulomb bounds B_+ and B_-:
 
-    While L > 0, s F is raised to the Coulomb bound s B_s whenever that exceeds it, s = +1 and -1.
-    The cycle is cut at the maxima and minima of both bounds: between them each bound is monotonic.
+        s B_s = s (Q - kt G) - f L,    s = +1 in forward slip, -1 in reverse slip
+
+    While L > 0, s F is raised to s B_s whenever that exceeds it, and the punch slips. kt x^2/2 is
+    what finite bodies add to the tangential displacement of the faces, and G the normal load that
+    presses a parabola x^2/2 to half-width c.
+
+    Parameters
+    ----------
+    cycle
+        s B_s for s = +1 and -1, and L, as sinusoids of the phase angle t through the cycle:
+        `mean` + `amplitude` cos(t - `phase`), (m, k) each
+    friction
+        f (m, 1)
     """
     forward_bound, reverse_bound, load_outside = cycle
-    full_cycle = 2 * math.pi
-    # A punch is in contact all the time, or within this angle of the largest load, or never (0).
+    full_angle = 2 * math.pi
+    # A punch is in contact all the time, or within this angle of the largest L, or never (0).
     # _SMALLEST_FLOAT: smallest positive number, against division by 0.
     cosine_of_opening = np.clip(
         -load_outside.mean / np.maximum(load_outside.amplitude, _SMALLEST_FLOAT), -1.0, 1.0
     )
     opening_angle = np.arccos(cosine_of_opening)
-    never_opens = load_outside.mean >= load_outside.amplitude
+    is_always_closed = load_outside.mean >= load_outside.amplitude
 
-    # F is known at the begin: at the maximum of B_+, or where contact begins and both bounds meet.
-    begin_angle = np.where(never_opens, forward_bound.phase, load_outside.phase - opening_angle)
-    contact_angle = np.where(never_opens, full_cycle, 2 * opening_angle)
-    # Largest and least values of both bounds, in the order in which they follow the begin.
+    # F is B_+ at the begin: at the maximum of B_+, or where contact begins and both bounds meet.
+    begin_angle = np.where(
+        is_always_closed, forward_bound.phase, load_outside.phase - opening_angle
+    )
+    contact_angle = np.where(is_always_closed, full_angle, 2 * opening_angle)
+    # Angles of the largest and the least value of both bounds, in their order after the begin:
+    # between them each bound is monotonic.
     turning_angles = np.stack(
         [
             forward_bound.phase,
@@ -480,20 +495,22 @@ def _work_of_punches(cycle: CycleOfPunches, friction: Array) -> Array:
             reverse_bound.phase + math.pi,
         ]
     )
-    angles_since_begin = np.minimum(np.mod(turning_angles - begin_angle, full_cycle), contact_angle)
+    angles_since_begin = np.minimum(np.mod(turning_angles - begin_angle, full_angle), contact_angle)
     angles_since_begin.sort(axis=0)
     locked_in_force = forward_bound.values_at(begin_angle)
     works = np.zeros((2, *begin_angle.shape))
 
-    # From angle to angle, until contact ends: f int L dB over the part of the bound beyond F.
+    # From angle to angle, until contact ends: int L dB while the rising bound B = s B_s takes s F
+    # with it, from the s F before to the bound at the angle.
     for angle in (*(begin_angle + angles_since_begin), begin_angle + contact_angle):
         for index, direction, bound in ((0, 1.0, forward_bound), (1, -1.0, reverse_bound)):
             bound_at_angle = bound.values_at(angle)
-            slips = bound_at_angle > direction * locked_in_force
+            is_slipping = bound_at_angle > direction * locked_in_force
+            # int L dB along the rising bound up to each value of it; the constant falls out
             integral_to_angle = _load_integral(bound, load_outside, bound_at_angle)
             integral_to_force = _load_integral(bound, load_outside, direction * locked_in_force)
-            works[index] += np.where(slips, integral_to_angle - integral_to_force, 0.0)
-            locked_in_force = np.where(slips, direction * bound_at_angle, locked_in_force)
+            works[index] += np.where(is_slipping, integral_to_angle - integral_to_force, 0.0)
+            locked_in_force = np.where(is_slipping, direction * bound_at_angle, locked_in_force)
     return np.asarray(friction * np.maximum(works, 0.0))
 
 

@@ -72,8 +72,8 @@ def hysteresis(
     ------
     InputError
         For half-planes without a datum length or effects, or with both; for finite bodies with
-        either. For a solution with bulk stress, without the fields, or without a whole cycle, and
-        where Q does not move.
+        either. For a datum length that is not finite and above 0. For a solution with bulk stress,
+        without the fields, or without a whole cycle, and where Q does not move.
 
     Examples
     --------

@@ -71,7 +71,8 @@ _CACHED_EDGES = 8
 _FORCE_SHARE_AT_LIMIT = 1e-9
 # Share of a step within which sliding begins at one of its ends.
 _STEP_SHARE_AT_END = 1e-9
-# Steps of a cycle at least, and between two turning points.
+# Steps of a path over its number of cycles, about; and least number between two turning points
+# where these are few.
 _STEPS_A_CYCLE = 200
 _FEWEST_STEPS_BETWEEN_TURNS = 16
 # Steps that are followed at most: each takes about half a millisecond.
@@ -85,8 +86,8 @@ _BISECTION_COUNT = 60
 _RESIDUAL_OF_ROOT = 1e-14
 # Share of a displacement that is round-off.
 _ROUND_OFF_DISPLACEMENT_SHARE = 1e-12
-# Share of the largest approach by which it may fall: cubics of the table leave 1e-11, and a datum
-# that is too short much more than this.
+# Share of the range of the approach by which it may fall: cubics of the table leave 1e-11, and a
+# datum that is too short much more than this.
 _APPROACH_ERROR_OF_TABLE = 1e-9
 _MOST_WIDENINGS = 60
 
@@ -244,7 +245,9 @@ def actuator_rows(
     one_step_at_constant_load
         whether to take one step, which is exact, between two turning points if P is constant there
     steps_per_cycle
-        least number of steps in a cycle
+        this times the number of cycles is about the number of steps of the path, before the
+        `refinement`: all intervals between turning points have equally many. The initial loading
+        takes its share of them, so that a cycle may have fewer steps than this
 
     Raises
     ------
@@ -367,18 +370,25 @@ def loads_of_approach(
     """Normal loads P (n,) [force per thickness] under given normal approaches of an actuator (n,)
     [length]; 0 where the approach is not positive, since the bodies are apart.
 
-    Each contact half-width a has one load, P = eta(a)/(1 - N G(a)), and one approach: a is found by
-    bisection. eta and G are the loads of the flat punches of the profile and of x^2/2; N P x^2/2 is
-    what the bodies add to the gap. N_Q and T_P must be 0, so that P does not depend on Q.
+    Each contact half-width a has one load, P = eta(a)/(1 - N G(a)), and one approach, which grows
+    with a: a is found by bisection of the approach. eta(a) is the load that presses the profile
+    into half-planes up to a, and G(a) the load that presses a parabola x^2/2 so far.
+
+    Finite bodies add (N P + N_Q Q) x^2/2 to the gap, and (T Q + T_P P) x^2/2 to the tangential
+    displacement of the faces. N_Q and T_P must be 0, as of bodies that are mirrored at x = 0, so
+    that P does not depend on Q.
 
     Parameters
     ----------
     contact
-        normal contact of the profile
+        normal contact of the profile: load by half-width on half-planes
     modulus
         E* [stress]
     compliance
-        of bodies and springs, with the curvatures that the bodies add to the gap
+        of bodies and springs, with `curvatures` N, T, N_Q, T_P of the bodies
+        [1/(stress length^2)]
+    approach
+        (n,) normal approaches of the actuator, positive where the bodies are pressed together
 
     Raises
     ------
@@ -400,10 +410,11 @@ def loads_of_approach(
             " positive where the bodies are pressed together"
         )
 
-    # Flat punches of the contact, by a coordinate s of their half-width, up to the largest
-    # approach.
+    # eta and G over a coordinate s, which is 0 at a = 0 and grows with a, up to a half-width with
+    # the largest approach.
     table = _table_of_approach(contact, modulus, compliance, largest_approach)
-    # Bracket of s of the edge of contact; largest_s: s of the widest punch of the table.
+
+    # Bisection of s of the edge of contact, from 0 to the end of the table, for each approach.
     low_s = np.zeros(len(approach))
     high_s = np.full(len(approach), table.largest_s)
     for _ in range(_BISECTION_COUNT):

@@ -223,9 +223,12 @@ class SecondOrderAnswer:
 
 
 def second_order_answer(scene: Scene, effects: BodyEffects) -> SecondOrderAnswer:
-    """Friction work that tilt and bulk strain of finite bodies add in each cycle of a scene, to the
-    second order in both; with the history of stick and slip, which gives the centres of contact and
-    stick.
+    """Friction work that tilt and bulk strain of finite bodies add in each cycle of a scene up to
+    the steady one, to the second order in both; with the history of stick and slip, which gives the
+    centres of contact and stick.
+
+    At most as many cycles are followed as the scene has, but two where it has one. Of a path
+    without cycles there is one work, that of all of it.
 
     Tilt and strain make tractions that are odd in x, so that work has no first order in them. It is
     a quadratic form of the tilt and the strain per load, which are among the `effects`. Stick and

@@ -114,10 +114,11 @@ def _packages() -> tuple[bool, str]:
 
 def _run_in_own_process(program: str, hint: str) -> tuple[bool, str]:
     """Run the source text of a Python program in a process of its own. Returns whether it ended
-    well, and the last line that it printed; after a failure its last line on stderr and the `hint`.
+    well and printed, and the last line that it printed; else the reason and the `hint`.
 
-    A library that ends its process, by a crash or without an end, must not end this one. The
-    program has 120 s.
+    The reason is that the program did not end within 120 s, or printed nothing; or, where it ended
+    with an error, its last line on stderr or its exit code. A library that crashes or hangs thus
+    does not stop this process.
     """
     command = [sys.executable, "-c", program]
     with tempfile.TemporaryDirectory() as folder:
@@ -130,7 +131,7 @@ def _run_in_own_process(program: str, hint: str) -> tuple[bool, str]:
     printed_lines = process.stdout.strip().splitlines()
     if process.returncode == 0 and printed_lines:
         return True, printed_lines[-1]
-    if process.returncode == 0:  # the last statement prints: the program never came so far
+    if process.returncode == 0:  # a program prints once its check is done: it never came so far
         return False, f"ended before its check was done; {hint}"
     error_lines = process.stderr.strip().splitlines()
     reason = error_lines[-1] if error_lines else f"ended with code {process.returncode}"

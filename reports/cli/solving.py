@@ -692,8 +692,9 @@ def _topics_left_out(report: Report, findings: Sequence[ExpectedNumber]) -> Iter
 
     scene = report.comparison.scene
     topics = [f"“{_beginning(note)} …”" for note in report.comparison.result.record.notes]
-    if measured_loads := check_record(scene):  # None: the loads are not a measured table
-        for sentence, is_warning in record_in_words(scene, measured_loads):
+    # noise of a measured table of loads, and W with and without it; None of other loads
+    if check_of_table := check_record(scene):
+        for sentence, is_warning in record_in_words(scene, check_of_table):
             if is_warning:
                 yield f"Warning: {sentence}"
         topics.append("what was read of the record")
@@ -716,8 +717,9 @@ def _beginning(note: str) -> str:
 
 
 def _notes_shown(report: Report) -> Iterator[Part]:
-    """What a terminal with --verbose shows: the uncertainty of the dissipation, the notes of the
-    finite elements, and what was read of the table of measured loads.
+    """What a terminal with --verbose shows: the uncertainty of the dissipation W, and the notes of
+    the finite elements; of a table of measured loads what was read of it, and how much its
+    reduction, threshold and noise change W.
     """
     from reports.comparison.words import sentence_on_work
     from reports.measured import check_record, record_in_words
@@ -727,8 +729,9 @@ def _notes_shown(report: Report) -> Iterator[Part]:
         yield work_in_words
     for note in report.comparison.result.record.notes:
         yield f"Note: {note}."
-    if measured_loads := check_record(scene):  # None: the loads are not a measured table
-        for sentence, is_warning in record_in_words(scene, measured_loads):
+    # noise of a measured table of loads, and W with and without it; None of other loads
+    if check_of_table := check_record(scene):
+        for sentence, is_warning in record_in_words(scene, check_of_table):
             yield f"{'Warning' if is_warning else 'Note'}: {sentence}"
 
 

@@ -1127,10 +1127,14 @@ def summary_rows(
 
 
 def _rows_of_load_cycles(solution: ContactSolution) -> Iterator[tuple[str, str]]:
-    """Rows (label with unit, value) on the load cycles in a table of loads over time: their number,
-    the friction work W over that number, and W of the last whole cycle. No rows for other loads.
+    """Rows (label with unit, value) on the load cycles in a table of measured loads: their number,
+    the friction work W divided by their number, and W of the last whole cycle where there is one.
+
+    No rows for other loads, for results of other programs, and where the solution does not hold the
+    work of each instant.
     """
-    # load cycles by rainflow count of Q: their number, W over it, the last whole one
+    # load cycles by rainflow count of Q: `counted` their number, `per_cycle` W divided by it,
+    # `last_whole` the last whole one; None in the cases without rows
     cycles = load_cycles(solution)
     if not cycles:
         return

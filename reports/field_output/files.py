@@ -39,7 +39,8 @@ class Instant:
     """An instant of the load path whose fields are shown or written."""
 
     time: float
-    label: str  # what happens there, or that it was asked for
+    # what happens there, or that it was asked for; in a film its number, as in "3 of 24"
+    label: str
 
 
 def instant_of(text: str, option: str, start: float, end: float) -> float:

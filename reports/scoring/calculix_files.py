@@ -98,9 +98,10 @@ def read_frd(
     Raises
     ------
     InputError
-        File, line and what was expected there: not ASCII, broken off, a record that is not of fixed
-        width, a number that is none, fewer records than announced; or a file of more than half a
-        GB.
+        With file, line and what was expected there: for a binary block, a file that breaks off, a
+        record that is not of fixed width, a number that is none, fewer or more records than
+        announced. Without a line: for a file without nodes, of more than half a GB, or that cannot
+        be read.
     """
     path = Path(path)
     _check_size(path)

@@ -406,54 +406,66 @@ class LoopsOverFriction:
     def nearest_points(
         self, rows: LoopRows, friction: float, terms: Array, noise: RowNoise
     ) -> NearestPoints:
-        """The point of theory's loop that is nearest to each of n measured rows, on the branch of
-        the row or just beyond its turning points: place (instant of the loop, with a fraction),
-        distance, positive on the left of the loop, and unit normal to the left, in sigma of U and
-        of Q, (n,) each.
+        """The point of theory's loop of Q over U that is nearest to each of n measured rows, on the
+        branch of the row or just beyond the branch's turning points.
+
+        Returns, (n,) each: the place of the point, an index of an instant of the cycle, with a
+        fraction, which may lie beyond the cycle's begin or end; the distance of the row from it,
+        positive on the left of the direction in which the loop is passed; and both components of
+        the unit normal to the left. U and Q are divided by their sigma, so that distances have no
+        unit.
+
+        U of the loop is r U(f/r) + C Q + U0, where U(f/r) is that of the scene with friction f/r,
+        and r the range of Q of the loop over that of the scene. At the same P, r times as large a
+        Q with f makes r times the U that Q makes with f/r.
 
         Parameters
         ----------
         rows
-            U and Q of the rows, and whether each lies on the rising branch
+            the measured rows: `displacement` U and `load` Q, (n,) each; `branches.is_rising` (n,)
+            tells whether each lies on the branch of rising Q
         friction
             f of the loop
         terms
             (4,) highest Q, lowest Q, and C and U0 of the rig
         noise
-            sigma, standard deviation of the noise of U and of Q, by which both are divided
+            sigma, the standard deviation of the noise of U (`displacement`) and of Q (`load`)
 
-        # notation: C compliance of the rig, f coefficient of friction, Q tangential load, U
-        #           relative tangential displacement, U0 its origin
+        # notation: C compliance of the rig, f coefficient of friction, P normal load, Q tangential
+        #           load, U relative tangential displacement, U0 its origin
         """
+        # Theory's loop: U and Q (m,) at instants of a cycle, the first one repeated at the end.
+        # self.load (m,): Q of the scene; self.displacement: U (m,) of the scene with another f
         highest_load, lowest_load, compliance, origin = terms.tolist()
-        # factor r of the file's Q over the scene's; self.load (m,): Q of the scene through a
-        # cycle
-        scale = self.load_scale(highest_load, lowest_load)
+        scale = self.load_scale(highest_load, lowest_load)  # r
         load_of_loop = lowest_load + scale * (self.load - self.load.min())
         displacement_of_loop = (
             scale * self.displacement(friction / scale) + compliance * load_of_loop + origin
         )
         n_instants = len(self.load) - 1
-        # for each row: place, distance, unit normal in U and in Q
+        # of each row: place, distance, components of the unit normal along U and Q
         values_of_nearest = np.empty((4, len(rows.load)))
         values_of_nearest[1] = math.inf
+
+        # Rows and loop in sigmas, (2, n) and (2, m): U, then Q.
         row_points = np.array([rows.displacement / noise.displacement, rows.load / noise.load])
         loop_points = np.array(
             [displacement_of_loop / noise.displacement, load_of_loop / noise.load]
         )
+
+        # Nearest points on all pieces of the loop where a row of the branch may lie.
         for is_branch_rising in (True, False):
-            rows_of_branch = np.flatnonzero(rows.branches.is_rising == is_branch_rising)
-            # the branch itself, and pieces of the other one beside its turning points
+            indices_of_branch = np.flatnonzero(rows.branches.is_rising == is_branch_rising)
+            # instants of the branch itself, and of pieces of the other one beside it
             for instants in self.instants_by_branch[is_branch_rising]:
                 polyline = loop_points[:, instants % n_instants]
-                for begin in range(0, len(rows_of_branch), _ROWS_AT_ONCE):
-                    rows_of_block = rows_of_branch[begin : begin + _ROWS_AT_ONCE]
-                    # nearest points of one block of rows on one piece; _ROWS_AT_ONCE bounds the
-                    # memory
-                    candidate = nearest_on_polyline(row_points[:, rows_of_block], polyline)
-                    candidate[0] += instants[0]
-                    is_nearer = np.abs(candidate[1]) < np.abs(values_of_nearest[1, rows_of_block])
-                    values_of_nearest[:, rows_of_block[is_nearer]] = candidate[:, is_nearer]
+                for begin in range(0, len(indices_of_branch), _ROWS_AT_ONCE):
+                    # one block of rows, which bounds the memory, against one piece of the loop
+                    block_indices = indices_of_branch[begin : begin + _ROWS_AT_ONCE]
+                    candidates = nearest_on_polyline(row_points[:, block_indices], polyline)
+                    candidates[0] += instants[0]
+                    is_nearer = np.abs(candidates[1]) < np.abs(values_of_nearest[1, block_indices])
+                    values_of_nearest[:, block_indices[is_nearer]] = candidates[:, is_nearer]
         return NearestPoints(*values_of_nearest)
 
     def distances(self, rows: LoopRows, friction: float, terms: Array, noise: RowNoise) -> Array:

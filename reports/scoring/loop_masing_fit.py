@@ -1094,7 +1094,10 @@ def _error_by_digits(rows: MeasuredRows, curve: MemoryCurve, sigma: RowNoise) ->
 
 def _parameter_changes_by_residuals(search: _Search, parameters: Array, is_gross: bool) -> Array:
     """Change of the seven parameters of a fitted loop per unit of each of the m residuals, in
-    linear least squares, (7, m); 0 for parameters that are not fitted.
+    linear least squares, (7, m).
+
+    It is 0 for parameters that are not fitted, but for the range R of Q of a gross loop. R follows
+    from f there, R = 2 f P, and its change is R times that of ln f.
 
     Parameters
     ----------
@@ -1111,13 +1114,13 @@ def _parameter_changes_by_residuals(search: _Search, parameters: Array, is_gross
     """
     fitted_indices = _fitted_parameters(search.rows, is_gross=is_gross)
     _, derivatives = search.residuals(parameters)
-    # derivatives (m, 7) by the parameters over their typical sizes
+    # derivatives (m, 7) by the parameters over their typical sizes; if gross, R follows ln f
     scaled_derivatives = _scaled_derivatives(search, parameters, derivatives, is_gross)
     pseudo_inverse = np.linalg.pinv(scaled_derivatives[:, fitted_indices])
     typical_sizes = search.parameter_sizes[fitted_indices]
     influence = np.zeros((7, len(derivatives)))
     influence[fitted_indices] = -pseudo_inverse * typical_sizes[:, None]
-    # the range R of Q follows from ln f: R = 2 f P; RANGE, LOG_F: indices of R and of ln f
+    # RANGE, LOG_F: indices of R and of ln f
     if is_gross:
         influence[RANGE] = parameters[RANGE] * influence[LOG_F]
     return influence
