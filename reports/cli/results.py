@@ -256,7 +256,7 @@ def _score_loop(
         cells,
         range(1, len(heads)),
     )
-    # exit code 0 or 1
+    # exit code 0 or 1; notes: what was assumed or left out; sentences: on the area of the loop
     return Answer(
         EXIT_WITHIN if loop_score.is_scene_friction_within else EXIT_OUTSIDE,
         [

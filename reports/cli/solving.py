@@ -283,7 +283,8 @@ def _reason_for_no_budget(scene: Scene) -> str:
 @solving_command
 def run(job: Job) -> Answer:
     """The command `run`: solve a scene by half-plane theory and finite elements, compare the two,
-    write the page. The exit code is that of the verdict.
+    write the page. The exit code is 0 where the comparison passed and the scene's expected numbers
+    are met, else 1; 3 where a third solver failed.
 
     A scene that one of the two alone takes gets the answer of the command `exact` or `fe`. One
     that prescribes displacements gets the answers of both, without a comparison.

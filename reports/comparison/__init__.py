@@ -267,8 +267,8 @@ def _refuse_other_question(reference: ContactSolution, result: ContactSolution) 
 
 def _notes_on_pair(pair: Pair) -> Iterator[str]:
     """Sentences that a reader of a comparison must not miss: interpolation, instants with too light
-    a load to be judged, no convergence, no steady cycle, displacements that count from different
-    places, and the notes of both solutions.
+    a load to be judged, no convergence, no steady cycle, the notes of both solutions, displacements
+    that count from different places, errors of load steps that can't be told apart, no friction.
 
     `pair` holds reference and result. Its masks (k,): `is_in_contact` where a point carries
     pressure, `is_judged` where also P is at least a tenth of the reference load. `effects` are the

@@ -978,6 +978,7 @@ def _theory_term(metric: Metric, comparison: Comparison) -> Term:
             for solution in theory_solutions
             if "stick_edges" in solution.uncertainties
         ]
+    # work.counts: what theory counted of its work, "grids" where it used grids of points
     is_on_grids = any("grids" in solution.work.counts for solution in theory_solutions)
     if error_estimates:
         uncertainty = max(error_estimates) + ROUND_OFF_OF_METRIC

@@ -65,7 +65,11 @@ def whole_content(report: Report, command: str, seconds: Mapping[str, float]) ->
     """All that comparison.json holds, by its names; numbers may be numpy's and not finite.
 
     `command` reproduces the report; `seconds` holds the wall time of each stage. A report holds the
-    comparison, its error budget, and of an external result the guesses, evidence and diagnoses.
+    comparison and its error budget. Of an external result it also holds what was guessed about the
+    file, how its columns were read, what its rows show (`evidence`), likely causes (`diagnoses`),
+    and the study of several meshes. `comparison.why` is the difference of the dissipation split by
+    causes. `unscored` are metrics with a tolerance and no value. What is not there is None or
+    empty.
     """
     comparison = report.comparison
     budget = report.budget  # None where no error budget was measured
@@ -78,7 +82,6 @@ def whole_content(report: Report, command: str, seconds: Mapping[str, float]) ->
     verdicts = {
         name: getattr(comparison, name) for name in ("passed", "accurate", "verdict", "admissible")
     }
-    # of metrics with a tolerance and no value
     unscored_keys = [metric.key for metric in comparison.unscored]
     return {
         "format": _FORMAT,

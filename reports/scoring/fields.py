@@ -407,7 +407,8 @@ def _surface_points(
 
 def _marked_points(path: Path, mesh: FieldPart, surface: str) -> Integers:
     """Numbers of the mesh points that a field of the file marks as the contact surface; a field of
-    cells marks all points of its cells. InputError where it marks none.
+    cells marks all points of its cells. InputError where it marks none, is a vector, or is not
+    there.
 
     `surface` is NAME, for where the field is not 0, or NAME=VALUE. In a set that meshio wrote into
     a VTU unmarked points have -1: where -1 occurs, it stands in place of 0.

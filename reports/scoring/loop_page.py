@@ -40,6 +40,9 @@ def content(score: LoopScore) -> dict[str, Any]:
     friction coefficient f lies in the interval of the loop's f, that interval, and the rig's
     compliance; and area, slope and distance from the rows of each loop, measured or computed.
 
+    Of `score`: `scale` is the file's Q over the scene's, `n_cycles` the number of cycles that the
+    rows cover, `noise` the standard deviation of U, and `notes` what was assumed or left out.
+
     # notation: Q tangential load, U relative tangential displacement
     """
     return {

@@ -375,6 +375,7 @@ def _tested_candidate(
         ]
         change_every_second_cycle = min(alternating_changes, key=lambda change: change.chance)
         change_of_size = fitted_loop.change_of_size_with(phase)
+        # of ln f, if all rows were as large as the last ones; added_values: growth of U and of Q
         log_friction_change = fitted_loop.log_friction_change(change_of_size.added_values, phase)
 
     # part of the rows' distances that is no scatter, over the mean opening of the loop in U
@@ -653,7 +654,9 @@ def _fit_at_constant_load(
     Parameters
     ----------
     candidate
-        the rows that were chosen, in cycles that repeat, and the loop that fits them best
+        the rows that were chosen, in cycles that repeat; the loop that fits them best; `branches`,
+        with the cycles passed at each row (`phase`); and which rows were left out, in words
+        (`run_in_sentence`, "" for none)
     scene
         gives the tangential load Q over the cycle, to which the measured one is scaled
     curve
@@ -757,7 +760,8 @@ def _fit_where_load_varies(
     # error of theory: 1e-5 of f
     fit = fit_loop(rows, loops_of_theory, loop.resolution, _RELATIVE_ERROR_OF_THEORY)
     sigma = RowNoise(fit.displacement_noise, fit.load_noise)
-    # nearest point of the loop to each row; place: as a number of instants
+    # nearest point of the loop to each row; place: as a number of instants; fit.terms: highest Q,
+    # lowest Q, C and origin of U
     nearest_points = loops_of_theory.nearest_points(rows, fit.friction, fit.terms, sigma)
     # factor of the file's Q over the scene's
     scale = (fit.highest_load - fit.lowest_load) / float(np.ptp(load_of_cycle))

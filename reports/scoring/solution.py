@@ -82,7 +82,8 @@ def solution_of_surface(
 
     Nothing is filled in: what the result does not hold is NaN, listed as skipped with a reason, and
     left out of the comparison. States (open, stick, slip) and edges of contact and stick are found
-    from its tractions and slip, and of a whole cycle with slip the dissipation too.
+    from its tractions and slip. So is the dissipation, where a whole cycle of at least 8 instants
+    has shear and slip.
 
     Parameters
     ----------
