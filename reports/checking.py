@@ -807,6 +807,7 @@ def _strain_and_shift(scene: Scene) -> tuple[Array, float | None]:
 
     # Hertz: a = sqrt(4 R P/(pi E*)).
     half_width = np.sqrt(4 * radius * normal_load[is_pressed] / (np.pi * modulus))
+    # `moment_is_given`: the load states a moment, not a tilt
     if path.moment_is_given:
         middle_x = moment[is_pressed] / normal_load[is_pressed]
     else:

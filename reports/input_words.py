@@ -231,7 +231,11 @@ def _difference_of_work_and_source(
     """Relative difference of W between finite bodies and half-planes, and the source of that number
     in words: "" where it is the finite elements, " by corrected theory" where these give no finite
     relative difference.
+
+    `uncertain_difference` is that of corrected theory. `comparison` is that of finite elements with
+    theory, None without them; a difference of it is `absolute` where it is not relative.
     """
+    # WORK: "dissipation"
     if comparison is not None:
         metric = comparison.metric(WORK)
         if metric.value is not None and not metric.absolute and math.isfinite(metric.value):

@@ -1075,7 +1075,7 @@ def _loads_of_last_cycle(scene: Scene) -> tuple[Array, Array]:
     them.
     """
     if isinstance(scene.load, TimeSeriesLoad):
-        rows = scene.load.series()
+        rows = scene.load.series()  # (n, 3) time, P, Q
         return rows[:, 1], rows[:, 2]
     # Load segments of the cycle, or of the path where nothing repeats.
     path = scene.load.path()

@@ -541,7 +541,7 @@ def load_cycles(solution: ContactSolution) -> LoadCycles | None:
         "halfplane_fe",
     ):
         return None
-    rows = load_record.series()
+    rows = load_record.series()  # (n, 3) time, P, Q
 
     # Rows of the first period, its duration, and the time from it to the last period solved.
     period_duration = 0.0

@@ -165,7 +165,7 @@ def fit_uncertainty(scene: Scene, resamples: int = _N_RESAMPLES, seed: int = 0) 
         # _FACTOR_ON_SPLINE_CHANGE: 1.25, since a spline follows other shapes to some per cent only
         uncertainty += _FACTOR_ON_SPLINE_CHANGE * np.abs(values_of_spline - values_of_fit)
 
-    # `Spread`: a value with its uncertainty
+    # `Spread`: a value with its uncertainty; LEFT_OUT: no W is computed for long records
     work, half_width, peak_pressure = map(Spread, values_of_fit.tolist(), uncertainty.tolist())
     return FitUncertainty(
         dissipation=None if work_method is _WorkMethod.LEFT_OUT else work,

@@ -377,7 +377,8 @@ def piecewise_series_by_halving(
     # For each first interval: how many of its parts have been given a series.
     n_series = np.zeros(len(begins), dtype=int)
 
-    # Intervals that are done: their begins, and the coefficients of their series.
+    # Intervals that are done: their begins, and the coefficients of their series, CHEBYSHEV_DEGREE
+    # + 1 = 25 each.
     accurate_begins = [begins[:0]]
     accurate_series = [np.empty((0, CHEBYSHEV_DEGREE + 1))]
     while len(begins):

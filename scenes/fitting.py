@@ -204,9 +204,9 @@ def _rows_far_from_fit(residuals: Array) -> NDArray[np.int64]:
 
 def _spikes_of(x: Array, h: Array) -> NDArray[np.int64]:
     """Indices (m,) of measured points x, h (n,) that stand out from their neighbours; none where x
-    is not in order, or where points are too few or too many for a fit.
+    is not in order, and of 8 points or fewer, or of more than 20,000, which no fit takes.
     """
-    # _FEWEST_ROWS, _MOST_ROWS: 8 and 20,000 points, between which a fit is made
+    # _FEWEST_ROWS, _MOST_ROWS: 8 and 20,000 points
     if not _FEWEST_ROWS < len(x) <= _MOST_ROWS or np.any(np.diff(x) < 0):
         return np.array([], dtype=np.int64)
     # Standard deviation of the noise of h, by differences of neighbouring points.
@@ -911,7 +911,8 @@ class _ScaledRows:
         # `middle_is_fitted`: then the middle is between -1 and 1.
         lower_bounds = [-1.0] * self.middle_is_fitted
         upper_bounds = [1.0] * self.middle_is_fitted
-        # The half-length of the flat is between 1e-9 and 0.98 of the largest distance.
+        # The half-length of the flat is between 1e-9 and 0.98 (_LONGEST_HALF_LENGTH) of the largest
+        # distance.
         bounds = (
             [*lower_bounds, 1e-9][: len(first_guess)],
             [*upper_bounds, _LONGEST_HALF_LENGTH][: len(first_guess)],

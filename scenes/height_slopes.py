@@ -290,12 +290,14 @@ def _series_of_height(
     half_lengths = np.diff(edges) / 2
     x = edges[:-1, None] + half_lengths[:, None] * (1 + samples.places)
     # For each interval: coefficients, and standard deviation of the heights' round-off.
+    # CHEBYSHEV_DEGREE: 24; `last_significant_degree`: of the last coefficient above its round-off
     coefficients, height_roundoff = samples.series_and_roundoff(height_above_middle(x))
     last_degree = samples.last_significant_degree(coefficients, height_roundoff)
     is_significant = np.arange(CHEBYSHEV_DEGREE + 1) <= last_degree[:, None]
     height_series = PiecewiseSeries(edges, np.where(is_significant, coefficients, 0.0).T.copy())
 
     # Four standard deviations of a coefficient's round-off are stated as its error.
+    # `coefficient_roundoff_ratio`: round-off of a coefficient over that of a height
     coefficient_error = (
         _DEVIATIONS_IN_STATED_ERROR * samples.coefficient_roundoff_ratio * height_roundoff
     )
@@ -452,6 +454,7 @@ def _polynomial_up_to(
     height_roundoff = float(roundoff_array)
     # The last coefficients must be explained by round-off: else the series is cut off too early.
     # _DEVIATIONS_OF_EXPLAINED_TERM: 6 standard deviations of a coefficient's round-off
+    # `coefficient_roundoff_ratio`: round-off of a coefficient over that of a height
     explained_size = (
         _DEVIATIONS_OF_EXPLAINED_TERM * samples.coefficient_roundoff_ratio * height_roundoff
     )

@@ -320,6 +320,7 @@ class BulkAndTilt(Frozen, Generic[V]):
             Where a displacement is prescribed: the loads follow from the contact.
         """
         if self.is_driven:  # a displacement is prescribed in the place of Q
+            # REFUSAL_OF_DISPLACEMENTS: a sentence, that loads are needed here
             raise InputError(REFUSAL_OF_DISPLACEMENTS)
         # P and Q alone.
         path = self.path_of_loads()
@@ -1150,6 +1151,7 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         displacement, and an approach without one.
         """
         _require_displacement_beside_approach(self)
+        # `is_driven`: a displacement is prescribed; `average`: number of rows of one mean
         reduces_rows = self.reduce is not None or self.least_normal_load is not None
         if self.is_driven and (self.average > 1 or reduces_rows):
             raise ValueError(
@@ -1183,6 +1185,7 @@ class TimeSeriesLoad(StraightLoad, FromFile):
                 "least_normal_load goes with records of P and Q alone that do not repeat: leave it"
                 " out, and cut the noise by start and end"
             )
+        # `used_rows`: the rows from the keys `start` to `end`
         if self.average > 1 and (used_row_count := len(self.used_rows())) < 2 * self.average:
             raise ValueError(
                 f"average = {self.average} leaves one of {used_row_count} rows: two at least are"
@@ -1227,6 +1230,7 @@ class TimeSeriesLoad(StraightLoad, FromFile):
                 " needed",
             )
         # `RowError.refuse` raises for the first row k at which the condition holds.
+        # _ADVICE_ON_TIMES: end of the sentence, what to do about times of a file
         times = rows[:, 0]
         faults_of_times = ("stands there twice", "comes after a later one")
         RowError.refuse(
@@ -1327,6 +1331,7 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         InputError
             Where a displacement is prescribed (`is_driven`): the loads follow from the contact.
         """
+        # REFUSAL_OF_DISPLACEMENTS: a sentence, that loads are needed here
         if self.is_driven:
             raise InputError(REFUSAL_OF_DISPLACEMENTS)
         return self._rows_from_rest()

@@ -143,6 +143,7 @@ def read_netcdf(
             return StoredArrays(arrays, attributes)
     except InputError:
         raise
+    # _READING_FAULTS: what the library raises on files that are broken off or spoilt
     except _READING_FAULTS as reason:
         traceback.clear_frames(reason.__traceback__)
         raise InputError(f"{path}: {_ROLE} can't be read: {first_line(reason)}") from reason

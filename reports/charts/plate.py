@@ -893,8 +893,10 @@ class _Pen:
         in the style sheet (`css`); a `label` is what a pointer shows.
 
         `frame` has the scales of both axes, whose `pixels_of` gives places in the drawing, and the
-        ends of the area (`box`).
+        ends of the area (`box`). `is_standalone`: for an SVG file of its own, not for a page.
         """
+        # `look_attributes`: attributes for the look of the classes; `data_attributes`: those that
+        # the page's script reads, none in an SVG file of its own
         frame = self.frame
         left_x, top_y, right_x, bottom_y = frame.box
         match mark:
@@ -966,9 +968,10 @@ class _Pen:
         the style sheet, `label` the text that a pointer shows, `data` further values for the page's
         script.
         """
+        # `is_standalone`: for an SVG file of its own
         tolerance = 0.1 if self.is_standalone else 0.02  # [pixels]
         passes = 8 if self.is_standalone else 1
-        # `pixels_of`: places in the drawing
+        # `frame` has the scales of both axes; `pixels_of`: places in the drawing
         x = self.frame.x.pixels_of(mark.x)
         y = self.frame.y.pixels_of(mark.y)
         # in each pass every other point within the tolerance of its neighbours' line is left out
@@ -1007,11 +1010,12 @@ class _Pen:
         Of the mark, `x` and `y` are in numbers of the axes, `shift` moves the text (right, down) in
         units of the drawing, `anchor` says whether it starts, ends or has its middle there.
         """
-        # `pixels_of`: places in the drawing
+        # `frame` has the scales of both axes; `pixels_of`: places in the drawing
         x = float(self.frame.x.pixels_of(mark.x))
         y = float(self.frame.y.pixels_of(mark.y))
         shift_right, shift_down = mark.shift
         attributes: dict[str, object] = {"dx": shift_right or None, "dy": shift_down or None}
+        # `data_attributes`: for the page's script; none in an SVG file of its own
         attributes |= self.data_attributes(mark.data)
         anchor = None if mark.anchor == "start" else mark.anchor
         # _LINE_HEIGHT: 15 units of the drawing
@@ -1032,7 +1036,7 @@ class _Pen:
 
         Of the mark, `end_points` (n, 2, 2) are the two ends of each line, x and y each.
         """
-        # written with its places in the drawing
+        # written with its places in the drawing; `is_standalone`: for an SVG file of its own
         if self.is_standalone or not mark.name:
             return _element(
                 "path",
@@ -1253,7 +1257,7 @@ def _panel_svg(panel: Panel, *, is_standalone: bool = False, **place: object) ->
             pen.text_element(x_of_line, y_of_first_line + _LINE_HEIGHT * line_number, text, css)
         )
 
-    # the element around all of them
+    # the element around all of them; `alt` describes the panel for readers who can't see it
     view_box = {"viewBox": f"0 0 {frame.width:g} {frame.height:g}"}
     if is_standalone:
         return _element("svg", "".join(elements), **view_box, **place)
