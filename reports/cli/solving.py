@@ -41,8 +41,8 @@ _STYLES = {"within": "bold green", "outside": "bold red", "undecided": "bold yel
 def read(source: str, *, may_prescribe_displacements: bool = False) -> Scene:
     """The scene that `source` names, in the library or as a file.
 
-    InputError where it can't be read, where P does not stay positive or |Q| not below f P, and for
-    prescribed displacements (`load.is_driven`) unless `may_prescribe_displacements`.
+    InputError where it can't be read, where P is negative or |Q| exceeds f P anywhere on the path,
+    and for prescribed displacements (`load.is_driven`) unless `may_prescribe_displacements`.
     """
     from reports.checking import require_admissible
     from scenes import InputError, load_scene
@@ -475,8 +475,9 @@ def _inputs_shown(
     answer: sentences, then tables. Nothing where it is None: the scene states no uncertainty.
 
     `inputs.values` are values of half-plane theory with their uncertainty. `inputs.difference` are
-    those of the difference between theory corrected for the finite bodies and half-planes. The last
-    argument of a table lists the columns that are flush right.
+    those of the difference between theory corrected for the finite bodies and half-planes. Tables
+    are left out where these have no entries. A `Sheet` is a table: title, heads, rows, and the
+    columns that are flush right.
     """
     from reports import input_words
 

@@ -113,7 +113,9 @@ def fit_steady_rows(
     Raises
     ------
     InputError
-        Where cycles differ or drift, or where no loop that half-plane theory has fits the rows.
+        For rows of less than a cycle, or in which Q does not go up and down. At constant P also
+        where cycles differ, grow or drift, and where no loop of half-plane theory fits the rows and
+        the rig is fitted too.
 
     # notation: P normal load, Q tangential load, U relative tangential displacement
     """
