@@ -271,8 +271,8 @@ def path_of_question(question: Question, bulk_tilt_path: OneCurve | None) -> Loa
 
     Raises
     ------
-    InputError
-        For straight steps without times.
+    InputError, InadmissibleLoadError
+        For straight steps without times; for gross sliding or separation somewhere in the path.
     """
     scene = question.scene
     friction = scene.friction.coefficient

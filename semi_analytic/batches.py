@@ -197,6 +197,7 @@ def _local_maxima(samples: _Samples, density: Callable[..., Array]) -> _LocalMax
     `density`(ellipse numbers, x, node_stride=1) gives W(x) pi E*/(2 f^2), with every
     `node_stride`-th quadrature node.
     """
+    # W(x)
     density_at_samples = samples.work
     is_local_maximum = (density_at_samples[1:-1] > density_at_samples[:-2]) & (
         density_at_samples[1:-1] >= density_at_samples[2:]
@@ -284,14 +285,14 @@ def _largest_maximum(
     n_ellipses = len(ellipses.mean_load)
     # of the largest maximum of each ellipse, -1 where there is none
     maximum_number = maxima.largest_of_ellipses(n_ellipses)
-    work = np.where(is_unknown, np.nan, 0.0)
+    largest_density = np.where(is_unknown, np.nan, 0.0)
     error = np.where(is_unknown, np.nan, error_without_maximum)
     place = np.full(n_ellipses, np.nan)
 
     slipping_ellipses = np.flatnonzero((maximum_number >= 0) & ~is_unknown)
     maxima_of_slipping_ellipses = maximum_number[slipping_ellipses]
     vertices = maxima.vertex
-    work[slipping_ellipses] = vertices.work[maxima_of_slipping_ellipses]
+    largest_density[slipping_ellipses] = vertices.work[maxima_of_slipping_ellipses]
     place[slipping_ellipses] = vertices.place[maxima_of_slipping_ellipses]
     densities_by_stride = np.stack(
         [
@@ -306,7 +307,7 @@ def _largest_maximum(
         vertices.possible_rise[maxima_of_slipping_ellipses]
         + vertices.work[maxima_of_slipping_ellipses] * relative_error
     )
-    return _Peaks(work, error, place, maximum_number)
+    return _Peaks(largest_density, error, place, maximum_number)
 
 
 def _second_maximum(
@@ -1320,7 +1321,8 @@ class _Batch:
         # the mirrored loop, Q -> -Q, goes round the other way
         is_mirrored = np.tan(loads.phase / 2) < 0
         mean_tangential = np.where(is_mirrored, -loads.mean_tangential, loads.mean_tangential)
-        # separation or gross sliding; 0 for admissible loads
+        # separation or gross sliding, 0 for admissible loads; then EXTENT, a contact wider than the
+        # profile, and INVALID, values that are not admitted
         reason_codes = _reasons_of_loads(
             ellipses, mean_tangential, loads.tangential_amplitude, loads.friction
         )

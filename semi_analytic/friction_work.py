@@ -188,8 +188,8 @@ def _work_over_spans(
 
     A span is the time of one direction of slip, P_c the load at the stick edge. Each span is
     integrated by one quadrature rule. Where the edges of contact or stick move unevenly, or pass
-    corners of the profile, it is halved. Halving ends when the sum changes by less than 1e-12 of
-    itself, CONVERGED_CHANGE_SHARE.
+    corners of the profile, it is halved. Halving of a part ends when it changes the integral by
+    less than 1e-12 (CONVERGED_CHANGE_SHARE) of the largest integral, across corners by even less.
 
     Parameters
     ----------

@@ -134,11 +134,11 @@ class HertzContact:
         """Slip integral S(x, P) = int arccosh(|x|/a(eta)) d eta over the loads eta < min(P, P_x)
         [force per thickness], in closed form.
 
-        P_x is the load at which the edge of contact is at x. S times A/pi, A = 2/E*, is the
-        displacement at x by the flat punches that end within x. S = P
-        arccosh(sqrt(P_x/P)) + P_x - sqrt(P_x (P_x - P)) for P < P_x, and P_x beyond. The initial
-        gap closes where the edge comes: x^2/(2 R) = (A/pi) S(x, P_x). a(eta) is the half-width
-        under the load eta, R the radius of the parabola.
+        P_x is the load at which the edge of contact is at x, a(eta) the half-width under the load
+        eta. (A/pi) S, A = 2/E*, is the displacement of the surface at the middle of the contact
+        minus that at x. S = P arccosh(sqrt(P_x/P)) + P_x - sqrt(P_x (P_x - P)) for P < P_x, and P_x
+        beyond. The initial gap closes where the edge comes: x^2/(2 R) = (A/pi) S(x, P_x), R the
+        radius of the parabola.
 
         >>> contact = HertzContact(modulus=1.0, radius=1.0, datum_length=1.0)
         >>> round(2 / np.pi * float(contact.slip_integral(0.6, contact.load(0.6))), 12)  # 0.6^2/2

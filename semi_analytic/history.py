@@ -971,7 +971,7 @@ def snapshot_of(parts: Iterable[tuple[Span, Array]]) -> Snapshot:
 
 def corner_times(contact: Contact, span: Span) -> Array:
     """Times within a time span at which an edge of contact or of stick passes a corner of the
-    profile, (n,) ascending, no two the same but for round-off.
+    profile, (n,) ascending; two that differ by round-off count once.
 
     Integrands over time have a kink there. The memory curve M(eta) is the tangential force of the
     flat punches up to the load eta. `sticking_piece` is the piece of it that still sticks, from

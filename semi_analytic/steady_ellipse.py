@@ -676,9 +676,9 @@ def roundoff_error(ellipses: Ellipses, work: Array) -> Array:
     #           (`slip_angle`) length of the phases E-G and J-M [rad], pi - D of I-J; P1, Q1
     #           amplitudes of P and Q
 
-    u and v are differences of Q1/f and P1. Digits are lost where
-    u, v are small against the loads, or D and pi - D against pi. The relative error is 2e-12 and a
-    last digit, 1e-15, for each such ratio.
+    u and v are differences of Q1/f and P1. Digits are lost where u or v is small against the loads,
+    or D or pi - D against pi. The relative error is 2e-12 plus 1e-15, a last digit, times both
+    ratios. A last digit of the loads, squared, is added.
     """
     # P1 + (u + v)/2
     loop_size = (
@@ -1347,10 +1347,10 @@ class LogHalfWidth:
     """
 
     def __init__(self, contact: SymmetricContact, first_octave: int, last_octave: int) -> None:
-        """Polynomials of L = ln(half-width) for loads from 2^first_octave to 2^last_octave, or to
-        where the profile ends; below, L is that of 2^first_octave. `contact` is the normal contact
-        P(a) of the profile; its `extent` is the half-width where the profile ends, `corner_loads`
-        the loads under which the contact ends at a corner of the profile.
+        """Polynomials of L = ln(half-width) for loads from 2^first_octave, or a little less, to
+        2^last_octave, or to where the profile ends; below them L is constant. `contact` is the
+        normal contact P(a) of the profile; its `extent` is the half-width where the profile ends,
+        `corner_loads` the loads under which the contact ends at a corner of the profile.
 
         The polynomials are set up along one coordinate, the sum of sqrt(P - P_b) over the corners.
         From the load P_b of each corner it grows by v = sqrt(P - P_b), in which L is smooth, up to
