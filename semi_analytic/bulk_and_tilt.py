@@ -492,7 +492,8 @@ class LoadSizes:
 
         `samples` (4, n) are P, Q, bulk strain and tilt along the path, NaN where the tilt is not
         known. `profile` is the gap h(x), `compliance` A = 2/E*, `friction` f. Round-off is 1e-11 of
-        the largest value of each, or of what makes an edge slip or lift if that is larger.
+        the largest value of each, or of what makes an edge slip or lift (of f P for Q) if that is
+        larger.
 
         # notation: p, q, eps, alpha samples (n,) of P, Q, bulk strain and tilt
         """

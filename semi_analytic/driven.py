@@ -311,7 +311,8 @@ def _turning_times_of_actuators(path: LoadPath, cycles: int) -> list[float]:
     followed over the initial loading and the given number of `cycles`.
     """
     segments = list(path.segments(cycles))
-    # Segments of the initial loading and of each cycle, in order of time.
+    # Segments of the initial loading and of each cycle, in order of time. NORMAL_LOAD: the normal
+    # actuator, TANGENTIAL_LOAD: the tangential one.
     times = [segments[0].start]
     for segment in segments:
         normal_turning_times = segment.turning_points(NORMAL_LOAD)

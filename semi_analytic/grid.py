@@ -1471,8 +1471,8 @@ def _permanent_edges(grid: Grid, fields: GridFields, slip_before: Array) -> Arra
 
 
 def contact_edges_along(loads: PathLoads, contact: TiltedProfile) -> Array:
-    """Edges of contact at instants of the initial loading and of a cycle, (n, 2) [length], left and
-    right; instants without contact are left out.
+    """Left and right edge of contact at some 320 instants of a cycle, and at instants of the
+    initial loading, (n, 2) [length]; instants without contact are left out.
 
     Parameters
     ----------
@@ -1482,12 +1482,12 @@ def contact_edges_along(loads: PathLoads, contact: TiltedProfile) -> Array:
         the profile, whose half-width and centre of contact follow from P and tilt
     """
     # The path in 320 increments a cycle, which has P, Q, bulk strain and tilt at their ends.
-    path = _PathInIncrements(loads, INCREMENTS_PER_CYCLE)
+    path_in_increments = _PathInIncrements(loads, INCREMENTS_PER_CYCLE)
     # -1 is the initial loading, 0 the first cycle.
     cycle_numbers = (-1, 0) if loads.path.cycle else (-1,)
     loads_of_increments = np.concatenate(
         [
-            path.increments_of_cycle(cycle_number, np.zeros(0)).loads
+            path_in_increments.increments_of_cycle(cycle_number, np.zeros(0)).loads
             for cycle_number in cycle_numbers
         ]
     )
@@ -2090,13 +2090,15 @@ def cycle_works(
     grids = _GridSetup(height, outermost_edges, friction, modulus).moved_grids(
         request.cells, _GRID_SHIFTS
     )
-    path = _PathInIncrements(loads, request.increments)
+    path_in_increments = _PathInIncrements(loads, request.increments)
     n_cycles = request.most_cycles if loads.path.cycle else 0
     # number -1 is the initial loading before the first cycle, 0
     cycle_numbers = range(-1, n_cycles)
     no_points = np.zeros(0)
     no_instants = np.zeros(0)
-    return _follow_cycles(grids, path, no_points, no_instants, cycle_numbers, least_cycles=1).works
+    return _follow_cycles(
+        grids, path_in_increments, no_points, no_instants, cycle_numbers, least_cycles=1
+    ).works
 
 
 def _default_times(path: LoadPath, cycles: int, increments: int, last_cycle_alone: bool) -> Array:

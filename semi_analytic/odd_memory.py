@@ -401,7 +401,8 @@ class _Strokes:
         DeclinedError
             Where no matrix holds.
         """
-        # Each span with the one before and the one after it.
+        # Each span with the one before and the one after it. Each term of the sum is such a matrix,
+        # zero where it does not apply.
         work_matrix = np.zeros((4, 4))
         spans_with_neighbours = (self.span_before, *self.spans, self.next_span)
         for span_before, span, next_span in zip(

@@ -121,7 +121,8 @@ def stress(
     Raises
     ------
     InputError
-        For a place outside the body, a time outside the path, or numbers that are not finite.
+        For a `body` of another name, a place outside it, a time outside the path, or numbers that
+        are missing or not finite.
     InadmissibleLoadError
         For gross sliding or separation anywhere in the path.
 

@@ -298,7 +298,7 @@ class ConvexProfile(abc.ABC):
         widening = 0 * first_touch  # step of c
 
         # |derivative of the potential along the step| where the step begins
-        descent_at_begin = np.full(first_touch.shape, np.inf)
+        descent_before_step = np.full(first_touch.shape, np.inf)
         for _ in range(_MOST_NEWTON_STEPS):  # 120
             # Residuals of both equations for the trial contact.
             trial_m = m + shift
@@ -306,11 +306,11 @@ class ConvexProfile(abc.ABC):
             trial_balance = self.balance(trial_m, trial_c)
             slope_residual = np.pi * (trial_balance.mean_slope + tilt)
             load_residual = (load_product - trial_balance.load_product) / trial_c
-            # A step is halved where the potential rises at its end more than half as steeply as it
-            # fell at its begin. That descent stays the one of the full step: shorter steps are
+            # A step is halved where the potential rises behind it more than half as steeply as it
+            # fell before it. That descent stays the one of the full step: shorter steps are
             # accepted sooner.
-            ascent_at_end = slope_residual * shift - load_residual * widening
-            is_accepted = ascent_at_end <= descent_at_begin / 2
+            ascent_behind_step = slope_residual * shift - load_residual * widening
+            is_accepted = ascent_behind_step <= descent_before_step / 2
             m = np.where(is_accepted, trial_m, m)
             c = np.where(is_accepted, trial_c, c)
             # Next step of the centre and of the half-length.
@@ -326,10 +326,10 @@ class ConvexProfile(abc.ABC):
             )
             shift = np.where(is_accepted, (left_move + right_move) / 2, shift / 2)
             widening = np.where(is_accepted, (right_move - left_move) / 2, widening / 2)
-            descent_at_begin = np.where(
+            descent_before_step = np.where(
                 is_accepted,
                 np.abs(slope_residual * shift - load_residual * widening),
-                descent_at_begin,
+                descent_before_step,
             )
             # The next step would be about the power 3/2 of this one.
             largest_step = np.maximum(np.abs(shift), np.abs(widening))
@@ -1053,13 +1053,13 @@ class NestedIntervals:
         to the largest.
 
         The loads are cut where an end of contact meets a knot of the profile. Between two cuts m
-        and c are smooth in v = sqrt(eta - eta_b), eta_b the lower cut. The intervals of v are laid
-        end to end on one axis, so that one series holds all of them.
+        and c are smooth in v = sqrt(eta - eta_b), eta_b the lower cut. The ranges of v follow one
+        another on one axis, so that one series holds all of them.
         """
         # Loads at which an end of contact is at a knot; one next to the largest load is left out.
         corner_loads = self.corner_loads[self.corner_loads < self.largest_load * (1 - 1e-9)]
         cut_loads = np.concatenate([[0.0], corner_loads, [self.largest_load]])
-        # The length of an interval of v is the root of its rise of load.
+        # The length of a range of v is the root of its rise of load.
         cuts_on_axis = np.concatenate([[0.0], np.cumsum(np.sqrt(np.diff(cut_loads)))])
         series_of_centre = []
         series_of_half_width = []
@@ -1122,17 +1122,18 @@ class NestedIntervals:
 
         Loads above the largest of the series count as the largest. Between two loads at which an
         end of contact meets a knot the series is one of v = sqrt(eta - eta_b), eta_b the lower of
-        them. The ranges of v are laid end to end on one axis.
+        them. The ranges of v follow one another on one axis.
         """
         if self.profile.radius is not None:
             return self.exact_centre_and_half_width(load)
         eta = np.clip(np.asarray(load, dtype=float), 0.0, self.largest_load)
         series = self._series
-        # begin_loads: eta_b of each range; cuts_on_axis: ends of the ranges on the axis.
+        # begin_loads: eta_b of each range; cuts_on_axis: where the ranges begin and end on the
+        # axis.
         range_number = np.searchsorted(series.begin_loads, eta, side="right") - 1
         root = np.sqrt(eta - series.begin_loads[range_number])
-        end_on_axis = series.cuts_on_axis[range_number + 1]
-        place_on_axis = np.minimum(series.cuts_on_axis[range_number] + root, end_on_axis)
+        next_cut_on_axis = series.cuts_on_axis[range_number + 1]
+        place_on_axis = np.minimum(series.cuts_on_axis[range_number] + root, next_cut_on_axis)
         half_width = np.maximum(series.half_width(place_on_axis), 0.0)
         return series.centre(place_on_axis), np.where(eta > 0, half_width, 0.0)
 
@@ -1169,9 +1170,9 @@ class NestedIntervals:
         # Eight Gauss points in each range.
         gauss_nodes, gauss_weights = gauss_rule(8)
         # From the load downwards, in each pass over the range between two cuts that holds what is
-        # left. Integrated is over v = sqrt(eta - eta_b), eta_b the lower cut. The ranges of v lie
-        # end to end on one axis, on which the series of m and c are defined; begin_loads: eta_b;
-        # cuts_on_axis: their ends.
+        # left. Integrated is over v = sqrt(eta - eta_b), eta_b the lower cut. The ranges of v
+        # follow one another on one axis, on which the series of m and c are defined; begin_loads:
+        # eta_b; cuts_on_axis: the cuts on that axis.
         range_number = np.searchsorted(series.begin_loads, load, side="right") - 1
         remaining_rise = load_rise
         upper_root = np.sqrt(load - series.begin_loads[range_number])
@@ -1179,12 +1180,12 @@ class NestedIntervals:
             rise_in_range = np.minimum(remaining_rise, upper_root * upper_root)
             lower_root = np.sqrt(upper_root * upper_root - rise_in_range)
             root_step = rise_in_range / np.maximum(upper_root + lower_root, 1e-300)
-            begin_on_axis = series.cuts_on_axis[range_number][:, None]
-            end_on_axis = np.nextafter(series.cuts_on_axis[range_number + 1], 0.0)[:, None]
+            lower_cut_on_axis = series.cuts_on_axis[range_number][:, None]
+            upper_cut_on_axis = np.nextafter(series.cuts_on_axis[range_number + 1], 0.0)[:, None]
             place_on_axis = np.clip(
-                begin_on_axis + (upper_root[:, None] - root_step[:, None] * gauss_nodes),
-                begin_on_axis,
-                end_on_axis,
+                lower_cut_on_axis + (upper_root[:, None] - root_step[:, None] * gauss_nodes),
+                lower_cut_on_axis,
+                upper_cut_on_axis,
             )
             half_width_rate = series.half_width.derivative(place_on_axis)
             centre_rate = series.centre.derivative(place_on_axis)
@@ -1208,11 +1209,12 @@ class NestedIntervals:
         is_reached = np.abs(x - widest_middle) <= widest_half_width * (1 + 1e-8)
         reached_x = x[is_reached]
         tilt_over_compliance = self.tilt_per_load / self.compliance
+        # side: +1 if x is the right end, -1 if the left. The contact has the centre x - side c.
         side = np.where(
             reached_x < float(self.profile.place_of_first_touch(self.tilt_without_load)), -1.0, 1.0
         )
 
-        # side: +1 if x is the right end, -1 if the left. The contact has the centre x - side c.
+        # Bracket of c, then Newton's method.
         least_c = np.zeros(reached_x.shape)
         largest_c = np.full(reached_x.shape, 2.1 * self.largest_half_width)
         c = largest_c / 2
