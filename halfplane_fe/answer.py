@@ -405,7 +405,7 @@ def _edges_in_blocks(
     surface_states
         (k, n) open, stick or slip of the nodes
     has_no_slip_zone
-        (k,) instants at which the whole contact sticks by half-plane theory
+        (k,) instants at which the whole contact sticks by the loads, or by the shear at its edges
     contact_by_load, stick_by_load
         edges of these instants that the loads locate between two nodes; `at` picks instants
     scene
@@ -457,7 +457,8 @@ def _edges_at_instants(
         (n_steps, n) open, stick or slip of the nodes, where a node that has hardly moved counts as
         stick
     has_no_slip_zone
-        (n_steps,) instants at which the whole contact sticks by half-plane theory
+        (n_steps,) instants at which the whole contact sticks by the loads, or by the shear at its
+        edges
     contact_by_load, stick_by_load
         edges of these instants that the loads locate between two nodes
     scene

@@ -118,8 +118,8 @@ def _creep_notes(scene: Scene, arrays: Mapping[str, Any]) -> Iterator[str]:
         scene, arrays["time"], arrays["normal_load"]
     )  # (n_steps,)
 
-    # Instants whose stick zone does not reach the ends of the zone. Left edges change sign, so that
-    # "farther out" means "larger" at both edges.
+    # Instants whose stick zone does not reach the ends of the permanent one. Left edges change
+    # sign, so that "farther out" means "larger" at both edges.
     outwards = np.array([-1.0, 1.0])
     outward_edges = arrays["stick_edges"][is_in_cycle] * outwards
     farthest_edges = outward_edges + arrays["stick_edge_uncertainty"][is_in_cycle]
@@ -129,7 +129,7 @@ def _creep_notes(scene: Scene, arrays: Mapping[str, Any]) -> Iterator[str]:
     if not n_narrower:
         return
 
-    # Range of slip of the nodes in the zone.
+    # Range of slip of the nodes in the permanent stick zone.
     x = arrays["x"]
     slip_range = np.ptp(arrays["slip"][is_in_cycle], axis=0)
     largest_creep = slip_range[(x > zone_ends[0]) & (x < zone_ends[1])].max(initial=0.0)

@@ -118,7 +118,8 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
         and not scene.unsymmetric
     )
     # `is_unplaced`: there is a permanent stick zone, and none of its edges could be located. Slip
-    # of real bodies ends node by node: such an edge may add work all the same.
+    # of real bodies ends node by node: such an edge may add work all the same. `half_planes`:
+    # whether both bodies are.
     if edges_are_known and run.edge_excess_by_cycle[-1].is_unplaced:
         edges_are_known = scene.bodies.half_planes
     # rms of W over the places of edges between their nodes, over A f^2 P^2
@@ -294,7 +295,8 @@ def value_uncertainties(
         where there was none); element sizes at the edges over the contact half-width, of the run
         (`element`) and of the coarse run (`scales.element`)
     problem, run
-        the contact problem, and its states along the load path
+        the contact problem (its `interface.coupling` is None of like bodies), and its states along
+        the load path
     arrays
         fields and series of the solution by name, in the scene's units; those of the edges have
         their uncertainty in them
@@ -303,25 +305,27 @@ def value_uncertainties(
         return {}
     scene = task.scene
 
-    # Displacements and L2 norms, by the difference from the coarse run and by neighbouring nodes.
+    # Displacements, by the difference from the coarse run in one cycle (`values_of_cycle`); L2
+    # norms of the tractions, by neighbouring nodes.
     coarse_values = task.scales.values
-    values = _values_beside_coarse_run(task, problem, run)
-    estimates = _displacement_uncertainties(task, values, arrays)
+    values_of_cycle = _values_beside_coarse_run(task, problem, run)
+    estimates = _displacement_uncertainties(task, values_of_cycle, arrays)
     estimates["largest_slip"] = 0.0
     estimates |= _norms_of_tractions(task, arrays)
 
     # Largest slip and largest friction work per area; 0 without shear.
     estimates["largest_dissipation_density"] = 0.0
     if needs_shear(scene):
+        # by the change of slip to the next nodes, over the way from its node to the contact edge
         estimates["largest_slip"] = slip_uncertainty(
-            values,
+            values_of_cycle,
             coarse_values,
             _scaled_work(task, arrays),
             _nodes_to_edge(scene, arrays),
             has_low_order=task.has_errors_of_low_order,
         )
         density_error = density_uncertainty(arrays["x"], arrays["dissipation_density"])
-        change_from_coarse_run = _from_coarse_run(values, coarse_values)
+        change_from_coarse_run = _from_coarse_run(values_of_cycle, coarse_values)
         if not task.has_errors_of_low_order:
             refinement = task.scales.element / task.element
             # DENSITY_RULE: uncertainty from a difference of two meshes, with an error of order 1
@@ -343,6 +347,7 @@ def value_uncertainties(
     edge_uncertainty = arrays["contact_edge_uncertainty"][step_of_largest_contact]
     # _OF_BOTH_EDGES: share of the mean uncertainty of both edges that the half-width has
     estimates["largest_half_width"] = _OF_BOTH_EDGES * float(np.mean(edge_uncertainty))
+    # by nodes and loads; its ends are moved outwards as those of the solution were
     zone = permanent_stick_zone(run).in_unit(task.scales.half_width)
     estimates["permanent_stick_half_width"] = _of_permanent_stick(
         scene,
@@ -516,10 +521,10 @@ def _of_permanent_stick(
     """Uncertainty of the permanent stick half-width by the mesh [length], the mean over both ends;
     NaN where nothing sticks through the whole cycle, or the path does not repeat.
 
-    Where the slip beyond the zone locates an end, the uncertainty of that fit counts. Elsewhere the
-    zone ends at the innermost stick edge of the last cycle. With edges e and their uncertainty u,
-    that edge is between the innermost e - u and the innermost e + u. Where loads locate an end
-    between two nodes, or these nodes confine it more closely, their uncertainty counts.
+    Where slip or creep of nodes locates an end, its uncertainty is known. Elsewhere the zone ends
+    at the innermost stick edge of the last cycle. With edges e and their uncertainty u, that edge
+    is between the innermost e - u and the innermost e + u. Where loads locate an end between two
+    nodes, or these nodes confine it more closely, their uncertainty counts.
 
     Between unlike bodies, and under bulk stress or tilt, nodes that slip by next to nothing (creep)
     count as stuck. The zone may then reach beyond the stick edges of single instants: such edges
@@ -532,7 +537,8 @@ def _of_permanent_stick(
         load path, with the period of its cycle
     arrays
         fields and series of the solution by name, in the scene's units; "permanent_stick_held_back"
-        (2,) is what was added to the ends, since growing elements hold edges back
+        (2,) is what was added to the ends, since growing elements hold edges back;
+        "permanent_stick_uncertainty" (2,) is that of ends located by slip or creep, else NaN
     zone
         the permanent stick zone by its nodes and by the loads [length]
     is_sharp

@@ -883,7 +883,8 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
 
     An edge counts if the elements around it are quadratic and of equal size; one of stick, if two
     nodes or more slide beyond it at its turning points; one of contact, if the stick edge on its
-    side counts. Their number goes to `problem.work_counts[TAKEN_OFF]`.
+    side counts. Their number goes to `problem.work_counts[TAKEN_OFF]`, among counts of computing
+    steps.
 
     Parameters
     ----------
@@ -1090,7 +1091,8 @@ def _at_stick_edge(
         if np.count_nonzero(slides_beyond_edge) < _ZONE - 1:
             return None
 
-        # Place of the edge, by the derivatives (4, n) of slip, p, q and gap by Q.
+        # Place of the edge, by slip and force to the limit from one turning point to the other, and
+        # by the derivatives (4, n) of slip, p, q and gap by Q.
         turn = TurnOfSlip(sign, slip_range, float(forces_to_limit_of_both[last_stuck_node]))
         rates_by_load = nodal_values(problem.rates(nodal_states, n_loads)[1])
         edge = Edge.of_stick(problem, side, last_stuck_node, turn, rates_by_load)

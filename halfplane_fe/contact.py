@@ -935,8 +935,8 @@ class ContactProblem:
         moment = loads[_TILT_OR_MOMENT]
 
         def excess_moment(tilt: float) -> float:
-            """Moment of pressure and shear at a tilt, minus the given one; it is minus their work
-            per unit of tilt.
+            """Moment of pressure and shear at a tilt, minus the given one. A moment is minus their
+            work per unit of tilt.
             """
             gap_offset, _ = self.gap_and_slip_by(np.array([*stresses_and_tilt[:2], tilt]))
             # ROUNDING: round-off of scaled forces and displacements, 1e-11

@@ -180,7 +180,7 @@ def stick_with_uncertainty(
     contact
         ends of the contact, with their uncertainty
     sticks_in_full
-        (k,) instants at which theory has no slip zone
+        (k,) instants at which the whole contact is known to stick
     edges_by_load
         edges that a load locates beyond the last node that sticks (`last_node` (k, 2), -1 where
         none does); they count where the reported states end the stick zone at the same nodes
@@ -399,7 +399,7 @@ def _stick_uncertainty(
         stick edges (k, 2), fitted where that is possible; misfit of each fit, 0 of others; and the
         edges by the states of the nodes alone
     sticks_in_full
-        (k,) instants at which theory has no slip zone
+        (k,) instants at which the whole contact is known to stick
     """
     # Distance of each edge from those by the states, as reported and by the law.
     x = answer.x
@@ -569,10 +569,11 @@ def uncertainty_at_jumps(
 
     Where a slip zone reaches an older edge of stick, the edge jumps inwards. Where slip ends, it
     jumps outwards. The mesh may see that an increment too early or too late. So the edge of an
-    instant before or after the jump may be that of the other side of it. Inwards an edge also goes
-    far in one increment, without a jump: one that is known well beside it is on its way, unless
-    slip starts in this increment. Moves of a few nodes are no jumps, of fewer where slip starts or
-    ends. A stick zone that vanishes or appears ends in its middle.
+    instant before or after the jump may be that of the other side of it. Inwards an edge may also
+    go far in one increment without a jump. That is assumed at an instant at which the edge is known
+    well, unless slip starts in this increment. Moves up to six nodes are no jumps, or up to two
+    where slip starts or ends. Where a stick zone vanishes or appears, its edges move to or from its
+    middle.
 
     Parameters
     ----------

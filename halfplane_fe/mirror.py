@@ -82,6 +82,7 @@ def half_interface(faces: Interface) -> Interface:
     (2, n), normal and tangential compliance (n, n), and coupling (n, n), None where pressure and
     shear are not coupled.
     """
+    # `node_of_half` below: index of each node, or of its image, among those at x >= 0
     right_half = slice(len(faces.x) // 2, None)
     is_coupled = faces.coupling is not None
     parity_of_shear = -1.0 if is_coupled else 1.0

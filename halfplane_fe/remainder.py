@@ -669,8 +669,8 @@ def body_effects(scene: Scene | str | Path) -> BodyEffects:
     Raises
     ------
     InputError
-        For bodies that are not covered: curved faces (pads, cylinders), rollers with free sides,
-        which hold no Q, and blocks whose ends a bulk stress pulls.
+        For bodies that are not covered: curved faces (pads, cylinders), and rollers with free
+        sides, which hold no Q; for bodies of finite size under bulk stress.
 
     Examples
     --------

@@ -394,7 +394,8 @@ def _scales_of_run(
     # Fine elements begin at a kink of the profile: the slope of the pressure is infinite there.
     first_kink = min(scene.profile.kinks, default=np.inf)
 
-    # In the scene's units; `values` are what a finer run is compared with.
+    # In the scene's units; `values` are what a finer run is compared with, with displacements
+    # counted from the datum of the scene. `states_approach`: the approach is prescribed, not P.
     # _N_ELEMENTS: 24
     return Scales(
         half_width=face_half_width * half_width,
@@ -457,9 +458,9 @@ def estimate_room(scene: Scene, work_counts: Counter[str]) -> RoomForContact:
     """Quick estimate of the largest contact on bodies of finite size, and a check that their faces
     are wide enough for it.
 
-    One cycle of a dozen increments is followed on a coarse mesh; of a record of measured loads the
-    rows of extreme loads. The finely meshed part of the face is doubled in width until the contact
-    does not touch its ends. `work_counts` counts condensations.
+    One cycle of a dozen increments is followed on a coarse mesh; of a record of more than 16 rows
+    of measured loads the rows of extreme loads. The finely meshed part of the face is doubled in
+    width until the contact does not touch its ends. `work_counts` counts condensations.
 
     Returns
     -------

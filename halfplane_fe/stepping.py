@@ -425,9 +425,10 @@ class _ErrorControl:
         jumped: then it is counted. The interface jumps, between unlike bodies, where half of a
         refused increment has nearly the error of the whole increment.
 
-        `kinks_bound_error` is whether that error is at most the work by kinks of pressure and slip
-        where nodes start to slide, as of like bodies. `refused_start` and `refused_error` are the
-        start and the error of the increment that was refused last.
+        `kinks_bound_error` is whether that error is at most the friction work by kinks of pressure
+        and slip where nodes start to slide, as of like bodies. `refused_start` and `refused_error`
+        are the start and the error of the increment that was refused last. The counts are of
+        computing steps (`problem.work_counts`).
 
         Raises
         ------

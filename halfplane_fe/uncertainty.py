@@ -302,12 +302,13 @@ def of_small_contacts(load: Array, elements: Array, half_width: Array, modulus: 
 
 @dataclass(frozen=True, eq=False)
 class RunValues:
-    """What two runs of a scene are compared in: their last cycle, or the path that does not repeat.
+    """Values of one load cycle of a run, or of a path that does not repeat, in which two runs of a
+    scene are compared.
 
     Attributes
     ----------
     since_start
-        (k,) instants, counted from its start
+        (k,) instants, counted from the start of the cycle
     tangential_displacement, normal_approach
         (k,) [length]
     largest_slip
@@ -321,7 +322,8 @@ class RunValues:
     largest_dissipation_density
         largest W(x) [energy / area]
     number, repeats
-        how many cycles the run has, and whether the last one ended as it started
+        number of the cycle, from 1 (0 of a path that does not repeat), and whether it is the last
+        one of the run and ended as it started
     """
 
     since_start: Array

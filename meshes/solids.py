@@ -71,7 +71,8 @@ def half_disc(
         MeshTri2 of six-node triangles with curved arc for order 2, MeshTri of three-node ones for
         order 1; MeshQuad2 of nine-node quadrilaterals, MeshQuad.
     """
-    # gmsh draws in units of the half-width of the fine part of the contact face
+    # gmsh draws in units of the half-width of the fine part of the contact face; quadrilaterals at
+    # twice their size, as it halves these at the end
     length_unit = grading.outer
     unit_grading = scaled_grading(grading, 1 / length_unit).grading_for_gmsh(cells)
     formula_of_size = size_formula(unit_grading, growth)
@@ -151,7 +152,8 @@ def solid(
     check_face(name, shape, profile, grading)
     face = face_of(shape, profile)  # depth of the face below its highest point
 
-    # gmsh draws in units of the half-width of the fine part of the contact face
+    # gmsh draws in units of the half-width of the fine part of the contact face; quadrilaterals at
+    # twice their size, as it halves these at the end
     length_unit = grading.outer
     unit_grading = scaled_grading(grading, 1 / length_unit).grading_for_gmsh(cells)
     outline = _Outline(shape, face, length_unit)
