@@ -328,10 +328,10 @@ def _over_time(rig_motion: RigMotion) -> Plate:
     unit_of_load = load_unit(rig_motion.scene)
     friction_limit = rig_motion.scene.friction.coefficient * rig_motion.normal_load
     force_range = axis_limits(friction_limit, -friction_limit)
-    # `_CSS_AND_WORDS`: class of the style sheet, and words, of a motion
+    # `_CSS_AND_WORDS`: class of the style sheet, and words, of a kind of motion, such as stick
     force_marks: list[Mark] = [
-        Block((begin, end), force_range, _CSS_AND_WORDS[motion][0])
-        for motion, begin, end in rig_motion.intervals()
+        Block((begin, end), force_range, _CSS_AND_WORDS[kind_of_motion][0])
+        for kind_of_motion, begin, end in rig_motion.intervals()
     ]
     force_marks += [
         Curve(rig_motion.time, friction_limit, "cone", "f P"),
@@ -366,9 +366,11 @@ def _over_time(rig_motion: RigMotion) -> Plate:
     ]
     keys = [Key("c5 bold", "Q"), Key("cone", "±f P")]
     keys += [Key(curve.css, curve.label) for curve in displacement_curves]
-    drawn_motions = {motion for motion, _, _ in rig_motion.intervals()}
+    drawn_kinds = {kind_of_motion for kind_of_motion, _, _ in rig_motion.intervals()}
     keys += [
-        Key(*_CSS_AND_WORDS[motion], is_patch=True) for motion in Motion if motion in drawn_motions
+        Key(*_CSS_AND_WORDS[kind_of_motion], is_patch=True)
+        for kind_of_motion in Motion
+        if kind_of_motion in drawn_kinds
     ]
     words_of_motions = [_CSS_AND_WORDS[Motion(code)][1] for code in rig_motion.motions.tolist()]
     table: Table = {
@@ -389,9 +391,9 @@ def rows_of(rig_motion: RigMotion) -> list[tuple[str, str]]:
     displacement), loads, dissipation, and how long the contact sticks or slides. Finite elements
     have rows at the end where they were solved beside theory.
 
-    `rig_motion` holds loads and displacements (k,) at the shown instants. It states, for a motion
-    (stick, partial slip, sliding forward or back, apart), the fraction of the time in it and the
-    distance slid. `part_of_path` is "last cycle" or "path".
+    `rig_motion` holds loads and displacements (k,) at the shown instants. It states, for a kind of
+    motion (stick, partial slip, sliding forward or back, apart), the fraction of the time in it and
+    the distance slid. `part_of_path` is "last cycle" or "path".
     """
     scene = rig_motion.scene
     unit_of_length = units(scene)[1]
@@ -419,15 +421,17 @@ def rows_of(rig_motion: RigMotion) -> list[tuple[str, str]]:
         rows.append(row_of_sliding(rig_motion.solution))
     label_of_work = f"dissipation W of the {rig_motion.part_of_path} [{energy_unit(scene)}]"
     rows.append((label_of_work, f"{rig_motion.solution.dissipation:.6g}"))
-    for motion in Motion:
-        time_fraction = rig_motion.time_fraction(motion)
+    for kind_of_motion in Motion:
+        time_fraction = rig_motion.time_fraction(kind_of_motion)
         if not time_fraction:
             continue
         time_in_words = f"{100 * time_fraction:.3g} % of the time"
-        if motion in (Motion.FORWARD, Motion.BACK):
-            time_in_words += f", over {rig_motion.slide_distance(motion):.6g} {unit_of_length}"
-        # _CSS_AND_WORDS: for each motion the class of the style sheet, and words
-        rows.append((_CSS_AND_WORDS[motion][1], time_in_words))
+        if kind_of_motion in (Motion.FORWARD, Motion.BACK):
+            time_in_words += (
+                f", over {rig_motion.slide_distance(kind_of_motion):.6g} {unit_of_length}"
+            )
+        # _CSS_AND_WORDS: for each kind of motion the class of the style sheet, and words
+        rows.append((_CSS_AND_WORDS[kind_of_motion][1], time_in_words))
     if rig_motion.motion_by_elements is not None:
         rows += _rows_of_elements(rig_motion, rig_motion.motion_by_elements)
     return rows

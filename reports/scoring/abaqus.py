@@ -224,7 +224,7 @@ def _rows_of_nodes(
     """
     import pandas as pd
 
-    tables = []
+    values_of_blocks = []
     for block in blocks:
         quantities: tuple[ColumnQuantity, ...] = ("x", "y", "pressure", "shear", "slip")
         columns = {}
@@ -238,10 +238,13 @@ def _rows_of_nodes(
             if normalised_name(name) == "nodelabel":
                 node_labels = block.column(name)
                 break
-        table = pd.DataFrame(columns)
-        table.index = pd.Index(node_labels)
-        tables.append(table.assign(frame=float(frames.index((block.step, block.frame)))))
-    all_values = pd.concat(tables)  # NaN in the columns that a table lacks, and nowhere else
+        values_of_block = pd.DataFrame(columns)
+        values_of_block.index = pd.Index(node_labels)
+        values_of_blocks.append(
+            values_of_block.assign(frame=float(frames.index((block.step, block.frame))))
+        )
+    # NaN in the columns that a block lacks, and nowhere else
+    all_values = pd.concat(values_of_blocks)
     if "x" not in all_values:
         raise InputError(
             f"{path}: the nodes of {blocks[0].region} have no places: report COORD with COORD1"
