@@ -52,11 +52,13 @@ class Discrepancy:
     instants_of_cycle
         (k,) indices of the instants among those of the last cycle
     reference_tractions, result_tractions
-        tractions of the reference, and of the result; where this has no number, the reference's
+        tractions of the reference, and of the result; where this has no number, or an outlier,
+        the reference's
     weight
-        (k, n) of a squared difference in sums, 0 where the result has no number; adds up to 1
+        (k, n) of a squared difference in sums, 0 where the result has no number or an outlier; adds
+        up to 1
     missing_share
-        share of the result's tractions that are no numbers
+        share of the points and instants at which the result has no number or an outlier
     is_half_plane_theory
         whether `reference_tractions` are half-plane theory of the scene
     has_shear
