@@ -924,6 +924,8 @@ def _note_of_next_order(rig: RiggedScene, driven_path: DrivenPath, last_cycle: s
     pressures = []
     half_widths = []
     for effects in (rig.effects, effects_without_next_order):
+        # `follow`: edges of contact and friction memory at both rows; PathSeries: half-widths and
+        # PointFields: pressure that follow from them.
         memory = follow(
             driven_path.followed_path.table,
             any_friction,

@@ -912,7 +912,7 @@ class PathSeries:
         The memory curve is the locked-in tangential force over the half-width of the flat punches.
         The extra slip is the least that brings |q| down to f p. It follows from q and f p over x,
         from the half-widths of contact and stick, and from those at which slip zones of the memory
-        curve end.
+        curve end. The returned record gives the slip and its shear at any points.
         """
         # followed_path: friction memory, loads, edges of contact and stick at all instants.
         followed_path = self.followed_path

@@ -679,6 +679,7 @@ class _NearIntegral:
         # acts_beyond_e: whether the kernel is not 0 for z^2 > e^2, z^2 = |P - P_t|.
         if self.kernel != "slip" or self.acts_beyond_e:
             return np.zeros(len(begin_s), dtype=bool)
+        # _LENGTHS_FROM_LOGARITHM: 4 lengths of the range.
         load_at_turn = max(self.turning_point.load, 0.0)
         least_square = 1e-200 * load_at_turn + 1e-300
         distance_of_logarithm = np.arcsinh(

@@ -641,7 +641,8 @@ class Grid:
 
         U has two datums. The attribute `_displacement` stores U as it is solved for, against a
         datum at the distance of the grid's length. The field "displacement" is U against a datum at
-        distance 1: that U minus `datum_compliance` Q. Likewise the approach.
+        distance 1: that U minus `datum_compliance` Q. The field "approach" is likewise the solved
+        one minus `datum_compliance` P.
 
         Parameters
         ----------
