@@ -630,8 +630,8 @@ def _size_of_coupling(effects: BodyEffects, scene: Scene, half_width: float) -> 
 
         c_1 (beta/f)^2 + c_2 beta strain/f^2 + c_3 beta tilt
 
-    with Dundurs' beta: the first term for half-planes, the others with the bulk strain and the tilt
-    of finite bodies.
+    with Dundurs' beta and the friction coefficient f: the first term for half-planes, the others
+    with the bulk strain and the tilt of finite bodies.
 
     Parameters
     ----------

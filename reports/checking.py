@@ -773,7 +773,8 @@ def _strain_and_shift(scene: Scene) -> tuple[Array, float | None]:
     for a parabola x of the contact's middle over the half-width, where that is largest, with its
     sign.
 
-    The middle lies at M/P under a moment M, at -tilt R under a tilt. It is None for other profiles.
+    The middle lies at M/P under a moment M, and at -tilt R under a tilt, R the parabola's radius.
+    The second value is None for other profiles.
     """
     from semi_analytic.elasticity import composite_modulus
 

@@ -193,9 +193,9 @@ def _with_full_stop(sentence: str) -> str:
 
 def _sentence_on_difference(effects: InputEffects, comparison: JudgedPair | None) -> Iterator[str]:
     """A sentence on the difference in the dissipation W between finite bodies and half-planes, with
-    its uncertainty by the inputs. Where a reason stands against it, the sentence states that reason
-    if there is a comparison; without one there is no sentence. Nor is there one where W has no
-    difference.
+    its uncertainty by the inputs. Where the difference is not known, the sentence states the reason
+    if there is a `comparison`, and there is no sentence without one. Nor is there one where W alone
+    has no difference.
 
     Parameters
     ----------
@@ -358,14 +358,14 @@ def rows_of_theory_values(effects: InputEffects, scene: Scene) -> list[tuple[str
     input_in_words = {
         uncertain_input.key: uncertain_input.words for uncertain_input in effects.inputs
     }
-    table: list[tuple[str, ...]] = []
+    rows: list[tuple[str, ...]] = []
     for theory_value in effects.values.values():
         unit = _unit_of_value(theory_value, scene)
         changes_in_words = [
             f"{input_in_words[key]} {_in_percent(theory_value.changes[key], theory_value.value)}"
             for key in theory_value.keys_by_size_of_change[:3]
         ]
-        table.append(
+        rows.append(
             (
                 f"{theory_value.words} [{unit}]",
                 significant(theory_value.value, 6),
@@ -380,10 +380,10 @@ def rows_of_theory_values(effects: InputEffects, scene: Scene) -> list[tuple[str
             unit = _unit_of_value(theory_value, scene)
             name = f"{theory_value.words}, {effects.draws.count:,} draws [{unit}]"
             cells = (significant(drawn_value.mean, 6), significant(drawn_value.uncertainty, 2))
-            table.append(
+            rows.append(
                 (name, *cells, significant(100 * drawn_value.relative_uncertainty, 2), "all")
             )
-    return table
+    return rows
 
 
 HEADS_OF_DIFFERENCE = ("By corrected theory", "%", "u, points", "most of it, points")
@@ -401,7 +401,7 @@ def rows_of_difference(effects: InputEffects) -> list[tuple[str, ...]]:
     input_in_words = {
         uncertain_input.key: uncertain_input.words for uncertain_input in effects.inputs
     }
-    table: list[tuple[str, ...]] = []
+    rows: list[tuple[str, ...]] = []
     for difference in effects.difference.values():
         changes_in_words = [
             f"{input_in_words[key]} {significant(100 * abs(difference.changes[key].value), 2)}"
@@ -412,8 +412,8 @@ def rows_of_difference(effects: InputEffects) -> list[tuple[str, ...]]:
         percent_in_words = difference_in_words.partition(" ±")[0]
         uncertainty_in_words = significant(100 * difference.uncertainty, 2)
         inputs_in_words = ", ".join(changes_in_words) or "–"
-        table.append((difference.words, percent_in_words, uncertainty_in_words, inputs_in_words))
-    return table
+        rows.append((difference.words, percent_in_words, uncertainty_in_words, inputs_in_words))
+    return rows
 
 
 def table_of_inputs(effects: InputEffects) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:

@@ -1053,8 +1053,9 @@ def _difference_of_peak(scene: Scene, effects: BodyEffects) -> float:
     """Largest pressure of finite bodies over that of half-planes, minus 1, for a parabola; NaN for
     other profiles.
 
-    By theory the largest pressure is p0 = sqrt(P E* (1/R + N P + N_Q Q)/pi), R the radius of the
-    parabola, N and N_Q the curvatures of the bodies' faces per normal and tangential load.
+    By theory the largest pressure is p0 = sqrt(P E* (1/R + N P + N_Q Q)/pi), E* the composite
+    modulus, R the radius of the parabola, N and N_Q the curvatures of the bodies' faces per normal
+    and tangential load.
     `effects` are the elastic responses that finite bodies add to half-planes: N is
     `normal_curvature`, N_Q `normal_curvature_under_shear`.
     """

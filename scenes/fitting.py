@@ -807,7 +807,7 @@ class _ScaledRows:
 
         `x` and `h` (n,) are the dimensionless places and heights of the points. `middle_is_fitted`
         and `tilt_is_fitted` say whether these two are unknown; a fixed middle is 0. `tilt_weight`
-        is the weight of the squared tilt.
+        and `smoothing_weight` are factors in this sum; "weights" alone are the w_j.
 
         Parameters
         ----------

@@ -803,9 +803,9 @@ class HarmonicSegment(LoadSegment):
         """Turning points of a combination c_P P + c_Q Q of the loads: times inside the segment at
         which its rate is zero, ascending [rad]; none of a constant combination.
 
-        One harmonic, amplitude cos(t + lead), turns where t + lead is a multiple of pi. Of several
-        the rate is a polynomial in z = exp(i t). Its roots on the unit circle are refined by Newton
-        steps.
+        One harmonic, amplitude cos(t + lead), turns where t + lead is a multiple of pi. Of several,
+        the highest the m-th, z^m times the rate is a polynomial in z = exp(i t). Its roots on the
+        unit circle are refined by Newton steps.
 
         >>> segment = HarmonicSegment(0.0, 2 * math.pi, (3.0, 0.0), ((1.0, 0.0), (1.0, 0.0)), ())
         >>> [

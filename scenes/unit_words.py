@@ -93,8 +93,9 @@ Kind = Literal["time", "length", "load", "stress", "angle", "moment"]
 
 
 def fault_of_units(units: str) -> str:
-    """What is wrong with a scene's `units`, and what to do, where the unit of stress is not that of
-    force over length squared; empty for a consistent set, and for words that are no known units.
+    """What is wrong with a scene's `units`, and what to do: three known units in another order than
+    force, length, stress, or a unit of stress that is not that of force over length squared. Empty
+    for a consistent set, and for words that are no known units.
 
     >>> (
     ...     fault_of_units("N, mm, MPa"),
