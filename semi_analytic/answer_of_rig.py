@@ -268,9 +268,10 @@ def findings_of_rig(question: Question) -> Findings:
     """Half-plane answer, corrected for finite bodies, to a scene whose rig prescribes
     displacements: loads P and Q, fields, friction work of the steady cycle, and their errors.
 
-    Where no cycle is steady the answer is that of the whole path. The loads are found step by step,
-    and again by steps twice as long; the difference is stated as error. Fields are those of
-    half-planes with the effects of the bodies, under these loads.
+    The answer covers the first steady cycle, or the whole path where no cycle is steady. The loads
+    are found step by step, and again by steps twice as long; the difference is stated as error.
+    Fields are those of half-planes with the curvatures of the bodies, under these loads. The
+    friction work also has what tilt, bulk strain and the terms in x^4 of the bodies add.
 
     Parameters
     ----------

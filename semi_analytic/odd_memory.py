@@ -620,17 +620,19 @@ def _work_in_span(span: Span, radius: float, n_points: int) -> Array:
     slip_zone_load = span.slip_zone_load(time)
     stick_edge = _stick_edge_at(span, piece_at_edge, time, slip_zone_load, radius)
     minus_equivalent_load = slip_combination(span.direction, span.friction)  # s Q - f P = -N
-    load_fall_rate = np.asarray(span.segment.rate_of(minus_equivalent_load, time))  # -N'
+    equivalent_load_fall_rate = np.asarray(span.segment.rate_of(minus_equivalent_load, time))  # -N'
     equivalent_tilt_rate = _equivalent_tilt_coefficients(
         span.friction, span.direction, *span.segment.rates(time)
     )
-    distance = stick_edge.centre_distance(radius)
+    centre_distance = stick_edge.centre_distance(radius)
     friction_weights = span.friction * weights
     work_matrix = _quadratic_form(
-        friction_weights * load_fall_rate / (2 * radius), distance, distance
+        friction_weights * equivalent_load_fall_rate / (2 * radius),
+        centre_distance,
+        centre_distance,
     )
     work_matrix = work_matrix - _quadratic_form(
-        friction_weights * slip_zone_load, equivalent_tilt_rate, distance
+        friction_weights * slip_zone_load, equivalent_tilt_rate, centre_distance
     )
 
     # Memory that slip set has no second integral.
@@ -646,7 +648,11 @@ def _work_in_span(span: Span, radius: float, n_points: int) -> Array:
     equivalent_tilt_by_eta = memory_slope[:, None] * tilt_by_eta - strain_by_eta
     # s f (P - P_c) |dP_c|, since P_c falls by -N' dt/mu; mu = f - s dM/d eta is the steepness
     weights_along_memory = (
-        span.direction * friction_weights * slip_zone_load * load_fall_rate / stick_edge.steepness
+        span.direction
+        * friction_weights
+        * slip_zone_load
+        * equivalent_load_fall_rate
+        / stick_edge.steepness
     )
     work_by_bend = _quadratic_form(
         weights_along_memory * _slope_derivative(piece_at_edge, eta) / (2 * radius),

@@ -205,9 +205,10 @@ class ConvexProfile(abc.ABC):
             arrays.append(np.reshape(argument, new_axes + np.shape(argument)))
         if not shape:
             return np.array(function(*arrays))
-        # Rows that need 100,000 terms at once; _values_per_point: terms for one value.
-        values_per_row = max(self._values_per_point * math.prod(shape[1:]), 1)
-        rows_at_once = max(_VALUES_AT_ONCE // values_per_row, 1)
+        # As many rows as have 100,000 terms at most (_VALUES_AT_ONCE), but one row at least;
+        # _values_per_point: terms for one value.
+        terms_per_row = max(self._values_per_point * math.prod(shape[1:]), 1)
+        rows_at_once = max(_VALUES_AT_ONCE // terms_per_row, 1)
         values = np.empty(shape)
         for first_row in range(0, shape[0], rows_at_once):
             rows = slice(first_row, first_row + rows_at_once)
