@@ -95,7 +95,8 @@ def answer_arrays(task: Task, problem: ContactProblem, run: PathRun) -> dict[str
 
     # Edges of contact and stick, and ends of the permanent stick zone. `surface_states` (n_states,
     # n): open, stick or slip of the nodes at all instants, stored or not. `held_back` (2,): what
-    # was added to the ends, as growing elements make the zones too small.
+    # was added to the ends, as growing elements make the zones too small. `permanent_stick`: places
+    # of the ends, and their uncertainty where slip or creep locates them.
     surface_states = reported_states(problem, run.states, run.cycle_starts)
     loads = (
         np.array([(state.normal_load, state.tangential_load) for state in contact_states])
@@ -850,7 +851,8 @@ def penalty_audit(
     scales
         half-width and modulus that lengths and compliances are scaled by
     """
-    # Overlap and elastic slip: deflections of the springs under pressure and shear.
+    # Overlap and elastic slip: deflections of the springs under pressure and shear; with the
+    # stiffness of these.
     length_per_force = problem.interface.face_lengths * scales.half_width / scales.modulus
     normal_deflection = _LayerDeflection.by_tractions(
         problem.layer.normal_compliance * length_per_force, arrays["pressure"]
@@ -991,6 +993,10 @@ def _termination(run: PathRun) -> str:
 def _message(run: PathRun) -> str:
     """A sentence on how a run along the load path ended: failed, in a steady cycle, at the end of
     the path, or ratcheting.
+
+    `run.iterations` has an entry for each increment, `run.force_change_by_cycle` the largest change
+    of a nodal force over each revolution; `run.steady_from` is the index of the first revolution
+    that repeats.
     """
     if run.failure is not None:
         return str(run.failure)

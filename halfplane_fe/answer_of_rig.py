@@ -33,7 +33,7 @@ def scene_of_loads(scene: Scene, run: PathRun, load_unit: float) -> Scene:
         with a rig, whose actuators prescribe movements
     run
         contact states along the path, with scaled P and Q; index of the state at the start of each
-        cycle
+        cycle; friction work of each cycle that was completed
     load_unit
         what P and Q of the run are scaled by [force per thickness]
     """

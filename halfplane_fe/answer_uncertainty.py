@@ -596,8 +596,9 @@ def _peak_uncertainty(task: Task, arrays: Mapping[str, Any], is_coupled: bool) -
     Parameters
     ----------
     task
-        the scene, mesh settings, and scales: half-width, and of the coarse run its largest pressure
-        and the size of its elements over the half-width
+        the scene, mesh settings (growth of the element size with the distance from the contact,
+        element size of the upper body over that of the lower), and scales: half-width, and of the
+        coarse run its largest pressure and the size of its elements over the half-width
     arrays
         pressure (n_steps, n), contact edges and half-width by name, in the scene's units
     """

@@ -784,7 +784,8 @@ class StickZone(NamedTuple):
 
     def mirrored(self) -> StickZone:
         """The permanent stick zone with a left end that is the mirror image of the right one, as
-        only the right half of the nodes was solved.
+        only the right half of the nodes was solved. Its attributes have an entry for each end, left
+        and right: places by nodes and by loads, and the instants at the turning points of slip.
         """
         outwards = np.array([-1.0, 1.0])
         return StickZone(
@@ -959,7 +960,8 @@ def _stick_zone(
     is_always_stuck
         (n,) nodes that stick through the whole cycle
     stick_edges
-        side, 1 for right and -1 for left -> the edge located by the loads, if it could be
+        side, 1 for right and -1 for left -> the edge located by the loads, if it could be: its
+        place, the uncertainty of that, and the instants at the turning points of slip
     """
     places_at_last_stuck = np.full(2, np.nan)
     places_at_first_sliding = np.full(2, np.nan)
@@ -1123,7 +1125,8 @@ def _at_stick_edge(
 
         change_of_slip_rates = _change_of_rates(slip_by_load, nodal_states, nodes, STICK)
         work_by_load = problem.friction * float(turning_state.pressure @ change_of_slip_rates)
-        # the latter: load between the nodes over the dimensionless change of rates
+        # the latter: load between the nodes over the dimensionless change of rates;
+        # `fraction_passed`: way of the edge from its node to its place, over that to the next node
         work_of_unit_excess = work_by_load * edge.load_over_rate_jump
         excess_at_place = float(edge.dimensionless_excess(edge.fraction_passed()))
         excess_work -= work_of_unit_excess * excess_at_place

@@ -267,6 +267,7 @@ class ContactProblem:
         are uncoupled.
         """
         self._rates: dict[bytes, Array] = {}  # derivatives by the loads, by the node states
+        # change of the values by new node states that was computed last
         self._latest_change: _ChangeByStates | None = None
         # Shear and slip of like bodies are in proportion to f, and their round-off with them.
         is_coupled = self.has_shear and self.interface.coupling is not None
@@ -690,7 +691,8 @@ class ContactProblem:
         ):
             return latest_change.values
 
-        # What the new equations of the nodes miss in `start_state`: p or gap, and q - (+-f) p.
+        # What the new equations of the nodes miss in `start_state`: p or gap, and q - (+-f) p, if
+        # that is more than round-off, 1e-15 in scaled variables.
         _, pressure, shear, gap = nodal_values(start_state.values)
         shear_beyond_limit = shear - self._shear_over_pressure(node_states) * pressure
         residual = np.concatenate(

@@ -220,7 +220,7 @@ def contact_edges(x: Array, pressure: Array, gap: Array, is_closed: Mask, modulu
         E* [stress]
     """
     edges = np.empty((len(is_closed), 2))
-    # Each side is read outwards: the left one reflected, so that its x grow.
+    # Each side is read outwards: the left one (column 0, sign -1) reflected, so that its x grow.
     for side in _sides(x):
         p, g, is_in_contact = side.outwards(pressure, gap, is_closed)
         last_node = _last(is_in_contact)  # (k,) outermost node that touches
@@ -259,7 +259,7 @@ def _contact_uncertainty(answer: NodalAnswer, contact: Array) -> Array:
     uncertainty = np.repeat(width, 2, axis=1)
     # instants at which more than five nodes touch
     rows = np.flatnonzero(np.count_nonzero(answer.is_closed, axis=1) > _EXTRAPOLATED)
-    # Each side is read outwards: the left one reflected, so that its x grow.
+    # Each side is read outwards: the left one (column 0, sign -1) reflected, so that its x grow.
     for side in _sides(answer.x):
         side_pressure, is_in_contact = side.outwards(answer.pressure[rows], answer.is_closed[rows])
         last_node = _last(is_in_contact)  # outermost node that touches
@@ -307,7 +307,7 @@ def stick_edges(
     """
     edges = np.empty((len(is_closed), 2))
     a_side_has_no_stick = np.zeros(len(is_closed), dtype=bool)
-    # Each side is read outwards: the left one reflected, so that its x grow.
+    # Each side is read outwards: the left one (column 0, sign -1) reflected, so that its x grow.
     for side in _sides(x):
         is_stuck, is_in_contact = side.outwards(is_sticking, is_closed)
         # (k, n) closed nodes on this side of the middle of the contact, or of the sticking nodes
@@ -350,7 +350,7 @@ def fitted_stick_edges(answer: NodalAnswer, contact: Array, friction: float) -> 
     )
     edges = edges_by_states.copy()
     misfit = np.zeros_like(edges)
-    # Each side is read outwards: the left one reflected, so that its x grow.
+    # Each side is read outwards: the left one (column 0, sign -1) reflected, so that its x grow.
     for side in _sides(answer.x):
         # Instants with a slip zone on this side, and more than seven nodes of the stick zone.
         is_stuck, is_in_contact = side.outwards(answer.is_stuck, answer.is_closed)
@@ -419,6 +419,7 @@ def _stick_uncertainty(
 
     # Number of touching nodes beyond the edge, on its side of the middle.
     n_nodes_beyond_edge = np.empty(edges.shape, dtype=np.int64)
+    # Each side is read outwards: the left one (column 0, sign -1) reflected, so that its x grow.
     for side in _sides(x):
         is_in_contact, is_stuck = side.outwards(answer.is_closed, answer.is_stuck)
         is_in_half = _half(side, is_in_contact, is_stuck if answer.stick_may_be_anywhere else None)

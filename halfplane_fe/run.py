@@ -685,6 +685,7 @@ class _Follower:
         change of its forces.
         """
         start_state = self.run.states[-1]
+        # index of this state: one increment, with an entry in `iterations`, leads to each further
         self.run.cycle_starts.append(len(self.run.iterations))
         self.follow_segments(segments, self.pace.steps_per_cycle, f"revolution {number + 1}")
 

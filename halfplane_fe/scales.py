@@ -700,7 +700,7 @@ def _coarse_run(
     steps
         increments of a revolution
     cycles
-        revolutions at most
+        revolutions at most; two by default
 
     Raises
     ------

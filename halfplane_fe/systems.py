@@ -582,7 +582,8 @@ class Systems:
 
     def _is_nested(self, node_states: States) -> bool:
         """Whether, by ascending x, the first nodes stick, the next ones slide and the last are
-        open, as on one half of a symmetric contact: a faster solution then exists.
+        open, as on one half of a symmetric contact: a faster solution then exists. False where
+        pressure depends on shear: `_nested_compliances` is then empty.
         """
         if not self._nested_compliances:
             return False

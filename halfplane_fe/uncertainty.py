@@ -109,6 +109,7 @@ class Rule:
         # _LEAST_REFINEMENT: least ratio of the element sizes of both meshes
         if 1 / _LEAST_REFINEMENT < refinement < _LEAST_REFINEMENT:
             return math.nan
+        # error of the run: the difference over |r^p - 1|
         error = difference * Place(refinement, self.order).share_left()
         # _ROUND_OFF: relative round-off
         return self.factor * error + _ROUND_OFF * value
@@ -458,7 +459,8 @@ def displacement_uncertainties(
     values: RunValues, coarse_values: RunValues | None, meshes: Meshes, has_shear: bool
 ) -> dict[str, float]:
     """Uncertainty of tangential displacement and normal approach by their names [length], from the
-    difference of two meshes; NaN without an estimate.
+    difference of two meshes; NaN without an estimate, as where both runs are not of comparable load
+    cycles.
 
     For each name `RULES` has the order of its error in the element size, and a factor.
 
@@ -835,7 +837,8 @@ def peak_uncertainty(
     # Where the difference is made: ratio of the element sizes there, and order m of the error.
     power = tip_power(profile, coarse_size)  # n
     share_within_tip = 0.0
-    if power >= SMOOTH_TIP:  # no tip
+    # SMOOTH_TIP: power from which on a tip counts as smooth, 1.99
+    if power >= SMOOTH_TIP:
         place_of_error = Place(
             coarse_size / fine_sizes.edge_size, 1.0 if math.isfinite(depth) else 2.0
         )
