@@ -1471,8 +1471,8 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
 def _note_on_missing_draws(
     reason_by_sliding: str, reason_by_second_order: str, nearness: NearSliding | None
 ) -> str:
-    """A note that random draws are needed and not taken; what other sentences of the report say is
-    left out.
+    """A note that random draws are needed but take too long, with the reason why they are needed
+    where no other sentence of the report states it.
 
     Parameters
     ----------

@@ -271,12 +271,12 @@ class ContactSolution:
 
     @property
     def dissipation_drift(self) -> float:
-        """Relative change of the friction work W of the last cycle against the cycle before, as a
-        measure of how far the solution is from a steady cycle.
+        """Change of the friction work W from the last cycle but one to the last, over W of the
+        last: a measure of how far the solution is from a steady cycle.
 
-        0 where the last cycle ends in the state it started from, NaN where there is no cycle before
-        it or no friction work. `steady_from` is the index of the first cycle that ends in the state
-        it started from, None if none does; `cycle_dissipation` (n_cycles,) is W of each.
+        0 where a cycle ends in the state it started from, NaN where there are fewer than two cycles
+        or the last has no friction work. `steady_from` is the index of the first cycle that ends in
+        the state it started from, None if none does; `cycle_dissipation` (n_cycles,) is W of each.
         """
         if self.steady_from is not None:
             return 0.0

@@ -340,8 +340,8 @@ def _table_in_lines(
 def _encodings_of(first_bytes: bytes) -> list[str]:
     """Character encodings, likeliest first, that a text file with these `first_bytes` may have.
 
-    UTF-16 has a byte-order mark at its start, or a zero in more than 80 % of every second byte.
-    Other bytes with zeros are tried as UTF-8 alone.
+    UTF-16 has a byte-order mark at its start, or more than 80 % zeros among its bytes of odd or of
+    even number. Other bytes with zeros are tried as UTF-8 alone.
 
     >>> _encodings_of("Zeit;P".encode("utf-16-le")), _encodings_of(b"time,P")
     (['utf-16-le'], ['utf-8-sig', 'cp1252', 'cp932', 'latin-1'])

@@ -966,7 +966,7 @@ class _Pen:
 
         Of the mark, `x` and `y` are the curve's points in numbers of the axes, `css` its classes in
         the style sheet, `label` the text that a pointer shows, `data` further values for the page's
-        script.
+        script; `is_closed`: its end is joined to its start.
         """
         # `is_standalone`: for an SVG file of its own
         tolerance = 0.1 if self.is_standalone else 0.02  # [pixels]
@@ -1289,8 +1289,9 @@ def _classes_of(panel: Panel) -> str:
 
 
 def _script_attributes(panel: Panel, frame: Frame) -> dict[str, object]:
-    """Attributes of a panel's SVG element that the page's script reads: scales of both axes, their
-    titles and ticks, and which axis is the time ("x", "y" or "").
+    """Attributes of a panel's SVG element that the page's script reads: scales of both axes (not of
+    a sketch, which the script leaves as it is), their titles, the ticks of x, and which axis is the
+    time ("x", "y" or "").
 
     `frame` is the panel's area with its scales, whose `words` are their ends as text. Of an axis,
     `words` is the title, `count` about how many ticks it has (5 by default), `ticks` those that are
