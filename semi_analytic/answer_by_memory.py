@@ -1084,9 +1084,8 @@ def _values_over_time(request: Request, snapshot: Snapshot) -> dict[str, Array]:
     stick_half_width = half_width.copy()
     stick_half_width[instants_with_slip] = _half_width(contact, stick_edge_load[instants_with_slip])
     stick_half_width[(stick_edge_load <= 0) & (stick_half_width == 0)] = np.nan
-    scaled_displacement = np.full(
-        len(request.time), np.nan
-    )  # U pi/A, U the tangential displacement
+    # U pi/A, U the tangential displacement, and normal approach: NaN unless asked for
+    scaled_displacement = np.full(len(request.time), np.nan)
     approach = scaled_displacement
     # the integral of ln(2 L/a) over the memory curve (tangential force carried up to each load), L
     # the length of the datum; the point x has no effect

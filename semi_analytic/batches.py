@@ -817,9 +817,9 @@ def _works_of_members(members: Members) -> Array:
     """Friction work of one steady cycle of each member of a batch, times pi E*/(2 f^2) [(force per
     thickness)^2], and its permanent stick load P_T [force per thickness]: (5, m).
 
-    Rows: the work, its parts by forward and by reverse slip, the error of the work from above, and
-    P_T. The integrand is the kernel Lam, the integral of ln(a/a(P_c)) over loads from P_c, that at
-    the stick edge, to P; a is the contact half-width. Of Hertz and power laws Lam has a closed
+    Rows: the work, its parts by forward and by reverse slip, an upper bound of its error, and P_T.
+    The integrand is the kernel Lam, the integral of ln(a/a(P_c)) over loads from P_c, that at the
+    stick edge, to P; a is the contact half-width. Of Hertz and power laws Lam has a closed
     form, of flat and rounded faces a table. Other profiles take a quadrature, with one contact for
     all members whose profiles have one shape, in units of length and load. `members` holds the load
     ellipses, mirrored to Q -> -Q where they go round the other way. It also holds the kind of
@@ -827,6 +827,7 @@ def _works_of_members(members: Members) -> Array:
     """
     ellipses = members.ellipses
     kind = members.kind
+    # rows: work in forward slip, in reverse slip, and the error of their sum
     works_and_error = np.empty((3, len(members.is_mirrored)))
     # _DEEP_SLIP_LOAD_SHARE: 0.02, the least share for the quick formula of Lam: of the mean load
     # for the largest P - P_c, and of each amplitude of (Q -+ f P)/f for the other one

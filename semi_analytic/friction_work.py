@@ -891,10 +891,10 @@ def _density_of_parts(contact: Contact, parts: Records, x: Array) -> Array:
 
     A record is a portion of a load step. Along a part of it P and P_c change linearly, P_c the load
     at the stick edge, and pass no corner of the profile. w = +-Q - f P grows in slip, p is the
-    pressure at x and c the stick half-width. p has a root where P = P_x, the load at which the edge
-    of contact is at x. The arccosh has one where P_c = P_x, and a logarithm where P_c = 0. A pair
-    of part and point takes as many nodes as the nearest of these needs. Parts hold P and P - P_c at
-    begin and end, and the growth `level_rise` of w.
+    pressure at x and c the stick half-width. p is singular like a square root at P = P_x, the load
+    at which the edge of contact is at x. The arccosh is so at P_c = P_x, and like a logarithm at
+    P_c = 0. A pair of part and point takes as many nodes as the nearest of these needs. Parts hold
+    P and P - P_c at begin and end, and the growth `level_rise` of w.
     """
     # P_x
     contact_edge_loads = contact.load(x)

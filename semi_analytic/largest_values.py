@@ -106,6 +106,8 @@ def extremes(answer: ContactSolution, names: Sequence[str] = SEARCHED_VALUES) ->
     pressure, slip, friction work per area, half-width, and tension at the edges of contact.
 
     They are found over all places x and instants of the cycle, not only the answer's own points.
+    Where bulk stress and tilt leave no one memory curve they are the largest at a set of points and
+    instants, to the accuracy of these.
 
     Parameters
     ----------

@@ -571,20 +571,20 @@ def _with_turning_points(curve: _WorkCurve, work: Work) -> _WorkCurve:
     from scipy.optimize import elementwise  # noqa: PLC0415
 
     log_f, works, is_solvable, _ = curve
-    work_rise = np.diff(works, axis=0)
+    work_change = np.diff(works, axis=0)
     largest_work = np.max(np.where(is_solvable, works, 0.0), axis=0)
-    # _LEAST_RISE: 1e-10
+    # _LEAST_RISE: 1e-10, the least change of W, over the largest W, that is no round-off
     is_above_roundoff = (
-        np.minimum(np.abs(work_rise[:-1]), np.abs(work_rise[1:])) >= _LEAST_RISE * largest_work
+        np.minimum(np.abs(work_change[:-1]), np.abs(work_change[1:])) >= _LEAST_RISE * largest_work
     )
     # three samples on which W turns: the first of them, and the member
     first_sample, member_of_turn = np.nonzero(
-        is_solvable & is_above_roundoff & (work_rise[:-1] * work_rise[1:] < 0)
+        is_solvable & is_above_roundoff & (work_change[:-1] * work_change[1:] < 0)
     )
     if not len(first_sample):
         return curve
     # W falls before a minimum; of a maximum -W is minimised.
-    sign_to_minimum = np.where(work_rise[first_sample, member_of_turn] < 0, 1.0, -1.0)
+    sign_to_minimum = np.where(work_change[first_sample, member_of_turn] < 0, 1.0, -1.0)
     # iteration over ln f within the three samples
     minimum_search = elementwise.find_minimum(
         lambda log_f_at_trial, member, sign: (

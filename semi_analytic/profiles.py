@@ -249,6 +249,7 @@ def _convex_polynomial(profile: EvenPolynomial) -> ConvexProfile:
     """
     length = profile.length
     coefficients_of_squares = np.array(profile.rises)  # c_k
+    # c_1 alone: knots, h'' on each side of them, and h'' between two knots, of which there are none
     if not np.any(coefficients_of_squares[1:]):
         return _parabolas([0.0], [2 * float(coefficients_of_squares[0]) / length**2] * 2, 0.0)
     k = np.arange(1.0, len(coefficients_of_squares) + 1)
@@ -262,7 +263,8 @@ def _convex_polynomial(profile: EvenPolynomial) -> ConvexProfile:
     # h as a polynomial of x, which is scaled to [-1, 1]; `deriv` gives its derivatives
     height_polynomial = Polynomial(coefficients_of_powers, domain=[-length, length])
     # The rule averages over theta, x = middle + half-width cos(theta) of the contact. Its n equal
-    # steps, each with the weight 1/n, are exact for polynomials of degree below 2 n.
+    # steps, each with the weight 1/n, are exact for polynomials of degree below 2 n. A rule holds
+    # distances of its nodes from 0 and from 1, and weights.
     n_nodes = len(coefficients_of_squares) + 2
     nodes = (np.arange(n_nodes) + 0.5) / n_nodes
     quadrature_rule = LogisticRule(nodes, nodes[::-1], np.full(n_nodes, 1 / n_nodes))
