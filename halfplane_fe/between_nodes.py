@@ -892,7 +892,7 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
     problem
         the contact problem that the states solve
     states
-        contact states of the cycle, the first one from before it
+        contact states of the cycle, from that at its start on
 
     Returns
     -------
@@ -1033,7 +1033,7 @@ def _at_stick_edge(
     problem
         the contact problem that the states solve
     states
-        contact states of a load cycle, the first one from before it
+        contact states of a load cycle, from that at its start on
     slip
         (k, n) slip of the nodes at these states, scaled
     is_always_stuck
@@ -1125,7 +1125,7 @@ def _at_stick_edge(
 
         change_of_slip_rates = _change_of_rates(slip_by_load, nodal_states, nodes, STICK)
         work_by_load = problem.friction * float(turning_state.pressure @ change_of_slip_rates)
-        # the latter: load between the nodes over the dimensionless change of rates;
+        # `load_over_rate_jump`: load between the nodes over the dimensionless change of rates;
         # `fraction_passed`: way of the edge from its node to its place, over that to the next node
         work_of_unit_excess = work_by_load * edge.load_over_rate_jump
         excess_at_place = float(edge.dimensionless_excess(edge.fraction_passed()))
@@ -1159,7 +1159,7 @@ def _at_contact_edge(
         the contact problem that the states solve; its `rates` are derivatives of nodal values by
         the loads at given node states, its `interface.coupling` is None of like bodies
     states
-        contact states of a load cycle, the first one from before it
+        contact states of a load cycle, from that at its start on
     slip
         (k, n) slip of the nodes at these states, scaled
     side
@@ -1223,7 +1223,7 @@ def _at_contact_edge(
             pressure_by_load, start_state.node_states, nodes, OPEN
         )
         work_by_load = problem.friction * float(node_slips @ change_of_pressure_rates)
-        # the latter: load between the nodes over the dimensionless change of rates
+        # `load_over_rate_jump`: load between the nodes over the dimensionless change of rates
         work_of_unit_excess = work_by_load * edge.load_over_rate_jump
         # Simpson's rule along the increment
         excess_work -= (

@@ -226,6 +226,15 @@ def increment_energies(
     areas_of_curve
         (k, k, m) areas that a curved load path encloses with its chords, by pairs of k loads,
         scaled; None where the path is straight
+
+    Returns
+    -------
+    Energies
+        Friction work of each node, (m, n). Of each increment, (m,): Q dU with the work of shear by
+        bulk stress; work of the loads along the chord of the path, that with the loads at the end,
+        and what the curve of the path adds; changes of elastic energy, and of that of the penalty
+        layer alone; work at the interface, by mean forces and by those at the end; bound of the
+        error of the friction work, and the part of it by kinks of pressure and slip.
     """
     # Means and changes of each increment. Its work is the mean of loads or forces in the change of
     # displacements: exact along the chord of the load path.
@@ -485,7 +494,7 @@ def _work_with_onsets(problem: ContactProblem, increments: _Increments) -> _Work
     ) * slip_between_onsets
     doubled_integral += (p_at_last_onset + increments.p_at_end) * slip_from_last_onset
 
-    # Work by kinks: as many as neighbours start to slide.
+    # Work by kinks: one at each onset in the longest run of neighbours that start to slide.
     n_onsets = _length_of_longest_run(
         _is_slip_onset(increments.states_before, increments.states_after)
     )

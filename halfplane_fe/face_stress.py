@@ -834,8 +834,8 @@ def _fitted_edge(x: Array, p: Array, fit: EdgeFit) -> _FittedEdge | None:
     The outermost nodes, which the mesh distorts, are left out. Nodes are fitted over 0.3 of the
     half-width: 16 of them at least, 100 at most, none beyond the middle. While the residual is
     large (a corner of the profile may be near), or the polynomial has no zero outside the nodes,
-    half as many are fitted.
-    With fewer than six there is no fit. The degree is 4 from 24 nodes on, else 2.
+    half as many are fitted. With fewer than six there is no fit. The degree is 4 from 24 nodes on,
+    else 2.
 
     Parameters
     ----------

@@ -206,8 +206,8 @@ def flanks(profile: Profile, half_width: float, element_size: float) -> Iterator
 def resolution_notes(
     profile: Profile, revolution: Revolution, element_size: float, mesh: MeshSettings
 ) -> Iterator[str]:
-    """Sentences for the reader on what the mesh is too coarse for in the last cycle, each with the
-    element size that would do.
+    """Sentences for the reader on what the mesh is too coarse for in the last cycle, with the
+    element size that would do where a finer mesh helps.
 
     They are on contacts of few elements, a profile near a wedge, steep parts of the pressure beyond
     a kink of the profile, narrow slip zones, and friction work near the error that the mesh makes

@@ -504,11 +504,11 @@ class _Iteration:
         # States by the return mapping of the trial tractions. Neither a gap nor a pressure: the
         # trial pressure is 0 but for round-off.
         mapped_tractions = self._mapped_tractions()
-        is_touching = np.abs(self._pressure) <= tolerance
-        is_touching &= np.abs(self._gap) <= tolerance * compliance.normal_compliance
+        has_no_gap_or_pressure = np.abs(self._pressure) <= tolerance
+        has_no_gap_or_pressure &= np.abs(self._gap) <= tolerance * compliance.normal_compliance
         # _TOUCHING_PRESSURE: a positive number of the size of round-off, 1e-11
         trial_pressure = np.where(
-            is_touching,
+            has_no_gap_or_pressure,
             np.where(was_open, 0.0, _TOUCHING_PRESSURE),
             mapped_tractions.trial_pressure,
         )
