@@ -122,7 +122,9 @@ def maxima_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
         return np.concatenate(maxima_of_blocks, axis=1)
 
     def density(ellipse_numbers: Indices, x: Array, node_stride: int = 1) -> Array:
-        # W(x) pi E*/(2 f^2) of numbered ellipses at places x
+        """W(x) pi E*/(2 f^2) of the ellipses with these numbers (k,) at their places x (k,), by
+        every `node_stride`-th quadrature node.
+        """
         density_of_forward_slip, density_of_reverse_slip = work_density_of(
             ellipses.take(ellipse_numbers), contact, x, node_stride
         )

@@ -1026,6 +1026,8 @@ class LoopWorkOfSeries:
     def __init__(
         self, contact: Contact, modulus: float, friction: float, largest_load: float
     ) -> None:
+        """An integral of 0, from the normal contact, E*, f and the largest P of the cycle."""
+        # U counted from a datum at which ln(2 L/a) is 0 under the largest P
         self._contact = _with_moved_datum(contact, largest_load)
         self._friction = friction
         self._compliance = 2 / (math.pi * modulus)  # A/pi, A = 2/E*

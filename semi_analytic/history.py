@@ -563,6 +563,7 @@ def _directions_on(
     along_line = Combination(-piece.slope, 1.0)  # Q - slope P
 
     def force_above_curve(time: ArrayLike) -> Array:
+        """Q - M(P) at times of the segment, any shape [force per thickness]."""
         if is_line:
             return combination_change(piece.anchor, segment, along_line, time)
         normal_load, tangential_load = segment.loads(time)

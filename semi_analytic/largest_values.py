@@ -451,6 +451,7 @@ class _Search:
         largest_uncertainty = 0.0
 
         def tensions(time: Array) -> Array:
+            """Larger tension of both edges and both faces at instants (n,): (n,) [stress]."""
             nonlocal largest_uncertainty
             # at instants, both edges and both faces
             tension, errors = edge_tension(self.scene, time)

@@ -114,7 +114,8 @@ class Stroke:
 
     def friction_power(self, x: Array, u: Array) -> Array:
         """Friction work per area and per fraction u of the stroke, f p |ds/du|, at points x in the
-        slip zone and fractions u, arrays that broadcast [energy per area].
+        slip zone and fractions u, arrays that broadcast [energy per area]; f is the friction, p the
+        pressure, s the slip, `compliance` A = 2/E*.
         """
         # middle and half-width of the contact
         m, c = self.contact_at(u)
@@ -210,6 +211,7 @@ class Stroke:
         """
 
         def approach_and_moment(load: Array, tilt: Array) -> Array:
+            """Normal approach h and moment m_p of the frictionless contact, (2, n)."""
             m, c = self.middle_and_half_width(load, tilt)
             # h of the frictionless contact; m, c its middle and half-width
             approach = self.shape.approach(m, c, tilt) + self.compliance * load / math.pi * np.log(

@@ -183,6 +183,7 @@ def _stick_edge_series(
     """
 
     def stick_edges(unloading: Array) -> tuple[Array, Array]:
+        """b1/a and b2/a at values of P - eta, arrays of one shape."""
         left_depth, right_depth = slip_depths_of_loads(
             -strain_per_unloading * unloading.ravel(), force_per_unloading * unloading.ravel()
         )
@@ -332,8 +333,8 @@ class OppositeSlip(TiltedProfile):
         return sign_of_side * np.sign(self.pressure_skewness)
 
     def pressure(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """Pressure p(x) at the constant load P, with the sign of slip at x as Q grows: q/f where x
-        slips [stress].
+        """Pressure p(x) at the constant load P, times the direction of slip at x while Q grows, +1
+        or -1: so q/f where x slips [stress].
         """
         _, contact_middle, contact_half_width = self._contact
         pressure = self.profile.pressure(

@@ -816,6 +816,9 @@ def law_of_table(modulus: float, profile: Tabulated) -> ContactLaw:
         )
 
     def edge_advance(loads: Array) -> Array:
+        """Advance d under loads P; ProfileDataError where the contact would be wider than the
+        table.
+        """
         needed_load = float(np.max(loads, initial=0.0))
         if needed_load > largest_load:
             raise ProfileDataError(
@@ -1293,6 +1296,9 @@ def law_of_function(modulus: float, profile: CallableProfile) -> ContactLaw:
     )
 
     def edge_advance(loads: Array) -> Array:
+        """Advance d under loads P; ProfileDataError where the contact would be wider than the
+        extent of the profile.
+        """
         needed_load = float(np.max(loads, initial=0.0))
         if needed_load > largest_load * (1 + 1e-12):
             raise ProfileDataError(
