@@ -451,9 +451,9 @@ class _Search:
         largest_uncertainty = 0.0
 
         def tensions(time: Array) -> Array:
-            """Larger tension of both edges and both faces at instants (n,): (n,) [stress]."""
+            """Largest tension of both edges and both faces at each instant, (n,) [stress]."""
             nonlocal largest_uncertainty
-            # at instants, both edges and both faces
+            # (n, 2, 2): instants, edges and faces
             tension, errors = edge_tension(self.scene, time)
             largest_uncertainty = max(largest_uncertainty, float(errors.max()))
             return np.asarray(tension.max(axis=(1, 2)))

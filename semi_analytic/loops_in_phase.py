@@ -228,7 +228,8 @@ class Stroke:
 
     def work_density(self, x: Array, count: int = STROKE_NODE_COUNT) -> Array:
         """Friction work per area of this stroke at points x (k,): the integral of f p |ds| from its
-        begin, u = 0, to its end, u = 1, (k,) [energy per area].
+        begin, u = 0, to its end, u = 1, (k,) [energy per area]; f is the friction, p the pressure,
+        s the slip.
 
         At each point the stroke is divided where an edge of the slip zone passes it. Each part with
         slip takes `count` nodes. A slip zone lies on each side of the stick zone, up to the edge of
@@ -249,19 +250,19 @@ class Stroke:
         interval_of_crossing, crossed_points = np.nonzero(
             is_in_slip_zone[1:] != is_in_slip_zone[:-1]
         )
-        least_fraction = _SAMPLED_STROKE_FRACTIONS[interval_of_crossing]
-        largest_fraction = _SAMPLED_STROKE_FRACTIONS[interval_of_crossing + 1]
+        fraction_before = _SAMPLED_STROKE_FRACTIONS[interval_of_crossing]
+        fraction_after = _SAMPLED_STROKE_FRACTIONS[interval_of_crossing + 1]
         for _ in range(_BISECTIONS_OF_CROSSING):
-            middle_fraction = (least_fraction + largest_fraction) / 2
+            middle_fraction = (fraction_before + fraction_after) / 2
             has_crossed = (
                 depth_in_slip_zone(x[crossed_points], middle_fraction) > 0
             ) != is_in_slip_zone[interval_of_crossing, crossed_points]
-            least_fraction = np.where(has_crossed, least_fraction, middle_fraction)
-            largest_fraction = np.where(has_crossed, middle_fraction, largest_fraction)
+            fraction_before = np.where(has_crossed, fraction_before, middle_fraction)
+            fraction_after = np.where(has_crossed, middle_fraction, fraction_after)
         # Parts of the stroke between its ends and these fractions, point by point.
         all_points = np.arange(len(x))
         point_of_part = np.concatenate([all_points, crossed_points, all_points])
-        begin_fractions = np.concatenate([0 * x, least_fraction, 0 * x + 1])
+        begin_fractions = np.concatenate([0 * x, fraction_before, 0 * x + 1])
         order_by_point = np.lexsort((begin_fractions, point_of_part))
         point_of_part = point_of_part[order_by_point]
         begin_fractions = begin_fractions[order_by_point]

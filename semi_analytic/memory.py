@@ -407,10 +407,11 @@ def load_of_slip_zone(
     # f - s slope: how far the slope is from the Coulomb limit
     coulomb_margin = friction - direction * piece.slope
     if piece.bend == 0:
-        shear_beyond_line = combination_change(
+        # dQ - slope dP since the anchor
+        force_beyond_line = combination_change(
             piece.anchor, segment, Combination(-piece.slope, 1.0), time
         )
-        return direction * shear_beyond_line / coulomb_margin
+        return direction * force_beyond_line / coulomb_margin
     # s dQ - f dP since the anchor
     slip_combination_change = combination_change(
         piece.anchor, segment, slip_combination(direction, friction), time

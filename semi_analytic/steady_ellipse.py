@@ -556,15 +556,15 @@ def _graded_piece_rule() -> PieceRule:
 
 
 def _legendre_piece_rule(count: int, crowded_ends: int) -> PieceRule:
-    """Gauss' rule of `count` nodes on [0, 1] for integrands with roots at the ends: nodes as signed
-    distances from an end, and weights. Its error checks are the last three Legendre coefficients of
-    the integrand.
+    """Gauss' rule of `count` nodes on [0, 1] for integrands with square roots at the ends: nodes as
+    signed distances from an end, and weights. Its error checks are the last three Legendre
+    coefficients of the integrand.
 
-    A change of variable makes roots smooth and crowds the nodes: t^2 to the lower end
+    A change of variable makes square roots smooth and crowds the nodes: t^2 to the lower end
     (`crowded_ends` = 1), 3 t^2 - 2 t^3 to both (2), none (0).
     """
     # nodes and weights (count,) on [0, 1]
-    nodes, unit_weights = gauss_rule(count)
+    nodes, weights = gauss_rule(count)
     # the last three Legendre polynomials at the nodes, (3, count), times 2 k + 1 for the order k
     orders = np.arange(count - 3, count)
     polynomials = legendre.legvander(2 * nodes - 1, count - 1)[:, orders].T
@@ -573,18 +573,18 @@ def _legendre_piece_rule(count: int, crowded_ends: int) -> PieceRule:
         distance_from_end = nodes[:, None]
         starts_at_lower_end = np.array(True)
     elif crowded_ends == 1:
-        unit_weights = unit_weights * 2 * nodes
+        weights = weights * 2 * nodes
         distance_from_end = nodes[:, None] ** 2
         starts_at_lower_end = np.array(True)
     else:
-        unit_weights = unit_weights * 6 * nodes * (1 - nodes)
+        weights = weights * 6 * nodes * (1 - nodes)
         t = np.minimum(nodes, 1 - nodes)  # from the nearer end
         crowded_distance = (t * t * (3 - 2 * t))[:, None]
         starts_at_lower_end = nodes[:, None] < 0.5
         distance_from_end = np.where(starts_at_lower_end, crowded_distance, -crowded_distance)
     # distances, the end from which they count, weights, weights of the error checks
     return PieceRule(
-        distance_from_end, starts_at_lower_end, unit_weights, unit_weights * coefficients_of_values
+        distance_from_end, starts_at_lower_end, weights, weights * coefficients_of_values
     )
 
 
