@@ -52,7 +52,7 @@ _LARGEST_CREEP = 3e-4
 # 2e-5 that nodes which single increments label as slip were seen to move (flat pad of the library).
 _LARGEST_CREEP_OF_COUPLED = 3e-5
 # Distances of nodes beyond the intersection of all stick zones, of like bodies, as far as which the
-# edges of single instants tell the end of the permanent stick zone better than creep.
+# edges of single instants give the end of the permanent stick zone better than creep.
 _NODES_OF_CREEP = 2.0
 # Half-widths of contact from which on a body is thick.
 _THICK = 3.0
@@ -757,17 +757,17 @@ class PenaltyAudit:
     penetration
         largest overlap of the two faces on the path [length]
     penetration_share
-        the same over the rise h(a) - h(0) of the profile at the largest contact (a^2/2R for
+        this overlap over the rise h(a) - h(0) of the profile at the largest contact (a^2/2R for
         Hertz)
     elastic_slip
         largest elastic slip of the layer [length]
     elastic_slip_share
-        the same over the largest slip of the last cycle; NaN where nothing slips
+        elastic slip over the largest slip of the last cycle; NaN where nothing slips
     creep
         largest range, over the last cycle, of the relative displacement of a node that sticks
         all through it [length]
     creep_share
-        the same over the largest slip of the last cycle; NaN where nothing slips
+        creep over the largest slip of the last cycle; NaN where nothing slips
     """
 
     normal_stiffness: float

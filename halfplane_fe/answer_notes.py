@@ -50,7 +50,7 @@ def notes_of_answer(
     """Sentences for the reader of a finite-element solution on what limits it: bulk stress, drift
     from cycle to cycle, creep, resolution of the mesh, uncertainty of the friction work W.
 
-    A run that failed on its way has no cycle to speak of, so fewer sentences.
+    Of a run that failed there are fewer: none on its cycles, creep and resolution.
 
     Parameters
     ----------
@@ -276,9 +276,9 @@ def _skipped_at_bodies(
     scene
         the contact: bodies and loads
     problem
-        the contact problem; its `work_counts` say, by names that are constants here, how often a
-        body came from the cache, the corrected faces were used, and a run was repeated without
-        correction
+        the contact problem; its `work_counts` hold, under names that are module constants, how
+        often a body came from the cache, the corrected faces were used, and a run was repeated
+        without correction
     run
         its states along the load path, with the number of iterations of each increment
     condensed_bodies
@@ -328,7 +328,7 @@ def _skipped_along_path(
     Parameters
     ----------
     scene
-        `cycles` is the number of load cycles that it asks for
+        `cycles` is the largest number of load cycles
     problem
         the contact problem: whether it has shear, and counts of its work
     run

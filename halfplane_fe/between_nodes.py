@@ -81,11 +81,11 @@ _LEFT_AT_NEXT_NODE = 0.4
 _AT_TURNS = 0.85
 # Share of the distance of two nodes, over a logarithm, by which an edge errs beyond a mid-side
 # node: the slope is 0.12 to 0.15 on both presets. Putting that right takes the median error from
-# 0.0045 to 0.0019 of the distance on the default mesh. Beyond corners no such logarithm tells.
+# 0.0045 to 0.0019 of the distance on the default mesh. Beyond corners there is no such error.
 # Seeds 284 to 286 and 401 to 405 of benchmarks/covered.py values.
 _OFF_MID_SIDE = 0.13
 # Beyond this share it is no error of the elements, and nothing is put right: the pressure at the
-# edge of a bonded rigid body swings, and its nodes ask for 0.8.
+# edge of a bonded rigid body swings, and its nodes would give 0.8.
 _MOST_OFF_MID_SIDE = 0.5
 # Closed nodes on its side of x = 0 below which no load locates a contact edge.
 _CLOSED = 6

@@ -830,7 +830,7 @@ class ContactProblem:
                     systems, np.maximum(pressure, 0.0), known_slip, tangential_load, ROUNDING
                 )
 
-            # All equations for these states, and what the laws say of their solution. Without a
+            # All equations for these states, and the states that the laws then give. Without a
             # sticking node the full system is singular, unless an actuator holds the upper body.
             if not np.any(node_states == STICK) and not self.actuators.prescribe_displacement:
                 continue

@@ -1,9 +1,9 @@
 """Contact and stick edges of many instants at once, from nodal answers.
 
 Contact edges, and stick edges that slip takes inwards, are located by the load between two nodes:
-`between_nodes.Edge`. Where it locates none, the form of pressure and gap tells at contact edges. At
-stick edges the square of what the shear lacks of the Coulomb limit goes to zero as the distance.
-Where that is not seen, the states of the nodes tell.
+`between_nodes.Edge`. Where it locates none, contact edges follow from the form of pressure and gap.
+At stick edges the square of what the shear lacks of the Coulomb limit goes to zero as the distance.
+Where that is not seen, stick edges follow from the states of the nodes.
 
 Arrays are (k, n): k instants, n nodes at ascending x. Edges and their uncertainties are (k, 2),
 left and right.
@@ -21,7 +21,7 @@ from halfplane_fe.law import force_to_limit
 from scenes.array_types import Array, Indices, Mask
 
 # Share of the distance of two nodes by which a contact edge by its form is uncertain: the shape
-# functions of quadratic elements know no square root. Random half-planes, seed 230 of
+# functions of quadratic elements have no square root. Random half-planes, seed 230 of
 # benchmarks/covered.py values, both presets: 0.31 at most with twenty nodes and more in contact,
 _SHARE = 0.27
 # and by this share of the distance from the zero of p^2 with fewer.
@@ -781,9 +781,9 @@ class _StickFit(NamedTuple):
     edge, misfit
         (k,) zero of the straight line, and its misfit [length]
     agrees
-        (k,) whether it is one: False where the squares do not fall towards the edge, where four of
-        the nodes say something else (an older stick edge is near), or where the zero is not near
-        the last node
+        (k,) whether it is one: False where the squares do not fall towards the edge, where a line
+        through four of the nodes has another zero (an older stick edge is near), or where the zero
+        is not near the last node
     """
 
     edge: Array

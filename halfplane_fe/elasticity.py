@@ -427,7 +427,7 @@ class _Subspace(NamedTuple):
         motion_numbers
             (n,) numbers of the motions among the k
         """
-        # Position of each motion among the n; -1 of those not asked for.
+        # Position of each motion among the n; -1 of all others.
         position = np.full(len(self.leading_dofs), -1)
         position[motion_numbers] = np.arange(len(motion_numbers))
         column = position[self.column_of_dof[moved_dofs]]

@@ -53,7 +53,7 @@ class Energies:
     external
         work of P, Q, bulk stresses and tilt along the chord of the load path
     external_end_of_step
-        the same with the loads at the end of the increment
+        work of P, Q, bulk stresses and tilt with the loads at the end of the increment
     curve
         what the curvature of the load path adds to `external`, all of it friction work
     elastic
@@ -63,7 +63,7 @@ class Energies:
     interface
         trapezoidal work of shear minus that of pressure
     end_of_step
-        the same with the forces at the end of the increment
+        work of shear minus that of pressure, with the forces at the end of the increment
     step_error
         bound of the error of the dissipation, see `step_errors`
     kink_work

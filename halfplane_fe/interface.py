@@ -311,7 +311,7 @@ _FEWEST_NODES = 21
 
 def without_mesh_error(interface: Interface, scene: Scene) -> Interface | None:
     """Contact compliance with the mesh errors of N - T and K between nearby nodes taken out; None
-    where a base or the end of a face is too near to tell its effect from these errors, and where
+    where a base or the end of a face is too near to part its effect from these errors, and where
     the contact has fewer than 21 nodes.
 
     On a smooth isotropic body a unit force displaces its surroundings by -(2/pi E') ln|x - x'|

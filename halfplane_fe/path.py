@@ -31,8 +31,8 @@ from scenes.array_types import Array
 # Samples of a segment, at least, between which a rate is looked at for changes of sign. Two turning
 # points between neighbouring samples are both missed.
 _N_SAMPLES = 721
-# Share of the largest load below which a load can't be told from none: the nodal forces are known
-# to about so much of it.
+# Share of the largest load below which a load is as good as none: the nodal forces are known to
+# about so much of it.
 _LEAST_LOAD_RATIO = 1e-12
 # Share of f times the largest load within which |Q| is f P.
 _ROUNDING_OF_LIMIT = 1e-14

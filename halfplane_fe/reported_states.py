@@ -30,7 +30,7 @@ _LEAST_SPEED_SHARE = 1e-2
 _INCREMENTS_PER_BLOCK = 512
 # Slip of an increment, over the largest of all, below which it is rounding.
 _ROUNDING = 1e-9
-# Nodes inside each edge of contact whose shear tells whether the contact sticks in full: the mesh
+# Nodes inside each edge of contact whose shear shows whether the contact sticks in full: the mesh
 # spoils the outermost ones, and the ratio of q and p is smooth farther in. Share of f up to which
 # the ratio of their changes counts as less than f.
 _NODES_AT_EDGE = slice(2, 6)

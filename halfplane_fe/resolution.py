@@ -55,7 +55,7 @@ _DISSIPATION_BY_MESH = 0.04
 # cycle has 0.4 % at 3.4 elements, 3 % at 1.6, 34 % at 0.7, and is seven times too large or nothing
 # at 0.2.
 _FEW_ELEMENTS = 2.0
-# Elements that a note asks for in a slip zone: twice as many.
+# Elements that a note recommends in a slip zone: twice as many.
 _ENOUGH_ELEMENTS_IN_SLIP = 4.0
 
 

@@ -50,7 +50,7 @@ from scenes import (
 )
 from scenes.array_types import Array, Mask
 
-# The coarse bodies: a scale good to 1e-3 is asked for, and most of the coarse run is the making of
+# The coarse bodies: a scale good to 1e-3 is needed, and most of the coarse run is the making of
 # them.
 _COARSE_MESH = MeshSettings(growth=0.4)
 # Of the side that may touch the contact shall take between the two fractions; and that side at most
@@ -610,8 +610,8 @@ class _CoarsePair:
         `half_width` [length]; in the scene's units.
 
         The last one is cached. Half-planes are meshed once, with a half-width of 1: their
-        compliance does not depend on the size, so that only places are scaled. Where it can be told
-        apart, the error that the mesh adds between nearby nodes is taken out.
+        compliance does not depend on the size, so that only places are scaled. The error that the
+        mesh adds between nearby nodes is taken out, where no base or end of a face is too near.
         """
         size_of_mesh = 1.0 if self.scene.bodies.half_planes else half_width
         if self._size_and_faces is None or self._size_and_faces[0] != size_of_mesh:

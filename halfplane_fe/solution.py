@@ -392,8 +392,8 @@ def _with_closed_cycle(
 
 class _FaceCompliances(NamedTuple):
     """Contact compliance of both bodies, as their meshes give it, and without the error that the
-    mesh adds between nearby nodes: `corrected_interface`, None where that error cannot be told
-    apart.
+    mesh adds between nearby nodes: `corrected_interface`, None where that error cannot be
+    separated.
     """
 
     interface_as_meshed: Interface
@@ -424,8 +424,8 @@ def _solve_path(
     whole faces and the run along the path, which may have failed.
 
     The compliance of the faces is tried first without the error that the mesh adds between nearby
-    nodes. Where that error cannot be told apart, or the contact does not converge without it, the
-    compliance is taken as it is. Faces that are their own mirror image are solved on one half.
+    nodes. Where that error cannot be separated, or the contact does not converge without it, the
+    compliance is taken as meshed. Faces that are their own mirror image are solved on one half.
 
     Parameters
     ----------
@@ -433,8 +433,9 @@ def _solve_path(
         the scene, its mesh settings, solver settings, and the scales of its variables: half-width,
         largest load P, modulus E*, and friction work of a cycle on a coarse mesh
     faces
-        contact compliance of the bodies, as meshed and without the mesh's error; the latter None
-        where that cannot be told apart
+        contact compliance of the bodies, as meshed (`interface_as_meshed`) and without the mesh's
+        error (`corrected_interface`, None where that cannot be separated); its `coupling` is None
+        of like bodies
     datum_length
         distance from a force at which a half-plane's surface counts as unmoved [length]
     work_counts

@@ -1,6 +1,6 @@
 """Ends of the permanent stick zone by how far the nodes beyond them slip in a cycle.
 
-The states of nodes tell an end to half the distance of two nodes. Slip tells more. Where a stick
+The states of nodes locate an end to half the distance of two nodes, slip more closely. If a stick
 edge at e comes inwards by de, a point outside it slips by an amount that grows as sqrt(x - e) de.
 Beyond the innermost place c of the edge the range of slip then grows as (x - c)^(3/2) at first. In
 the contact of Cattaneo and Mindlin, whose zone is |x| < c, it is in proportion to
@@ -24,7 +24,7 @@ from scenes.array_types import Array
 # Power of the range of slip that is a straight line.
 _POWER = 2 / 3
 # Nodes that a line takes; the third one beyond the zone is the first of them: the mesh spoils the
-# slip of the first ones. Lines that begin one node before and after it tell how straight it is.
+# slip of the first ones. Lines that begin one node before and after it show how straight it is.
 _ON_LINE = 3
 _FIRST_NODES = (1, 2, 3)
 # Times that the line is drawn again with the form about its own zero: the place then stays to 1e-4

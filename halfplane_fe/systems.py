@@ -762,7 +762,7 @@ class Systems:
             (c, m) of the equations `equation_numbers`, in c further rows of what is returned
         """
         # Responses of the base to the unit cases and to a 1 in each of the m equations, cached or
-        # solved here: `base.response_row_of_case` says in which row of `base.responses` each is.
+        # solved here: `base.response_row_of_case` is the row of `base.responses` of each case.
         n_units = len(unit_cases)
         base_cases = np.concatenate([unit_cases, equation_numbers])
         self._solve_cases(base, base_cases)

@@ -61,7 +61,7 @@ def pressure_at_known_shear(
     SingularSet
         If no node is left that touches.
     ConvergenceError
-        If the set of touching nodes does not settle.
+        If the set of touching nodes does not converge.
 
     Examples
     --------
@@ -147,7 +147,7 @@ def shear_at_known_pressure(
     Raises
     ------
     ConvergenceError
-        If the states of the nodes do not settle.
+        If the states of the nodes do not converge.
 
     Examples
     --------

@@ -31,7 +31,7 @@ from scenes import Profile, Tolerances
 from scenes.array_types import Array, Indices, Mask
 from scenes.solution import range_of_slip
 
-# Refinement from the coarse run below which their difference says nothing.
+# Refinement from the coarse run below which their difference gives no estimate.
 _LEAST_REFINEMENT = 1.4
 # Round-off error over the largest value: of a compliance that was factorised.
 _ROUND_OFF = 1e-11

@@ -182,7 +182,7 @@ class BodyMesh:
     mesh
         skfem mesh with the boundary "contact", those that are supported, and "free"
     grading
-        the surface as it was asked for
+        sizes of the surface elements, as requested
     quality
         name -> measure, see `mesh_quality`
     supports
@@ -404,7 +404,7 @@ def size_formula(
 
 def corner_growth(growth: float) -> float:
     """Growth of the element size with the distance from a sharp corner: twice the `growth` from the
-    contact, but no more than 0.4; and at least the same.
+    contact, but no more than 0.4; and at least that growth.
 
     >>> corner_growth(0.12), corner_growth(0.2), corner_growth(0.5)
     (0.24, 0.4, 0.5)
