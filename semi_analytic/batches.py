@@ -964,10 +964,10 @@ def peak_dissipation(
 
     W(x) may have two maxima: the shoulder, just inside the contact half-width a(P_min) of the least
     load, and one further out. W(x) is searched between its kinks, which are at a(P_min) and at the
-    corners of the profile. The value is good to some 1e-10 of itself, or to
-    `value_error` of the result where slip is tiny. A member takes 3 ms for Hertz, 10 to 15 ms for
-    power laws, flat and rounded, 20 ms for polynomials, wedges and compound curvatures, 0.1 s for
-    profiles of 31 heights.
+    corners of the profile. The value is good to some 1e-10 of itself, or to its `value_error` where
+    slip is tiny. A member takes 3 ms for Hertz, 10 to 15 ms for power laws, flat and rounded, 20 ms
+    for polynomials, wedges and compound curvatures, 0.1 s for profiles of 31 heights. A member
+    without a value has NaN and a reason.
 
     Parameters
     ----------
@@ -1011,15 +1011,17 @@ def peak_dissipation(
     rows_of_results, reason = _results_of_members(
         profile, material, loads, _maxima_of_members, n_results=6, n_normalised_results=3
     )
-    largest_work, second_work, work_error, place, second_place, place_fraction = rows_of_results
+    largest_density, second_density, density_error, place, second_place, place_fraction = (
+        rows_of_results
+    )
     return PeakBatch(
-        value=largest_work,
+        value=largest_density,
         place=place,
         fraction=place_fraction,
         reason=reason,
-        second_value=second_work,
+        second_value=second_density,
         second_place=second_place,
-        value_error=work_error,
+        value_error=density_error,
         notes=tuple(neglected_coupling(material)),
     )
 

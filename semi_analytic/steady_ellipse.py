@@ -1499,10 +1499,10 @@ def works_by_lam(
     #           sin(t_E), t_E the begin of E-G
 
     For profiles whose kernel of the work is cheap. The kernel is Lam = int_{P_c}^P [ln a(eta) - ln
-    a(P_c)] d eta, or a multiple of it, which W then has too. Each ellipse gets as few nodes as it
-    needs: one of the _LAM_RULES, nine Gauss rules and one for singular ends. Ellipses of one rule
-    and one formula for Lam are integrated together. P_c is the load at the stick edge, a(eta) the
-    contact half-width under the load eta.
+    a(P_c)] d eta; of a multiple of Lam W comes out times the same factor. Each ellipse gets as few
+    nodes as it needs: one of the _LAM_RULES, nine Gauss rules and one for singular ends. Ellipses
+    of one rule and one formula for Lam are integrated together. P_c is the load at the stick edge,
+    a(eta) the contact half-width under the load eta.
 
     Parameters
     ----------
@@ -1547,15 +1547,15 @@ def works_by_lam(
             )
     integral_of_reverse_slip, integral_of_later_slip, integral_of_early_slip = 2 * sums_by_phase
 
-    # the factors that are constant in a phase, and 2 from the nodes; no forward slip below 1e-200
-    # of the mean load
-    twice_largest_slip = 4 * ellipses.load_amplitude * ellipses.sine_of_start
+    # the factors that are constant in a phase, and 2 from the nodes; no earlier forward slip where
+    # the slip zones carry less than 1e-200 of the mean load
+    twice_largest_slip_zone_load = 4 * ellipses.load_amplitude * ellipses.sine_of_start
     integral_of_early_slip *= (
         (math.pi - ellipses.slip_angle)
         * ellipses.forward_amplitude
         / np.where(
-            twice_largest_slip > _LEAST_SHARE_OF_MEAN_LOAD * ellipses.mean_load,
-            twice_largest_slip,
+            twice_largest_slip_zone_load > _LEAST_SHARE_OF_MEAN_LOAD * ellipses.mean_load,
+            twice_largest_slip_zone_load,
             np.inf,
         )
     )
