@@ -184,6 +184,7 @@ def findings_by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> F
     path = path_of_question(question, bulk_tilt_path)
     time = question.time
     n_rows_left_out = 0
+    # the instants of the path: of the last cycle alone, or of a long record fewer for fields
     if time is None:
         time, n_rows_left_out = path.default_times(
             question.cycles == "steady", question.wants_pointwise
@@ -864,7 +865,9 @@ def _result_of_history(history: History, request: Request) -> PathResult:
     The friction work per area W(x) and the closed integral of Q dU are those of the last covered
     cycle; U is the relative tangential displacement. The integral is None where that cycle is not
     steady, no friction work was wanted, or it is not needed. `covered` are the solved cycles that
-    the answer covers, `steady_from` is the first steady one, None without one.
+    the answer covers, `steady_from` is the first steady one, None without one. A request holds the
+    normal contact, E* (`modulus`), the instants, the different |x| (`distance`), and which fields
+    it wants.
     """
     contact = request.contact
     last_cycle = history.covered[-1]
@@ -980,7 +983,8 @@ def _works_of_cycles(history: History, request: Request) -> dict[int, _WorkOfCyc
 
     A steady ellipse of P and Q has formulas that keep their digits, however small the slip. Other
     cycles are integrated over the times of slip. `covered` are the cycles of the answer,
-    `steady_from` is the first steady one, None without one.
+    `steady_from` is the first steady one, None without one. The request holds the normal contact
+    and E*.
     """
     friction = history.spans[0].friction
     # loads and angles of the ellipse
@@ -1304,6 +1308,8 @@ def _relative_errors(
         (tangential force of the flat punches up to each load)
     loop_work
         closed integral of Q dU of the last cycle, NaN where there is none to compare W with
+    request
+        holds the normal contact, the fields that are wanted, and A/pi, `unit_compliance`
 
     Raises
     ------
@@ -1331,8 +1337,8 @@ def _relative_errors(
             loads_and_edges["tangential_displacement"] / request.unit_compliance,
         )
     if request.wants("dissipation"):
-        # The closed integral of Q dU is a second route to W: the two are compared.
-        # both relative to W; A/pi is `unit_compliance`
+        # error of W by its kernel, and difference from the closed integral of Q dU, a second route
+        # to W; both relative to W
         kernel_error, difference_of_routes = error_of_work(
             contact,
             path_answer.spans,
@@ -1497,8 +1503,8 @@ def _skipped_work(
     """Work that was not needed and not done, by name, with its count and the reason: cycles that
     are copies of the steady one, and quadratures over times of full stick. `covered` has one entry
     for each whole cycle of the answer, `cycles` the solved ones; `steady_from` is the first steady
-    one, None without one. `repeats` tells that cycles after it are copies. `n_skipped_in_stick`
-    counts those quadratures.
+    one, None without one. `repeats` tells that cycles after it are copies. `cycles` of the scene is
+    the number of cycles that it states. `n_skipped_in_stick` counts those quadratures.
     """
     skipped_work = {}
     n_copies = max(scene.cycles, len(path.covered)) - len(path.cycles)

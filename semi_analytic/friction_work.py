@@ -762,9 +762,9 @@ def _cut_where_unsmooth(contact: Contact, records: Records) -> Records:
 
     A record is a portion of a load step in which P and P_c change linearly; `slip_zone_load` is P -
     P_c, `level_rise` the growth of +-Q - f P. Cuts are at the loads of the profile's corners. Where
-    P may hardly grow with a they are also at half-widths 7 % apart. In the parts returned
-    `step_number` is the number of the record, and `step_share_at_end` the share of it that the part
-    takes.
+    P may hardly grow with a (`half_width_may_be_steep`) they are also at half-widths 7 % apart. In
+    the parts returned `step_number` is the number of the record, and `step_share_at_end` the share
+    of it that the part takes.
     """
     # loads at which the edge of contact is at a corner
     cut_loads = contact.corner_loads
