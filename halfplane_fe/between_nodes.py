@@ -552,8 +552,8 @@ def _is_quadratic(problem: ContactProblem, node: int) -> bool:
 def _comes_to_limit(
     problem: ContactProblem, before: InterfaceState, after: InterfaceState, edge: Edge
 ) -> bool:
-    """Whether the shear of the last node that sticks has come nearer to the Coulomb limit from the
-    contact state `before` to the state `after`, so that the edge goes inwards.
+    """Whether the edge of stick goes inwards: the shear of the last node that sticks has come
+    nearer to the Coulomb limit from the contact state `before` to the state `after`.
 
     `edge` is that of stick: its `node` slides, its `next_node` is the last one that sticks. The
     distance from the limit is f p - s q, s the sense of slip.
@@ -723,13 +723,13 @@ def _shares_of_spacing(edge: Edge, last_node: int, unevenness: Array) -> tuple[f
 
 
 def _share_by_late_start(unevenness: Array) -> float:
-    """How far a stick edge may be beyond its place where it has just met its first sliding node,
-    over the distance of both nodes, because this node began to slide late: at the start of slip, or
-    where the edge has jumped. Less is left as the edge comes to the next node.
+    """Uncertainty of the place of a stick edge that has just met its first sliding node, over the
+    distance of both nodes, because this node may have begun to slide late. It does so at the start
+    of slip, or where the edge has jumped. Less is left as the edge comes to the next node.
 
-    Its slip then shows less than the way that the edge has come from there. The nodes behind the
-    edge show the load between both nodes without that slip; the force to the Coulomb limit shows
-    the way that is left. The least of the three values counts.
+    The slip of that node then shows less than the way that the edge has come from it. The nodes
+    behind the edge show the load between both nodes without that slip; the force to the Coulomb
+    limit shows the way that is left. The least of the three values counts.
 
     Parameters
     ----------

@@ -316,7 +316,8 @@ class RunValues:
         largest range of the slip of a node while it is in contact [length]; 0 where that is
         round-off error of the slip
     slip_to_next_nodes
-        mean change of that range from the node of the largest one to those beside it [length]
+        change of that range per distance of nodes, the mean over the two nodes next to that of the
+        largest one, on the side where it is less [length]
     slip_between_instants
         how much larger it would be if every node opened at the instant after its last contact, and
         closed at the one before its first [length]
@@ -507,8 +508,8 @@ def slip_uncertainty(
     ----------
     values, coarse_values
         of the run and of the coarse run, None without one: largest range of slip of a node, its
-        change to the next nodes (`slip_to_next_nodes`), and how much larger it would be if nodes
-        touched one instant longer (`slip_between_instants`)
+        mean change to the next nodes (`slip_to_next_nodes`), and how much larger it would be if
+        nodes touched from one instant earlier to one later (`slip_between_instants`)
     scaled_work
         W over A f^2 P^2, A = 2/E*, f the coefficient of friction, P the largest load
     nodes_to_edge
