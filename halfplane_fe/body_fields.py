@@ -972,7 +972,8 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
     size of a body adds to the stress of a half-plane. Just after a load reverses, the new slip zone
     is narrower than an element, so that the stress is still that from before. The largest tension
     comes before a reversal. Where bulk stress still rises, the largest value may be of an instant
-    after it: it is then uncertain by how far it exceeds that of any instant before.
+    after a reversal: it is then uncertain by how far it exceeds that of any instant and edge
+    without such unseen slip.
     """
     if why_tension_is_unknown(solution) is not None:
         return None
