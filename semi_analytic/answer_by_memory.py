@@ -711,7 +711,9 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
     initial loading or cycles, are followed again. Work and states are gathered block by block, a
     block being at most ten thousand steps of a part. `covered_parts` are the numbers of the parts
     that the answer covers, one for each whole cycle; `first_steps` is the number of the first step
-    of each part, `times` are those of all rows.
+    of each part, `times` are those of all rows. A request holds the normal contact, the instants,
+    the different |x| (`distance`), which fields it wants, and `bulk_tilt_path`, None without bulk
+    stress and tilt.
     """
     friction = series.friction
     wants_work = request.wants("dissipation")

@@ -102,10 +102,11 @@ def maxima_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
     """The two largest maxima over x of the friction work per area and cycle W(x), for each of m
     steady load ellipses, (6, m); `contact` is the normal contact P(a) of the profile.
 
-    Rows: the largest W(x) pi E*/(2 f^2), the second largest, the error of the largest, their |x|,
-    and that of the largest as a fraction, 0 at the permanent stick edge, 1 at the largest contact.
-    The largest is 0, and the other rows but its error NaN, where nothing slips. The second one is
-    NaN where there is one maximum only. All are NaN where a sample of W(x) is.
+    Rows: the largest W(x) pi E*/(2 f^2), the second largest, the error of the largest, |x| of both,
+    and the place of the largest as a fraction. The fraction is 0 at the permanent stick edge, 1 at
+    the largest contact. Where nothing slips the largest is 0, and all other rows but its error are
+    NaN. The second one is NaN where there is one maximum only. All are NaN where a sample of W(x)
+    is.
 
     W(x) is sampled with half of the quadrature nodes, between the half-widths at which its formula
     changes. A maximum is looked for about every sample above its neighbours. All ellipses have the
@@ -1195,8 +1196,8 @@ def _results_of_members(
     n_results: int,
     n_normalised_results: int,
 ) -> tuple[list[Array], NDArray[np.int8]]:
-    """The `n_results` values of each member of a batch of steady load ellipses, computed block by
-    block, and the code of the `Reason` why a member has none, 0 else.
+    """The `n_results` values of each member of a batch of steady load ellipses, and the code of the
+    `Reason` why a member has none, 0 else; computed block by block.
 
     All arrays have the broadcast shape of the inputs and are read-only. A member without values has
     NaN.
@@ -1378,9 +1379,9 @@ def _values_of_block(
 
 
 def _has_invalid_loads(loads: LoadArrays) -> NDArray[np.bool_]:
-    """Whether a member of a batch has loads or an f that are NaN or too large to be squared,
-    negative where they must not be, or a P0 that is too small to be squared: (m,). LARGEST_NUMBER
-    is 1e100.
+    """Whether loads or f of a member of a batch are not admitted, (m,): NaN, too large to be
+    squared, negative where they must not be, or a P0 too small to be squared. LARGEST_NUMBER is
+    1e100.
     """
     is_in_range = np.logical_and.reduce([np.abs(values) <= LARGEST_NUMBER for values in loads])
     is_negative = (
@@ -1392,9 +1393,10 @@ def _has_invalid_loads(loads: LoadArrays) -> NDArray[np.bool_]:
 def _is_beyond_units(
     kind: str, parameters: list[Array], modulus: float, mean_normal_load: Array
 ) -> NDArray[np.bool_]:
-    """Whether P0 (`mean_normal_load`) of a member of a batch, over E* = `modulus` and the profile's
-    own unit of height, is too small or too large to be squared, or NaN: (m,). LARGEST_NUMBER is
-    1e100; `_UNITS_AND_RATIOS` gives the units of length and height of the profile first.
+    """Whether P0 (`mean_normal_load`) in the profile's own unit of load is too small or too large
+    to be squared, or NaN, for each member of a batch, (m,). The unit is E* = `modulus` times the
+    unit of height. LARGEST_NUMBER is 1e100; `_UNITS_AND_RATIOS` gives the units of length and
+    height of the profile first.
     """
     with np.errstate(all="ignore"):
         _, height_unit, *_ = _UNITS_AND_RATIOS[kind](*parameters)

@@ -171,12 +171,12 @@ def event(scene: Scene, letter: str) -> Event:
 
 def _unlettered_events(history: History) -> Iterator[Event]:
     """Events of a load path, without letters: begins and ends of stick and slip, extreme loads, the
-    end of the path, and when the stick edge passes from one piece of the memory curve to the next.
+    end of the path. Also when the stick edge passes from one piece of the memory curve to the next.
 
     That curve is M(eta), the tangential force of the flat punches up to the load eta; a growing
     slip zone erases it from the edge of contact inwards. A span is a time in full stick, or with
-    slip in one direction, in which the stick edge stays on one piece of it, `sticking_piece`; its
-    `direction` is 1, -1 or 0.
+    slip in one direction. The stick edge stays on one piece of the curve in it, `sticking_piece`;
+    its `direction` is 1, -1 or 0.
 
     `_event_at` makes an event with the loads and the load at the stick edge. A change of state
     comes twice, as the begin of a span and as the end of the span before. `events` merges the two,

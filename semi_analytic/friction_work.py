@@ -463,9 +463,9 @@ def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
     A point slips while it is in contact and outside the stick zone. It begins when the stick edge,
     or the edge of contact, reaches it. An instant holds its time and P. `sticking_piece` is the
     piece of the memory curve that holds the stick edge, from `bottom_load` to `top_load`.
-    `edge_load` (k,) is P_x, the load at which the edge of contact is at the point. The stick edge
-    is at P_x when the path's excess +-Q - f P equals that of the memory curve M(eta), the
-    tangential force of the flat punches up to the load eta, at eta = P_x.
+    `edge_load` (k,) is P_x, the load at which the edge of contact is at the point. The memory curve
+    M(eta) is the tangential force of the flat punches up to the load eta. The stick edge is at P_x
+    when the path's excess, +-Q - f P, equals that of the curve, +-M(P_x) - f P_x.
     """
     assert span.sticking_piece is not None
     segment = span.segment
@@ -516,8 +516,8 @@ def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
 
 
 def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> LoopWork:
-    """Work of the tangential force in a steady cycle, the closed integral of Q dU over its spans
-    [energy per unit thickness], and the round-off error that U may leave in it.
+    """The closed integral of Q dU over a steady cycle, the work of the tangential force [energy per
+    unit thickness], and the round-off error that U may leave in it.
 
     It is the area of the hysteresis loop, and equals the friction work. It is taken as -int U dQ,
     where a constant added to U, the relative tangential displacement, changes nothing; nor does any
@@ -719,13 +719,12 @@ def _rule_numbers(closeness_to_singularity: Array, closeness_to_corner: Array) -
 
 
 def _closeness_of_loads(parts: Records, corner_loads: Array) -> Array:
-    """Closeness of P and P_c to 0, or to the load of the profile's corner below, along each part of
-    a slip record, the larger of the two, (m,) from 0 (far) to 1 (reached). A record is a portion of
-    a load step.
+    """How close P or P_c comes to 0, or to the load of the profile's corner below, along each part
+    of a slip record, (m,): from 0, far, to 1, reached. A record is a portion of a load step.
 
-    It is 1 - d_min/d_max with the distances d along the part. P_c is the load at the stick edge.
-    `corner_loads` (c,) ascending are those at which the contact edge is at a corner.
-    `slip_zone_load_at_begin` is P - P_c there.
+    It is 1 - d_min/d_max with the distances d along the part, the larger value of P and P_c. P_c is
+    the load at the stick edge. `corner_loads` (c,) ascending are those at which the contact edge is
+    at a corner. `slip_zone_load_at_begin` is P - P_c there.
     """
     largest_closeness = np.zeros(len(parts.step_number))
     stick_edge_load = parts.load_at_begin - parts.slip_zone_load_at_begin

@@ -116,9 +116,10 @@ class Span:
 
     def slip_zone_load_at(self, t: Array, load: Array) -> Array:
         """P - P_c >= 0 at times t of the segment at which P is `load`, P_c the load at the stick
-        edge, which stays on the `sticking_piece` of the memory curve (tangential force carried up
-        to each load), between its loads `bottom_load` and `top_load`; 0 where nothing slips
-        (`direction` 0), P where all does (no piece).
+        edge; 0 where nothing slips (`direction` 0), P where all does (no piece).
+
+        The memory curve is the tangential force carried up to each load. The stick edge stays on
+        one piece of it, `sticking_piece`, between the loads `bottom_load` and `top_load`.
         """
         if self.direction == 0:
             return np.zeros(t.shape)
@@ -746,8 +747,8 @@ class History:
 def follow(
     loading: Sequence[LoadSegment], cycles_of_path: Iterable[CycleOfPath], friction: float
 ) -> History:
-    """Friction history of an initial loading and of the cycles after it, up to the first cycle that
-    ends in the state in which it began, else of all of them; `friction` is f.
+    """Friction history of an initial loading and of the cycles after it: up to the first cycle that
+    ends in the state in which it began, if there is one; `friction` is f.
 
     States agree where the memory curves do, within a tolerance that is smaller where less slips in
     the cycle. A memory curve M(eta) is the tangential force of the flat punches up to the load eta.
@@ -860,11 +861,11 @@ def cycles_to_follow(
     start: float, period: float, cycles: int, time: Array | None
 ) -> tuple[int, int]:
     """Number of cycles that must be followed at most for the instants `time` (n,), and number of
-    whole cycles up to the last of these, 0 where it is within the first.
+    whole cycles up to the last instant.
 
-    If they end within the first cycle, at least `cycles` are followed. Without instants the numbers
-    are `cycles` and 0. The first cycle begins at time `start`. An instant counts as an end of a
-    cycle within 1e-9 of the period.
+    If that is within the first cycle, the second number is 0 and the first at least `cycles`.
+    Without instants the numbers are `cycles` and 0. The first cycle begins at time `start`. An
+    instant counts as an end of a cycle within 1e-9 of the period.
     """
     if time is None:
         return cycles, 0
@@ -879,8 +880,8 @@ def cycles_to_follow(
 def time_in_followed_path(
     time: Array, start: float, end: float, period: float | None
 ) -> tuple[Array, float]:
-    """Instants (n,) brought back by whole periods into the followed part of a load path, and the
-    time by which they may still lie outside of it, from round-off.
+    """Instants (n,) brought back by whole periods into the followed part of a load path. Also the
+    time by which they may still lie outside of it, by round-off.
 
     The followed part runs from time `start` to `end`. Later instants of a path without a `period`
     are refused. INSTANT_SLACK_SHARE is 1e-9.

@@ -275,10 +275,12 @@ def inner_slip(
 
 
 def _refined_half_widths(half_widths: Array, slips: NDArray[np.bool_], slip_ends: Array) -> Array:
-    """The half-widths, ascending, with more of them around the ends of the slip zone and around
-    `slip_ends`, where slip by the memory curve (tangential force carried up to each load) begins or
-    ends. The two intervals on each side of an end are cut into four parts. `slips` (m,) tells which
-    of the half-widths but the last are in the slip zone.
+    """The half-widths, ascending, with more of them around the ends of the zone of extra slip and
+    around `slip_ends`, where slip by the memory curve begins or ends.
+
+    The memory curve is the tangential force carried up to each load. The two intervals on each side
+    of an end are cut into four parts. `slips` (m,) tells which of the half-widths but the last are
+    in the zone of extra slip.
     """
     numbers_of_ends = np.flatnonzero(slips[1:] != slips[:-1]) + 1
     numbers_of_ends = np.union1d(numbers_of_ends, np.searchsorted(half_widths, slip_ends))

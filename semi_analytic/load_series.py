@@ -917,9 +917,9 @@ class LoadSeries:
         #           `first_steps` number of the first step of each part; `times` of all rows
 
         About 400 a cycle and 100 of the initial loading, evenly spread over each portion of a load
-        step in which the stick edge moves along one line of the memory curve, with both its ends.
-        Of a measured path of more than 1,000 rows, `is_long_record`, they are all rows, or about
-        400 of them if `thinned`. With `last_cycle_only` only the last part counts.
+        step, with both its ends; in a portion the stick edge moves along one line of the memory
+        curve. Of a measured path of more than 1,000 rows, `is_long_record`, they are all rows, or
+        about 400 of them if `thinned`. With `last_cycle_only` only the last part counts.
         """
         first_part = len(self.parts) - 1 if last_cycle_only else 0
         if self.is_long_record:

@@ -290,9 +290,9 @@ class Stroke:
 
 
 def strokes_in_phase(scene: Scene) -> tuple[Stroke, Stroke] | None:
-    """The forward and the reverse stroke of a cycle in which P, Q, bulk strain and tilt are in
-    phase, and both sides of the stick zone slip in one direction; None for any other cycle, for
-    a path without a cycle, without friction, and where Q rests or P reaches 0.
+    """The forward and the reverse stroke of a cycle with P, Q, bulk strain and tilt in phase, and
+    slip in one direction on both sides of the stick zone. None for any other cycle, for a path
+    without a cycle, without friction, and where Q rests or P reaches 0.
 
     In phase means that these four lie on one line between two turning points, each half of the
     cycle going along it once. Samples are (4, n): P, Q, bulk strain and tilt.

@@ -427,8 +427,9 @@ def _load_of_slip_zone_on_arc(
     piece: Piece, direction: int, friction: float, segment: LoadSegment, time: ArrayLike
 ) -> Array:
     """Load P - P_c of the slip zones at `time` (any shape) on a load segment, while the stick edge
-    is inside an arc of the memory curve, the path of an earlier time in full stick [force per
-    thickness]. The memory curve is the tangential force of the flat punches up to each load.
+    is inside an arc of the memory curve [force per thickness]. The memory curve is the tangential
+    force of the flat punches up to each load; an arc is a path of P and Q that was passed in full
+    stick.
 
     P_c is the load P of the arc at the time at which s Q - f P was what it is now, s the
     `direction` of slip, f `friction`. If P and Q are a single wave on one segment, that time is the

@@ -829,8 +829,9 @@ def dissipation_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
 
 
 def dissipation_and_error(ellipses: Ellipses, contact: SymmetricContact) -> Array:
-    """Friction work W pi E*/(2 f^2) of forward and of reverse slip per steady cycle of m ellipses
-    on any profile, and an upper bound of the error of their sum, (3, m) [force^2 per thickness^2];
+    """Friction work W pi E*/(2 f^2) of forward and of reverse slip per steady cycle of m ellipses,
+    and an upper bound of the error of their sum, (3, m) [force^2 per thickness^2], for any profile.
+
     NaN where the quadrature does not converge. `contact` is the normal contact P(a) of the profile,
     `relative_roundoff` the relative error of P(a).
     """
@@ -1056,8 +1057,8 @@ def _work_over_loads(
 
 
 def _pieces_of_courses(ellipses: Ellipses, corner_loads: Array) -> AnglePieces:
-    """Intervals of angle [rad] for the integrals over P and over P_c, the load at the stick edge,
-    cut where the load is one of the `corner_loads` (n,), those of the profile's corners.
+    """Intervals of angle [rad] for the integrals over P and over P_c, the load at the stick edge;
+    cut where P or P_c is one of the `corner_loads` (n,), the loads of the profile's corners.
 
     # notation: t time in P = P0 + P1 cos t; start the time t_E at which E-G begins; D
     #           (`slip_angle`) length of E-G and of J-M [rad]; P0, P1 `mean_load`, `load_amplitude`;
@@ -1878,8 +1879,8 @@ class LamTable:
     """
 
     def __init__(self, contact: Contact, first_octave: int, last_octave: int) -> None:
-        """Tabulate J = int_0^P ln a d eta, L = ln a and dL/dP of a contact as polynomials in P, on
-        sixteen equal cells of each octave of loads from 2^first_octave to 2^(last_octave + 1).
+        """Tabulate J = int_0^P ln a d eta, L = ln a and dL/dP of a contact as polynomials in P.
+        Each octave of loads from 2^first_octave to 2^(last_octave + 1) has sixteen equal cells.
 
         a is the contact half-width over b, half the length of the flat. dL/dP serves two loads
         close together, where differences of J and L lose digits. `contact` is that of a flat and
