@@ -822,9 +822,9 @@ def _works_of_members(members: Members) -> Array:
 
     Rows: the work, its parts by forward and by reverse slip, an upper bound of its error, and P_T.
     The integrand is the kernel Lam, the integral of ln(a/a(P_c)) over loads from P_c, that at the
-    stick edge, to P; a is the contact half-width. Of Hertz and power laws Lam has a closed
-    form, of flat and rounded faces a table. Other profiles take a quadrature, with one contact for
-    all members whose profiles have one shape, in units of length and load. `members` holds the load
+    stick edge, to P; a is the contact half-width. Of Hertz and power laws Lam has a closed form, of
+    flat and rounded faces a table. Other profiles take a quadrature, with one contact for all
+    members whose profiles have one shape, in units of length and load. `members` holds the load
     ellipses, mirrored to Q -> -Q where they go round the other way. It also holds the kind of
     profile and its parameters; of a power law the exponent comes first.
     """

@@ -316,17 +316,17 @@ def _integrals_of_parts(
     begins: Array,
     ends: Array,
 ) -> Array:
-    """Integrals over parts of the ranges of time that are being halved, from `begins` to `ends`,
-    (n,) each, by the rule of 24 nodes.
+    """Integrals for the friction work, or for its density at points, over n parts of the ranges of
+    time that are being halved, (n,), by the rule of 24 nodes.
 
     Parameters
     ----------
     ranges
-        the spans of slip in one direction, with their ranges
+        the spans of slip in one direction, with their ranges of time
     integrals_along
         integrates over given ranges by a given rule
     span_number, integral_number
-        (m,) span, and integral in it, of each range that is halved
+        (m,) number of the span, and of the integral (of the point), of each range that is halved
     range_number
         (n,) which of these m ranges each part belongs to
     begins, ends

@@ -752,12 +752,8 @@ def follow(
 
     States agree where the memory curves do, within a tolerance that is smaller where less slips in
     the cycle. A memory curve M(eta) is the tangential force of the flat punches up to the load eta.
-    A cycle holds its load segments, and its `delay`: how much later it is than their own time.
-
-    Raises
-    ------
-    InadmissibleLoadError
-        Gross sliding or separation, with the instant and the loads.
+    A cycle holds its load segments, and its `delay`: how much later it is than their own time. The
+    loads must be admissible, |Q| <= f P and P >= 0.
     """
     # spans of stick and slip, and the memory curve at their end; None: not yet in contact
     loading_spans, curve = spans_along(None, loading, friction, 0.0)

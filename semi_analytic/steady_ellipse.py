@@ -135,10 +135,10 @@ class Ellipses:
 
     @property
     def largest_slip_zone_load(self) -> Array:
-        """Size of the largest load P - P_c of the slip zones in the cycle, (m,) [force per
-        thickness]: the largest at the ends of the slip phases E-G and J-M, u or v sin^2(D/2), and
-        within I-J, 2 P1 sin(t_E) sin(s). Within J-M the load may be larger, up to twice, if D >
-        pi/2.
+        """Largest load P - P_c of the slip zones in the cycle, to a factor of two, (m,) [force per
+        thickness]. It is the largest of u and v sin^2(D/2), at the ends of the slip phases E-G and
+        J-M, and of 2 P1 sin(t_E) sin(s) within I-J. Within J-M the load may be larger, up to twice,
+        if D > pi/2.
 
         # notation: u and v (`forward_amplitude`, `reverse_amplitude`) amplitudes of (Q -+ f P)/f; D
         #           (`slip_angle`) length of E-G and of J-M [rad]; P1 (`load_amplitude`) amplitude
