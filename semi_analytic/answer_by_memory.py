@@ -698,8 +698,8 @@ class _SeriesSums:
         """
         records = block.records
         stick_loads = records.load_at_begin - records.slip_zone_load_at_begin
-        stick_loads_after = records.load_at_end - records.slip_zone_load_at_end
-        least_load_of_block = min(float(np.min(stick_loads)), float(np.min(stick_loads_after)))
+        stick_loads_at_end = records.load_at_end - records.slip_zone_load_at_end
+        least_load_of_block = min(float(np.min(stick_loads)), float(np.min(stick_loads_at_end)))
         self.least_stick_load = min(self.least_stick_load, least_load_of_block)
 
 

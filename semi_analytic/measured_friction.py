@@ -302,10 +302,10 @@ def _friction_of_ellipses(
     """
     # One call without friction checks every argument and gives the shape of the batch, that of the
     # loads and of the profile's numbers together.
-    frictionless: DissipationBatch = dissipation(
+    frictionless_batch: DissipationBatch = dissipation(
         **profile_and_material, **loads, friction_coefficient=0.0
     )
-    shape = frictionless.value.shape
+    shape = frictionless_batch.value.shape
     profile = profile_and_material["profile"]
 
     def values_of_members(name: str, value: Any, members: NDArray[np.intp] | slice) -> Any:
@@ -349,7 +349,7 @@ def _friction_of_ellipses(
         # Q1/P1, 0 where P is constant
         load_amplitude_ratio = np.where(flat_loads["normal_amplitude"] > 0, amplitude_ratio, 0.0)
     return _friction_batch(
-        target, work, least_friction, load_amplitude_ratio, shape, frictionless.notes
+        target, work, least_friction, load_amplitude_ratio, shape, frictionless_batch.notes
     )
 
 

@@ -281,9 +281,11 @@ def _error_beside_edges(
     """
     half_width_of_edge = half_widths[np.isfinite(half_widths) & (half_widths > 0)]
     last_point = len(x) - 1
-    point_after = np.clip(np.searchsorted(x, half_width_of_edge), 1, max(last_point, 1))
-    distance_to_point_before = np.abs(x[point_after - 1] - half_width_of_edge)
-    distance_to_point_after = np.abs(x[np.minimum(point_after, last_point)] - half_width_of_edge)
+    point_after_edge = np.clip(np.searchsorted(x, half_width_of_edge), 1, max(last_point, 1))
+    distance_to_point_before = np.abs(x[point_after_edge - 1] - half_width_of_edge)
+    distance_to_point_after = np.abs(
+        x[np.minimum(point_after_edge, last_point)] - half_width_of_edge
+    )
     distance = np.maximum(
         np.minimum(distance_to_point_before, distance_to_point_after),
         nearest_share * half_width_of_edge,

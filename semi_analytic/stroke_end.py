@@ -122,8 +122,8 @@ def _shear_left(stick_ratio: float, panel_begin: Array, panel_end: Array) -> Arr
     log_integrals = _log_primitive(panel_x[:, None] - panel_begin) - _log_primitive(
         panel_x[:, None] - panel_end
     )
-    influence = (smooth_part * panel_width - log_integrals) * panel_width[:, None]
-    cholesky_factor = scipy.linalg.cholesky((influence + influence.T) / 2, lower=True)
+    influence_matrix = (smooth_part * panel_width - log_integrals) * panel_width[:, None]
+    cholesky_factor = scipy.linalg.cholesky((influence_matrix + influence_matrix.T) / 2, lower=True)
     y = scipy.linalg.solve_triangular(cholesky_factor, signed_root * panel_width, lower=True)
     z = scipy.linalg.solve_triangular(cholesky_factor, arccosh_of_x * panel_width, lower=True)
     return np.asarray(
