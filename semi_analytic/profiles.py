@@ -193,6 +193,7 @@ def _convex_power(profile: PowerLaw) -> ConvexProfile:
     exponent = profile.exponent
     length = profile.length
     height_at_length = profile.rise
+    # one parabola: h'' on both sides of x = 0
     if exponent == 2:
         return _parabolas([0.0], [2 * height_at_length / length**2] * 2, 0.0)
     # _LEAST_EXPONENT_OF_TIP: 1.01
@@ -682,21 +683,22 @@ def law_of_two_curvatures(
     1.0
     """
     b = inner_half_length
-    inner_stiffness = modulus / inner_radius  # E* h'' inside of b
-    outer_stiffness = modulus / outer_radius  # E* h'' beyond
-    load_unit = outer_stiffness * b * b / 2
+    scaled_inner_curvature = modulus / inner_radius  # E* h'' inside of b
+    scaled_outer_curvature = modulus / outer_radius  # E* h'' beyond
+    load_unit = scaled_outer_curvature * b * b / 2
 
     def load(a: Array) -> Array:
         inner_end = np.minimum(a, b)  # of the contact, with h'' = 1/R1
         t = np.sqrt((a - inner_end) * (a + inner_end))
-        inner_load = inner_stiffness / 2 * (inner_end * t + a * a * np.arctan2(inner_end, t))
+        inner_load = scaled_inner_curvature / 2 * (inner_end * t + a * a * np.arctan2(inner_end, t))
         return inner_load + load_unit * flat_and_rounded_load_function(t / b)
 
     def stiffness(a: Array) -> Array:
         inner_end = np.minimum(a, b)
         t = np.sqrt((a - inner_end) * (a + inner_end))
         return a * (
-            inner_stiffness * np.arctan2(inner_end, t) + outer_stiffness * np.arctan2(t, inner_end)
+            scaled_inner_curvature * np.arctan2(inner_end, t)
+            + scaled_outer_curvature * np.arctan2(t, inner_end)
         )
 
     return ContactLaw(

@@ -931,8 +931,8 @@ def _work_over_phases(
     (3, m), by integrals over time.
 
     The integrand in each phase of slip is w'/f `kernel`(P, P - P_c), the kernel int
-    ln(a(eta)/a(P_c)) d eta over P_c < eta < P. w = +-Q - f P grows in slip; P = P0 + P1 cos t; P_c
-    is the load at the stick edge, a the contact half-width. Phases are cut where an edge passes a
+    ln(a(eta)/a(P_c)) d eta over P_c < eta < P. w = +-Q - f P grows in slip; w' is its rate. P_c is
+    the load at the stick edge, a the contact half-width. Phases are cut where an edge passes a
     corner of the profile. Each interval of angle is integrated by one of the `rules` and halved
     until its error check is below `converged_share` of W.
     """
@@ -973,16 +973,17 @@ def _work_over_phases(
         w = +-Q - f P grows in slip; `kernel` gives Lam, the kernel of the friction work, from P and
         P - P_c, P_c the load at the stick edge.
         """
-        slip_rate, slip_zone_load, load = np.empty((3, *angle_in_phase.shape))
+        # w'/f, P - P_c and P
+        rate_of_w, slip_zone_load, load = np.empty((3, *angle_in_phase.shape))
         for phase_number, name in enumerate(PHASE_NAMES):
             # the pieces of one phase, which stand side by side
             columns = slice(*np.searchsorted(phase, [phase_number, phase_number + 1]))
-            slip_rate[:, columns], slip_zone_load[:, columns], load[:, columns] = (
+            rate_of_w[:, columns], slip_zone_load[:, columns], load[:, columns] = (
                 rate_and_loads_in_phase(
                     name, ellipses.take(ellipse_of_piece[columns]), angle_in_phase[:, columns]
                 )
             )
-        return slip_rate * kernel(load, np.minimum(slip_zone_load, load))
+        return rate_of_w * kernel(load, np.minimum(slip_zone_load, load))
 
     pieces = AnglePieces.joined(pieces_of_phases)
     # (phases, m) and (m,)
