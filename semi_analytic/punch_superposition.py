@@ -8,7 +8,7 @@ punches goes by the name of Mossakovskii too):
 
     p(x, P)  = (1/pi) int_x^a g/sqrt(alpha^2 - x^2) d alpha             g = dP/d alpha
     S(x, P)  = int g arccosh(|x|/alpha) d alpha,  alpha < min(a, |x|)   displacement outside a punch
-    Lam      = int_c^a g ln(alpha/c) d alpha                            slip area: W gathers it
+    Lam      = int_c^a g ln(alpha/c) d alpha                            kernel of the work W
     int ln(2 L/alpha) dP                                movement against a datum at distance L
 
 # notation: a half-width, a_0 that of no load (0, or half the length of a flat), d = a - a_0 the
@@ -509,13 +509,15 @@ class PunchSuperposition:
         half_rise_of_square = np.sum(weight * 2 * (advance + self.least_half_width), axis=1)
         return half_rise_of_load, half_rise_of_square
 
-    # --- the slip area
+    # --- the kernel of the friction work
 
     def dissipation_kernel(self, load: ArrayLike, slip_zone_load: ArrayLike) -> Array:
         """Kernel of the friction work, Lam(P, P_c) = int_{P_c}^P ln(a(eta)/c) d eta [force per
-        thickness]: the integral of the slip from the edge of stick c = a(P_c) to that of contact.
+        thickness]. It equals the integral of p(x, P) arccosh(|x|/c) over the slip zones c < |x| <
+        a, p the pressure.
 
         The friction work is (f A/pi) int Lam dw over the slip, with w = +-Q - f P and A = 2/E*.
+        a(eta) is the contact half-width under the load eta, c = a(P_c) that of stick.
         `load` is P, `slip_zone_load` is P - P_c, P_c the load at the stick edge; both broadcast.
         Lam is 0 where nothing slips.
 
