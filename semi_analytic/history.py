@@ -784,9 +784,10 @@ def history_of(path: LoadPath, friction: float, cycles: int, time: Array | None 
     """Friction history of a load path, followed for as many cycles as the instants `time` (n,)
     need; without them until a cycle ends as it began, `cycles` at most.
 
-    A cached history of the same path is taken instead of following the path again; so is one of
-    more cycles that became steady within as many. A history's `covered` lists, for each whole cycle
-    that the answer covers, the number of the solved cycle that it is or copies.
+    In the context `histories_kept` a cached history of the same path is taken instead of following
+    the path again; so is one of more cycles that became steady within as many. A history's
+    `covered` lists, for each whole cycle that the answer covers, the number of the solved cycle
+    that it is or copies.
     """
     most_cycles = 0
     whole_cycles_in_time = 0
