@@ -59,7 +59,7 @@ _INSTANTS_AT_FIRST = 120
 # Parts of a load path, between turning points of P, beyond which it is a long record.
 _PARTS_OF_LONG_RECORD = 400
 # A place at the edge of contact counts as in contact, since its instant is rounded: share of the
-# contact width. Also the share of a time below which it is round-off.
+# contact width. Also the share of a time, or of a distance of kinks, below which it is round-off.
 _EDGE_TOLERANCE_SHARE = 1e-10
 
 
@@ -522,6 +522,7 @@ def _largest_value_and_place(
     >>> round(top, 12), round(place, 5)
     (1.0, 0.3)
     """
+    kinks = _distinct(kinks)
     if len(kinks) == 1:
         return float(values(kinks)[0]), float(kinks[0])
     first_places = _places_between_kinks(kinks, first_count)
@@ -554,6 +555,19 @@ def _largest_value_and_place(
             for maximum, places in zip(maxima, places_by_maximum, strict=True)
         ]
     return largest_value, place
+
+
+def _distinct(kinks: Array) -> Array:
+    """Kinks (n,), ascending, without those that are the kink before them but for round-off: nearer
+    than 1e-10 of their range. Between two such kinks all values are equal but for round-off, and
+    their local maxima would take the place of a real one.
+
+    >>> _distinct(np.array([0.0, 0.3, 0.3 + 1e-16, 1.0])).tolist()
+    [0.0, 0.3, 1.0]
+    """
+    least_distance = _EDGE_TOLERANCE_SHARE * (kinks[-1] - kinks[0])
+    is_distinct = np.append(True, np.diff(kinks) > least_distance)
+    return kinks[is_distinct]
 
 
 def _places_between_kinks(kinks: Array, count: int) -> Array:

@@ -204,3 +204,25 @@ def test_no_value_next_to_the_largest_is_above_it(name: str) -> None:
         name, x=places, time=steady.time[steady.last_cycle[[0, -1]]], fields="dissipation_density"
     )
     assert beside.dissipation_density.max() <= found.dissipation_density * (1 + 1e-11)
+
+
+def test_kinks_that_differ_by_round_off_do_not_take_the_place_of_the_largest_value() -> None:
+    """Two edges at turning points were one but for round-off. Places between them had one value,
+    three local maxima, and the search ended there: W(x) was 0.27 % too small.
+    """
+    load = {
+        "kind": "ellipse",
+        "mean_normal_load": 10.840272967917176,
+        "normal_amplitude": 10.232424823752282,
+        "mean_tangential_load": 1.0389912466292215,
+        "tangential_amplitude": 1.5732980198657127,
+        "phase_degrees": 57.79881102042099,
+    }
+    wedge = {"kind": "wedge", "tip_radius": 1000.0, "tip_half_length": 0.18366797710424315}
+    scene = load_scene("hertz-paper").vary(
+        profile=wedge, load=load, friction={"coefficient": 0.6071221734730615}
+    )
+    solution = semi_analytic.solve(scene, x=np.linspace(-1.0, 1.0, 401))
+    largest = semi_analytic.extremes(solution, ("dissipation_density",))
+    assert largest.dissipation_density >= solution.dissipation_density.max()
+    assert largest.dissipation_density == pytest.approx(3.034553e-05, rel=1e-6)
