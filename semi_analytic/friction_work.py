@@ -113,7 +113,7 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
         """Friction work W pi/A of a range of time within a span of slip, by a quadrature `rule`,
         (1,): the integral of f w' Lam. w = +-Q - f P grows in slip; Lam is the integral of ln(a/c)
         over the loads from P_c, that at the stick edge, to P; a and c are the half-widths of
-        contact and of stick.
+        contact and of stick, A = 2/E*.
         """
         span = span_range.span
         # quadrature nodes and weights between begin and end of the range
@@ -430,7 +430,7 @@ def pointwise_dissipation(
     def density_in_ranges(span_range: SpanRanges, rule: QuadratureRule) -> Array:
         """Friction work per area W(x) pi/A in the ranges of time in which n points slip, by a
         quadrature `rule`, (n,): the integral of f w' p arccosh(|x|/c). w = +-Q - f P grows in slip,
-        c is the half-width of stick.
+        c is the half-width of stick, p the pressure, A = 2/E*.
         """
         span = span_range.span
         times, weights = rule(span_range.begin, span_range.end)

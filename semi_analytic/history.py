@@ -290,7 +290,8 @@ def spans_along(
     The memory curve is the tangential force carried up to each load; None stands for no contact.
     The spans are `delay` later than the time of the segments: whole periods of a cycle. A segment
     is first cut into parts on which P, Q - f P and Q + f P are monotonic; `span.curve` is the
-    memory curve at a time.
+    memory curve at a time, `slip_zone_load` the load P - P_c of the slip zones, P_c that at the
+    stick edge.
 
     >>> from scenes.segments import straight_segments
     >>> segments = straight_segments(

@@ -737,8 +737,9 @@ def follow(
     The memory curve is the tangential force carried up to each load, a chain of straight lines. Its
     uppermost line holds the lines below and their number; `curve` is that at the first row, None
     for bodies out of contact. A record is a portion of a step in which the stick edge moves along
-    one line. Where `stores_curves` the memory curve of each record is stored too. The loads must be
-    admissible, |Q| <= f P and P >= 0.
+    one line; it holds the load P - P_c of the slip zones, P_c that at the stick edge. Where
+    `stores_curves` the memory curve of each record is stored too. The loads must be admissible,
+    |Q| <= f P and P >= 0.
 
     >>> block = follow(None, np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 0.5], [2.0, -0.5]]), 0.5)
     >>> (

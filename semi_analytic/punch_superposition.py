@@ -578,8 +578,9 @@ class PunchSuperposition:
         """ln(a/c) of contact half-width a(P) over stick half-width c = a(P_c), and the advances
         a - a_0 and c - a_0 of both edges beyond the half-width a_0 without load [length].
 
-        `load` is P, `load_above_stick` is P - P_c. P_c is their difference, known to the last digit
-        of P. It is a quarter of that digit at least: of P_c = 0 the logarithm would be 700.
+        `load` is P, `load_above_stick` is P - P_c, P_c the load at the stick edge. P_c is their
+        difference, known to the last digit of P. It is taken as a quarter of that digit at least:
+        of P_c = 0 the logarithm would be 700.
         `law.edge_advance` is a - a_0 as a function of the load, `least_half_width` a_0. _EPS is the
         round-off of floating-point numbers.
         """
