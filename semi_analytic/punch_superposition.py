@@ -846,8 +846,8 @@ class PunchSuperposition:
         self, kind: IntegralKind, load_power: int, x: Array, advance: Array
     ) -> tuple[Array, Array]:
         """An integral over flat punches at points `x`, from no load up to an `advance` a - a_0 of
-        the edge of contact, and its error; both arrays broadcast. Both are 0 for an advance of 0;
-        a_0 is the half-width without load.
+        the edge of contact, and its error; `x` and `advance` broadcast. Integral and error are 0
+        for an advance of 0; a_0 is the half-width without load.
 
         `kind` names the integral: "pressure", "outside" (of arccosh, for a point outside the
         punches) or "logarithm". With `load_power` 1 the load eta stands in front of the integrand.
@@ -1132,7 +1132,9 @@ class Primitive:
 
     def __call__(self, point_number: Indices, advance: Array) -> tuple[Array, Array]:
         """The integral over flat punches from no load up to `advance` of the edge of contact, at
-        the points with these numbers, arrays of one shape, and its error.
+        the points with these numbers, and its error; arrays of one shape. `kind` names the
+        integral: "pressure", "outside" (of arccosh, for a point outside the punches) or
+        "logarithm".
 
         The panel that holds the advance is looked up: a range of the variable v with one Chebyshev
         series of the integral. The series is then evaluated at v. `panels` holds (n,) the point
