@@ -441,9 +441,10 @@ class _Search:
         positive, 0 where all are compressive; and its uncertainty [stress each].
 
         It is searched for over time, between the turning points of the loads; on straight steps
-        between all their instants.
+        between all their instants. With bulk stress, tilt or unequal sides (`unsymmetric`) it is
+        the largest at about 120 instants.
         """
-        # bulk stress or tilt: the largest at a set of instants
+        # _INSTANTS_AT_FIRST: 120
         if self.scene.unsymmetric:
             return _largest_tension(
                 self.scene, _places_between_kinks(self.turning_times, _INSTANTS_AT_FIRST)
