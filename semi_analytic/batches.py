@@ -252,7 +252,7 @@ def _largest_maximum(
     far W may rise between the last three places about the maximum, the quadrature error and
     round-off. P0 and P1 are the mean and the amplitude of P. Round-off counts for more where the
     load P - P_c carried by the slip zones is small; P_c is the load at the stick edge,
-    `largest_slip_zone_load` the largest P - P_c, to a factor of two.
+    `largest_slip_zone_load` the largest P - P_c, `slip_zone_load_scale` that to a factor of two.
 
     Parameters
     ----------
@@ -267,11 +267,11 @@ def _largest_maximum(
     """
     stick_edge = points[:, 0]
     largest_half_width = points[:, -1]
-    largest_slip_load = ellipses.largest_slip_zone_load  # P - P_c
+    slip_load = ellipses.slip_zone_load_scale  # P - P_c
     share_of_last_digits = (
         LAST_DIGITS
         * (ellipses.mean_load + ellipses.load_amplitude)
-        / np.where(largest_slip_load > 0, largest_slip_load, np.inf)
+        / np.where(slip_load > 0, slip_load, np.inf)
     )
     # PROMISED_ERROR is 1e-12, LAST_DIGITS four round-offs
     relative_roundoff = PROMISED_ERROR + 3 * share_of_last_digits
@@ -282,7 +282,7 @@ def _largest_maximum(
         2
         / math.pi
         * (ellipses.forward_amplitude + ellipses.reverse_amplitude)
-        * largest_slip_load
+        * ellipses.largest_slip_zone_load
         / np.where(stick_edge > 0, stick_edge, largest_half_width)
     )
     n_ellipses = len(ellipses.mean_load)

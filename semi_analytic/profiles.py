@@ -284,10 +284,11 @@ def _convex_function(profile: CallableProfile) -> ConvexProfile:
     it bends down somewhere within its extent.
 
     h'' is evaluated at a thousand places, denser towards the middle. Corners of the slope become
-    knots of the curve. The profile is defined for |x| up to its `extent`; its `exponent` is the
-    power of x that the slope follows next to the middle.
+    knots of the curve. The profile is defined for |x| up to its `extent`. Its `exponent` is n - 1,
+    the power of x that the slope follows next to the middle; the height follows |x|^n.
     """
-    least_distance = profile.extent * 1e-15
+    # far below the nodes next to the middle, 1e-16 of a contact: h'' may grow without limit there
+    least_distance = profile.extent * 1e-30
 
     def second_derivative(x: Array) -> Array:
         """h'' at x of any sign."""
@@ -304,14 +305,15 @@ def _convex_function(profile: CallableProfile) -> ConvexProfile:
         raise _bends_down_error(float(falling_places[0]))
     # distances at which h'' jumps
     corner_places = np.array(_corners(profile))
-    # an exponent below 1.01 counts as that
+    # n; below 1.01 it counts as that
+    exponent_of_height = profile.exponent + 1
     return CurvedProfile(
         knots=np.unique(np.concatenate([-corner_places, [0.0], corner_places])),
         typical_half_length=profile.extent / 4,
         height=profile.height,
         gradient=lambda x: np.sign(x) * profile.slope(np.abs(x)),
         second_derivative=second_derivative,
-        exponent=max(profile.exponent, _LEAST_EXPONENT_OF_TIP),
+        exponent=max(exponent_of_height, _LEAST_EXPONENT_OF_TIP),
         extent=(-profile.extent, profile.extent),
         relative_roundoff=1e-11,
     )

@@ -134,11 +134,10 @@ class Ellipses:
         return self.load_amplitude > 1e-200 * self.mean_load
 
     @property
-    def largest_slip_zone_load(self) -> Array:
-        """Largest load P - P_c of the slip zones in the cycle, to a factor of two, (m,) [force per
+    def slip_zone_load_scale(self) -> Array:
+        """Size of the load P - P_c of the slip zones, by which methods are chosen, (m,) [force per
         thickness]. It is the largest of u and v sin^2(D/2), at the ends of the slip phases E-G and
-        J-M, and of 2 P1 sin(t_E) sin(s) within I-J. Within J-M the load may be larger, up to twice,
-        if D > pi/2.
+        J-M, and of 2 P1 sin(t_E) sin(s) within I-J: the largest P - P_c, or half of it at least.
 
         # notation: u and v (`forward_amplitude`, `reverse_amplitude`) amplitudes of (Q -+ f P)/f; D
         #           (`slip_angle`) length of E-G and of J-M [rad]; P1 (`load_amplitude`) amplitude
@@ -159,6 +158,22 @@ class Ellipses:
         return np.maximum(
             load_at_phase_ends, 2 * self.load_amplitude * self.sine_of_start * largest_sine
         )
+
+    @property
+    def largest_slip_zone_load(self) -> Array:
+        """Largest load P - P_c of the slip zones in the cycle, (m,) [force per thickness]; P_c is
+        the load at the stick edge.
+
+        In the slip phase J-M it is v sin^2((D + s)/2), s from 0 to D. Its largest value is v inside
+        the phase where D > pi/2 (Q1 > f P1), else v sin^2(D) at J. Elsewhere P - P_c is at most
+        `slip_zone_load_scale`.
+
+        # notation: v (`reverse_amplitude`) amplitude of (Q + f P)/f; D (`slip_angle`) length of
+        #           J-M [rad]; s angle in J-M, counted back from its end
+        """
+        largest_sine = np.sin(np.minimum(self.slip_angle, math.pi / 2))
+        largest_load_in_j_to_m = self.reverse_amplitude * largest_sine * largest_sine
+        return np.maximum(self.slip_zone_load_scale, largest_load_in_j_to_m)
 
     def load(self, cosine: Array | float) -> Array:
         """P at the times t of given cos t, counted from the least load so that it keeps its digits
@@ -857,7 +872,7 @@ def _dissipation_of_group(
     error of their sum, (3, m).
 
     Loads of the ellipses lie from 2^`first_octave` to 2^(`last_octave` + 1). The method follows
-    from `largest_slip_zone_load`, the largest P - P_c to a factor of two, over the mean load P0.
+    from `slip_zone_load_scale`, the largest P - P_c to a factor of two, over the mean load P0.
     Above 0.002: integrals over the loads P and P_c. Above 1e-6: the kernel Lam = int
     ln(a(eta)/a(P_c)) d eta by a table of ln a. Below, and up to 0.002 for eight ellipses or fewer:
     Lam of the normal contact itself, slow but with all digits. P_c is the load at the stick edge, a
@@ -867,7 +882,7 @@ def _dissipation_of_group(
     works_and_error = np.empty((3, len(ellipses.mean_load)))
 
     # choose the method of each ellipse
-    slip_zone_share = ellipses.largest_slip_zone_load / ellipses.mean_load
+    slip_zone_share = ellipses.slip_zone_load_scale / ellipses.mean_load
     kernel_of_contact = contact.dissipation_kernel
     # _DEEP_SLIP_SHARE: 0.002
     has_deep_slip = slip_zone_share > _DEEP_SLIP_SHARE
@@ -955,7 +970,7 @@ def _work_over_phases(
         has_length = np.diff(cut_angles, axis=0) > 1e-14 * cut_angles[-1]
         # pieces with a length, of ellipses in which something slips
         ellipse_of_piece, cut_number = np.nonzero(
-            has_length.T & (ellipses.largest_slip_zone_load > 0)[:, None]
+            has_length.T & (ellipses.slip_zone_load_scale > 0)[:, None]
         )
         begin_angle = cut_angles[cut_number, ellipse_of_piece]
         end_angle = cut_angles[cut_number + 1, ellipse_of_piece]
@@ -1570,20 +1585,20 @@ def works_by_lam(
 
 def _takes_careful_kernel(ellipses: Ellipses, deep_share: float) -> NDArray[np.bool_]:
     """Whether the quick formula for the kernel Lam of the friction work is not exact enough, (m,):
-    `largest_slip_zone_load` is at most `deep_share` of P0, or one of u and v is at most that share
+    `slip_zone_load_scale` is at most `deep_share` of P0, or one of u and v is at most that share
     of the other.
 
     # notation: u, v `forward_amplitude`, `reverse_amplitude`; P0 `mean_load`
 
     u and v are the amplitudes of (Q -+ f P)/f, a is the contact half-width. Lam is the integral of
     ln a - ln a(P_c) over the loads from P_c, that at the stick edge, to P. The slip zones carry
-    P - P_c; its largest value in the cycle is `largest_slip_zone_load`, to a factor of two.
+    P - P_c; its largest value in the cycle is `slip_zone_load_scale`, to a factor of two.
     """
     # Where u is almost 0, as at tangency, a phase of almost no slip would add rounding times v.
     has_unlike_amplitudes = np.minimum(
         ellipses.forward_amplitude, ellipses.reverse_amplitude
     ) <= deep_share * np.maximum(ellipses.forward_amplitude, ellipses.reverse_amplitude)
-    has_shallow_slip = ellipses.largest_slip_zone_load <= deep_share * ellipses.mean_load
+    has_shallow_slip = ellipses.slip_zone_load_scale <= deep_share * ellipses.mean_load
     return has_shallow_slip | has_unlike_amplitudes
 
 

@@ -35,7 +35,11 @@ from semi_analytic import (
 )
 from semi_analytic.measured_friction import sliding_limit
 from semi_analytic.profiles import contact_of
-from semi_analytic.steady_ellipse import ellipses_of, work_density_of
+from semi_analytic.steady_ellipse import (
+    ellipses_of,
+    rate_and_loads_in_phase,
+    work_density_of,
+)
 from semi_analytic_cases import EXTREMES, REFERENCE, UNIT, ellipse, make_scene
 
 MATERIAL = Materials(upper=UNIT, lower=UNIT)
@@ -216,6 +220,32 @@ def test_batch_and_marching_agree(ratio, use, phase, friction, flat, part):
         rel=1e-8,
         abs=1e-13 * friction**2,
     )
+
+
+def test_the_largest_load_of_the_slip_zones_is_that_of_all_phases():
+    """Against 2,001 angles in each phase: Q1/f from 0.1 to 30 of P1, all phases; 2.236 for Q1 =
+    2 f P1 at 90 degrees, where it lies inside the last phase.
+    """
+    ratio = np.repeat(10 ** np.linspace(-1, 1.5, 26), 24)
+    phase = np.tile(np.linspace(-math.pi, math.pi, 24), 26)
+    amplitude = np.ones(len(ratio))
+    loops = ellipses_of(100 * amplitude, amplitude, 0.5 * ratio, phase, 0.5 * amplitude)
+    share_of_phase = np.linspace(0, 1, 2001)[:, None]
+    loads = [
+        rate_and_loads_in_phase(name, loops, share_of_phase * length)[1]
+        for name, length in (
+            ("E-G", loops.slip_angle),
+            ("I-J", math.pi - loops.slip_angle),
+            ("J-M", loops.slip_angle),
+        )
+    ]
+    largest = np.max(np.concatenate(loads), axis=0)
+    np.testing.assert_allclose(loops.largest_slip_zone_load, largest, rtol=1e-6)
+    scale_share = loops.slip_zone_load_scale / largest
+    assert np.min(scale_share) >= 0.5 - 1e-9
+    assert np.max(scale_share) <= 1 + 1e-6
+    loop = ellipses_of(*(np.array([value]) for value in (3.0, 1.0, 1.0, math.pi / 2, 0.5)))
+    assert float(loop.largest_slip_zone_load[0]) == pytest.approx(math.sqrt(5), rel=1e-14)
 
 
 # ---------------------------------------------------------------------------------------- broadcast

@@ -4,6 +4,7 @@ grids, row by row.
 
 from __future__ import annotations
 
+import functools
 import json
 import math
 import re
@@ -531,6 +532,32 @@ def test_contacts_of_any_load_and_tilt_are_in_balance(name):
     balance = shape.balance(m, c)
     np.testing.assert_allclose(balance.load_product, product, rtol=3e-10)
     assert np.max(np.abs(balance.mean_slope + tilt) / (balance.curvature_integral * c)) < 1e-10
+
+
+def slope_of_power(x, n):
+    return n * np.sign(x) * np.abs(x) ** (n - 1)
+
+
+@pytest.mark.parametrize("n", [1.05, 1.2, 1.5, 2.0, 4.0])
+def test_a_power_as_a_function_has_the_integrals_of_the_power_law(n):
+    """|x|^n by its slope, centred and tilted contacts: h'' is |x|^(n - 2) next to the middle, which
+    counts for a quarter of its integral where n is 1.05.
+    """
+    power_law = convex_profile(PowerLaw(exponent=n, length=1.0, rise=1.0))
+    function = convex_profile(
+        CallableProfile(slope_function=functools.partial(slope_of_power, n=n), extent=4.0)
+    )
+    m = np.array([0.0, 0.001, 0.3, 0.7, 2.0])
+    c = np.array([1.0, 1.0, 1.0, 0.8, 1.0])
+    expected, found = power_law.balance(m, c), function.balance(m, c)
+    np.testing.assert_allclose(found.curvature_integral, expected.curvature_integral, rtol=1e-11)
+    np.testing.assert_allclose(
+        found.curvature_cosine_integral / expected.curvature_integral,
+        expected.curvature_cosine_integral / expected.curvature_integral,
+        atol=1e-11,
+    )
+    np.testing.assert_allclose(found.mean_slope, expected.mean_slope, atol=1e-13)
+    np.testing.assert_allclose(found.load_product, expected.load_product, rtol=1e-12)
 
 
 def test_the_pressure_at_a_tip():
