@@ -52,7 +52,7 @@ class Event:
     Attributes
     ----------
     letter
-        the paper's letter, "" where it has none
+        the paper's letter, "" where it has none; several, such as "KJ", where events coincide
     name
         what happens
     time
@@ -111,18 +111,22 @@ def events(scene: Scene) -> tuple[Event, ...]:
         else:
             merged_events.append(event)
 
-    # letters, and without what merely goes on
-    lettered_events = []
-    for event in merged_events:
-        if not event.name.endswith(_CONTINUATION_ENDING):
-            # _LETTER_TOLERANCE: 1e-7
-            letters_of_event = [
-                letter
-                for letter, time in time_by_letter.items()
-                if abs(time - event.time) <= _LETTER_TOLERANCE
-            ]
-            lettered_events.append(replace(event, letter="".join(letters_of_event)))
-    return tuple(lettered_events)
+    # without what merely goes on
+    named_events = [
+        event for event in merged_events if not event.name.endswith(_CONTINUATION_ENDING)
+    ]
+    # each letter stands at the nearest event
+    letters_of_events = [""] * len(named_events)
+    for letter, time in time_by_letter.items():
+        time_differences = [abs(event.time - time) for event in named_events]
+        nearest_event = time_differences.index(min(time_differences))
+        # _LETTER_TOLERANCE: 1e-7
+        if time_differences[nearest_event] <= _LETTER_TOLERANCE:
+            letters_of_events[nearest_event] += letter
+    return tuple(
+        replace(event, letter=letters)
+        for event, letters in zip(named_events, letters_of_events, strict=True)
+    )
 
 
 def _merged_event(first_event: Event, second_event: Event) -> Event:
@@ -146,7 +150,7 @@ def _merged_event(first_event: Event, second_event: Event) -> Event:
 
 def event(scene: Scene, letter: str) -> Event:
     """The event of a scene's load path that the paper calls `letter`, such as "G", the end of
-    reverse slip.
+    reverse slip. Where events coincide they are one, which has the letters of all, such as "KJ".
 
     Raises
     ------
@@ -164,7 +168,7 @@ def event(scene: Scene, letter: str) -> Event:
     """
     # all events of the path, with the letters A to M where they have one
     for candidate in events(scene):
-        if letter and candidate.letter == letter:
+        if letter and letter in candidate.letter:
             return candidate
     raise InputError(f"events: the scene {scene.name!r} has no event {letter!r} among {LETTERS}")
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy import optimize
 
 from scenes import InputError, LoadPath, StraightSegment, TimeSeriesLoad, load_scene
 from semi_analytic import FIELDS, answer_by_memory, event, events, solve
@@ -242,6 +243,34 @@ def test_events_have_the_names_and_edge_loads_of_the_paper():
     assert event(PAPER, "J").name == words_at_j
     assert "Q least" in event(PAPER, "A").name
     assert "P largest" in event(PAPER, "C").name
+
+
+@pytest.mark.parametrize(
+    ("phase", "first_letter", "range_of_q1"), [(60.0, "K", (1.2, 1.4)), (90.0, "L", (0.5, 0.7))]
+)
+def test_coinciding_events_are_found_by_each_of_their_letters(phase, first_letter, range_of_q1):
+    """J at the largest P, or at the largest Q: one event. 3e-8 apart they are two, with a letter
+    each.
+    """
+
+    def scene_of(q1):
+        return make_scene(ellipse(3.0, 1.0, 0.0, q1, phase))
+
+    def time_after(q1):
+        scene = scene_of(q1)
+        return event(scene, "J").time - event(scene, first_letter).time
+
+    q1 = optimize.brentq(time_after, *range_of_q1, xtol=1e-14)
+    scene = scene_of(q1)
+    found = event(scene, first_letter)
+    assert found.letter == first_letter + "J"
+    assert event(scene, "J") == event(scene, found.letter) == found
+    with pytest.raises(InputError, match="no event ''"):
+        event(scene, "")
+    slope = (time_after(q1 + 1e-4) - time_after(q1 - 1e-4)) / 2e-4
+    nearly = scene_of(q1 + 3e-8 / slope)
+    assert event(nearly, first_letter).letter == first_letter
+    assert event(nearly, "J").letter == "J"
 
 
 def test_lines_polygons_and_series_have_events_without_letters():
