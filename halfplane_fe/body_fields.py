@@ -44,7 +44,7 @@ from halfplane_fe.face_stress import (
 from halfplane_fe.interface import body_forces
 from halfplane_fe.kernel_bodies import BodyKernels, body_kernels
 from halfplane_fe.path import has_bulk_stress
-from halfplane_fe.remainder import require_known_effects
+from halfplane_fe.remainder import nearest_end, require_known_effects
 from halfplane_fe.scales import contact_modulus
 from halfplane_fe.solution import FiniteElementSolution, KernelSolution
 from halfplane_fe.supports import bodies_are_alike
@@ -1415,7 +1415,7 @@ def _distance_of_fit(shape: Shape, half_width: float) -> float | None:
     is shorter; too near means below 1.5 half-widths. `half_width` is that of the contact [length].
     """
     largest_distance = min(
-        _OUTER_DISTANCE * half_width, _SHARE_OF_DISTANCE_TO_SUPPORT * _distance_to_support(shape)
+        _OUTER_DISTANCE * half_width, _SHARE_OF_DISTANCE_TO_SUPPORT * nearest_end(shape)
     )
     if largest_distance < _LEAST_OUTER_DISTANCE * half_width:
         return None
@@ -1489,11 +1489,6 @@ def _joined_stress(
     stress[nodes, :3] = (1 - weight) * stress[nodes, :3] + weight * traction_stress
     stress[nodes, 3] = material.poisson_ratio * (stress[nodes, 0] + stress[nodes, 1])
     return stress
-
-
-def _distance_to_support(shape: Shape) -> float:
-    """Distance from the middle of the face to the nearest support or side of a body [length]."""
-    return min(shape.face_half_width, shape.least_depth)
 
 
 def _counter_clockwise_cells(points: Array, cells: Indices) -> Indices:

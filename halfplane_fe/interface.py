@@ -294,9 +294,9 @@ def _displacements_by_stress_and_tilt(
 
 # Distance of two nodes, in distances of neighbouring nodes there (half an element of order 2),
 # within which the mesh error of N - T and K dies out,
-_ELEMENTS_WITH_MESH_ERROR = 8.5
+_SPACINGS_WITH_MESH_ERROR = 8.5
 # and up to which the smooth part is read off beyond that.
-_ELEMENTS_TO_MEAN_END = 10.5
+_SPACINGS_TO_MEAN_END = 10.5
 # Digits behind the point of such a distance: far more than matter, fewer than round-off changes.
 _DIGITS_OF_DISTANCES = 9
 # Polynomial in x_i and x_j for the smooth part of a compliance: largest degree in both together,
@@ -336,9 +336,9 @@ def without_mesh_error(interface: Interface, scene: Scene) -> Interface | None:
     if not _has_room_beyond_mesh_error(interface, scene):
         return None
     # signed distance (n, n) of two nodes, in distances of neighbouring nodes there
-    distances_in_spacings = _distances_in_elements(interface.x)
-    # _ELEMENTS_WITH_MESH_ERROR: 8.5 of these, over which the mesh error of a compliance dies out
-    is_in_band = np.abs(distances_in_spacings) <= _ELEMENTS_WITH_MESH_ERROR
+    distances_in_spacings = _distances_in_spacings(interface.x)
+    # _SPACINGS_WITH_MESH_ERROR: 8.5 of these, over which the mesh error of a compliance dies out
+    is_in_band = np.abs(distances_in_spacings) <= _SPACINGS_WITH_MESH_ERROR
     tangential_compliance = _tangential_with_normal_mesh_error(interface, distances_in_spacings)
 
     # Coupling in the band: smooth on either side of the diagonal, the mean of both on it.
@@ -364,8 +364,8 @@ def _has_room_beyond_mesh_error(interface: Interface, scene: Scene) -> bool:
     the half-width of their faces and the depth of material below.
     """
     spacing = np.diff(interface.x)
-    # _ELEMENTS_TO_MEAN_END: 10.5 node distances
-    n_nodes_needed = int(_ELEMENTS_TO_MEAN_END)
+    # _SPACINGS_TO_MEAN_END: 10.5 node distances
+    n_nodes_needed = int(_SPACINGS_TO_MEAN_END)
     room_beside_contact = least_face_half_width(scene) - float(np.abs(interface.x).max())
     return (
         len(interface.x) >= _FEWEST_NODES
@@ -374,7 +374,7 @@ def _has_room_beyond_mesh_error(interface: Interface, scene: Scene) -> bool:
     )
 
 
-def _tangential_with_normal_mesh_error(interface: Interface, distances_in_elements: Array) -> Array:
+def _tangential_with_normal_mesh_error(interface: Interface, distances_in_spacings: Array) -> Array:
     """Tangential compliance T (n, n) whose mesh error between nearby nodes is replaced by that of
     the normal compliance N, so that N - T is smooth.
 
@@ -388,16 +388,16 @@ def _tangential_with_normal_mesh_error(interface: Interface, distances_in_elemen
     ----------
     interface
         condensed compliances N and T, and the length of face of each node, (n,) `face_lengths`
-    distances_in_elements
+    distances_in_spacings
         (n, n) signed distance of two nodes, in distances of neighbouring nodes there
     """
     # T near the diagonal: N minus the smooth part of N - T.
-    # _ELEMENTS_WITH_MESH_ERROR: 8.5 node distances, over which the mesh error dies out
-    is_in_band = np.abs(distances_in_elements) <= _ELEMENTS_WITH_MESH_ERROR
+    # _SPACINGS_WITH_MESH_ERROR: 8.5 node distances, over which the mesh error dies out
+    is_in_band = np.abs(distances_in_spacings) <= _SPACINGS_WITH_MESH_ERROR
     smooth_difference = _smooth_compliance(
         interface.normal_compliance - interface.tangential_compliance,
         interface.x,
-        np.abs(distances_in_elements),
+        np.abs(distances_in_spacings),
     )
     symmetric_difference = (smooth_difference + smooth_difference.T) / 2
     tangential_compliance = np.where(
@@ -407,7 +407,7 @@ def _tangential_with_normal_mesh_error(interface: Interface, distances_in_elemen
     )
 
     # Sum 0 of each row of the change.
-    is_in_wide_band = np.abs(distances_in_elements) <= 2 * _ELEMENTS_WITH_MESH_ERROR
+    is_in_wide_band = np.abs(distances_in_spacings) <= 2 * _SPACINGS_WITH_MESH_ERROR
     weights = interface.face_lengths
     row_sums = (tangential_compliance - interface.tangential_compliance) @ weights
     # The symmetric matrix v_i + v_j on the wide band has these row sums.
@@ -421,7 +421,7 @@ def least_depth(scene: Scene) -> float:
     return min(scene.bodies.lower.least_depth, scene.bodies.upper.least_depth)
 
 
-def _distances_in_elements(x: Array) -> Array:
+def _distances_in_spacings(x: Array) -> Array:
     """Signed distance x_i - x_j of the contact nodes, (n, n), over the distance of neighbouring
     nodes, the larger one of i and of j: between equal elements it counts nodes. `x` (n,) ascending.
 
@@ -435,16 +435,16 @@ def _distances_in_elements(x: Array) -> Array:
     distance = np.subtract.outer(x, x)
     larger_spacing_beside = np.maximum(spacing_on_right, spacing_on_left)
     # The spacing that counts at a node falls linearly with the distance from a large element.
-    # _ELEMENTS_WITH_MESH_ERROR: 8.5 node distances, over which the mesh error dies out
+    # _SPACINGS_WITH_MESH_ERROR: 8.5 node distances, over which the mesh error dies out
     spacing_at_node = np.max(
-        larger_spacing_beside - np.abs(distance) / _ELEMENTS_WITH_MESH_ERROR, axis=1
+        larger_spacing_beside - np.abs(distance) / _SPACINGS_WITH_MESH_ERROR, axis=1
     )
     return np.round(
         distance / np.maximum.outer(spacing_at_node, spacing_at_node), _DIGITS_OF_DISTANCES
     )
 
 
-def _smooth_compliance(matrix: Array, x: Array, distances_in_elements: Array) -> Array:
+def _smooth_compliance(matrix: Array, x: Array, distances_in_spacings: Array) -> Array:
     """Smooth part (n, n) of a compliance matrix that has a mesh error between nearby nodes.
 
     A polynomial in x_i and x_j is fitted to the pairs of nodes further apart than 8.5 distances of
@@ -456,7 +456,7 @@ def _smooth_compliance(matrix: Array, x: Array, distances_in_elements: Array) ->
         (n, n) compliance: displacement at node i by a unit force at node j
     x
         (n,) places of the nodes [length]
-    distances_in_elements
+    distances_in_spacings
         (n, n) distance of two nodes, in distances of neighbouring nodes. If it is signed, only
         pairs on the positive side of the diagonal are fitted
     """
@@ -466,9 +466,9 @@ def _smooth_compliance(matrix: Array, x: Array, distances_in_elements: Array) ->
     sample_nodes = np.searchsorted(unit_x, chebyshev_places).clip(0, len(x) - 1)
     # With their mirror images, so that a symmetric compliance stays symmetric.
     sample_nodes = np.union1d(sample_nodes, len(x) - 1 - sample_nodes)
-    # _ELEMENTS_WITH_MESH_ERROR: 8.5 node distances, over which the mesh error dies out
+    # _SPACINGS_WITH_MESH_ERROR: 8.5 node distances, over which the mesh error dies out
     row_samples, column_samples = np.nonzero(  # positions among the sample nodes
-        distances_in_elements[np.ix_(sample_nodes, sample_nodes)] > _ELEMENTS_WITH_MESH_ERROR
+        distances_in_spacings[np.ix_(sample_nodes, sample_nodes)] > _SPACINGS_WITH_MESH_ERROR
     )
     row_nodes = sample_nodes[row_samples]
     column_nodes = sample_nodes[column_samples]
@@ -485,19 +485,19 @@ def _smooth_compliance(matrix: Array, x: Array, distances_in_elements: Array) ->
     fitted_coefficients = np.linalg.lstsq(products, matrix[row_nodes, column_nodes], rcond=1e-10)[0]
     coefficients[tuple(np.transpose(exponents))] = fitted_coefficients
     polynomial = legendre @ coefficients @ legendre.T
-    return polynomial + _mean_beyond_mesh_error(matrix - polynomial, distances_in_elements)
+    return polynomial + _mean_beyond_mesh_error(matrix - polynomial, distances_in_spacings)
 
 
-def _mean_beyond_mesh_error(matrix: Array, distances_in_elements: Array) -> Array:
+def _mean_beyond_mesh_error(matrix: Array, distances_in_spacings: Array) -> Array:
     """Mean of a matrix (n, n) over its entries 8.5 to 10.5 node distances from the diagonal,
     (n, n): for the entry i, j half from row i and half from column j.
 
-    Where the row or the column has no such entries, the other counts alone. `distances_in_elements`
+    Where the row or the column has no such entries, the other counts alone. `distances_in_spacings`
     (n, n) is the distance of two nodes, in distances of neighbouring nodes.
     """
-    # _ELEMENTS_WITH_MESH_ERROR: 8.5 node distances; _ELEMENTS_TO_MEAN_END: 10.5
-    is_counted = (distances_in_elements > _ELEMENTS_WITH_MESH_ERROR) & (
-        distances_in_elements <= _ELEMENTS_TO_MEAN_END
+    # _SPACINGS_WITH_MESH_ERROR: 8.5 node distances; _SPACINGS_TO_MEAN_END: 10.5
+    is_counted = (distances_in_spacings > _SPACINGS_WITH_MESH_ERROR) & (
+        distances_in_spacings <= _SPACINGS_TO_MEAN_END
     )
     row_means, column_means = (
         (matrix * is_counted).sum(axis=axis) / np.maximum(is_counted.sum(axis=axis), 1)

@@ -641,8 +641,10 @@ def body_numbers(
     )
 
 
-def nearest_end(shape: Solid) -> float:
-    """Distance from the middle of the face to the nearest place where the body ends [length]."""
+def nearest_end(shape: Shape) -> float:
+    """Distance from the middle of the face to the nearest place where the body ends, a side or a
+    support; infinite of a half-plane [length].
+    """
     return min(shape.face_half_width, shape.least_depth)
 
 

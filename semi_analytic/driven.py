@@ -71,10 +71,8 @@ _CACHED_EDGES = 8
 _FORCE_SHARE_AT_LIMIT = 1e-9
 # Share of a step within which sliding begins at one of its ends.
 _STEP_SHARE_AT_END = 1e-9
-# Steps of a path over its number of cycles, about; and least number between two turning points
-# where these are few.
+# Steps of a path over its number of cycles, about.
 _STEPS_A_CYCLE = 200
-_FEWEST_STEPS_BETWEEN_TURNS = 16
 # Steps that are followed at most: each takes about half a millisecond.
 _MOST_ROWS = 100_000
 # Two instants of this share of the path are one.
@@ -246,8 +244,8 @@ def actuator_rows(
         whether to take one step, which is exact, between two turning points if P is constant there
     steps_per_cycle
         this times the number of cycles is about the number of steps of the path, before the
-        `refinement`: all intervals between turning points have equally many. The initial loading
-        takes its share of them, so that a cycle may have fewer steps than this
+        `refinement`: all intervals between turning points have equally many, one at least. The
+        initial loading takes its share of them, so that a cycle may have fewer steps than this
 
     Raises
     ------
@@ -259,10 +257,8 @@ def actuator_rows(
     n_turning_times = len(turning_times)
     n_cycles = max(cycles, 1) if path.period is not None else 1
 
-    # Equal steps between two turning times: 16 at least if there are few turning times.
+    # Equal steps between two turning times.
     steps_between_turning_times = max(math.ceil(steps_per_cycle * n_cycles / n_turning_times), 1)
-    if n_turning_times < steps_per_cycle * n_cycles / _FEWEST_STEPS_BETWEEN_TURNS:
-        steps_between_turning_times = max(steps_between_turning_times, _FEWEST_STEPS_BETWEEN_TURNS)
     steps_between_turning_times *= refinement
     # _MOST_ROWS: 100,000.
     if steps_between_turning_times * n_turning_times > _MOST_ROWS:

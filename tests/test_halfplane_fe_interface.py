@@ -573,5 +573,5 @@ def test_a_polynomial_in_both_places_is_its_own_smooth_part() -> None:
     )
     at_places = np.polynomial.legendre.legvander(np.linspace(-1, 1, 161), 6)
     polynomial = at_places @ coefficients @ at_places.T
-    smooth = interface._smooth_compliance(polynomial, x, interface._distances_in_elements(x))
+    smooth = interface._smooth_compliance(polynomial, x, interface._distances_in_spacings(x))
     np.testing.assert_allclose(smooth, polynomial, rtol=0, atol=1e-11)

@@ -26,6 +26,7 @@ from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, fe_run
 from refusals import refused_for, require_facts
 from reports.cli import main
+from reports.comparison.laws import certificates, names_of_derived_fields
 from reports.comparison.metrics import reason_by_missing_field
 from reports.console import Stages
 from reports.field_output.files import write_fields
@@ -115,6 +116,45 @@ def test_the_history_is_found_without_times(name: str, by: str) -> None:
     assert within(report)
     assert abs(report.metric("peak_pressure").value) < (BY_LOADS if by == "loads" else BY_INTEGRALS)
     assert any("matched to the load path" in note for note in report.comparison.notes)
+
+
+@pytest.mark.usefixtures("undiagnosed")
+@pytest.mark.parametrize(
+    ("columns", "note", "derived"),
+    [
+        (["P"], "Q is the scene's at its instants", {"tangential_load"}),
+        (["Q"], "P is the scene's at its instants", {"normal_load"}),
+        ([], "P and Q are the scene's at its instants", {"normal_load", "tangential_load"}),
+        (["P", "Q"], "", set()),
+    ],
+)
+def test_a_load_that_is_stated_is_kept_and_checked(
+    tmp_path: Path, columns: list[str], note: str, derived: set[str]
+) -> None:
+    """Loads 0.3 % of the largest P too large, where 0.5 % is the same history: the law of the loads
+    is checked where one of them is stated.
+    """
+    table = rows(HERTZ)
+    excess = 0.003 * HERTZ.normal_load.max()
+    for name in columns:
+        table[name] += excess
+    path = written(table[["time", "x", "pressure", "shear", *columns]], tmp_path / "result.csv")
+    solution = score_file(path, Mapping(), HERTZ.scene).comparison.result
+    stated = {"P": "normal_load", "Q": "tangential_load"}
+    for name, field in stated.items():
+        np.testing.assert_allclose(
+            getattr(solution, field) - getattr(HERTZ, field),
+            excess if name in columns else 0.0,
+            atol=1e-6 * excess,
+        )
+    assert names_of_derived_fields(solution) & set(stated.values()) == derived
+    assert [text for text in solution.record.notes if "the scene's at" in text] == [note] * bool(
+        note
+    )
+    laws = {law.name: law for law in certificates(solution)}
+    assert ("loads" in laws) == bool(columns)
+    if columns:
+        assert laws["loads"].value == pytest.approx(0.003, rel=1e-4)
 
 
 def _on_path(name: str, time: np.ndarray, noise: float = 0.0) -> np.ndarray:

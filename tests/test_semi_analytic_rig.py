@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import sys
 from dataclasses import replace
@@ -375,6 +376,27 @@ def test_rows_have_turning_points_and_the_instants_of_contact() -> None:
     for time in (0.0, 1.0, 2.0, 2.0 + 2 / 3, 3.0 + 1 / 3, 4.0):
         assert np.min(np.abs(rows.time - time)) < 1e-12
     assert rows.load_or_approach.min() == 0.0
+
+
+@pytest.mark.parametrize(("steps_per_cycle", "steps"), [(200, 29), (20, 3), (4, 1)])
+def test_all_intervals_between_turning_points_have_equally_many_steps(
+    steps_per_cycle: int, steps: int
+) -> None:
+    """The steps of a cycle over the seven turning points, rounded up: no other least number."""
+    load = PolygonLoad(
+        initial_loading=((2.0, 0.0),), cycle=((2.0, 1.0), (-1.0, 0.0)), tangential_displacement=True
+    )
+    rows = actuator_rows(load.path_of_actuators(), 1, steps_per_cycle=steps_per_cycle)
+    turning_times = [0.0, 1.0, 2.0, 2.0 + 2 / 3, 3.0, 3.0 + 1 / 3, 4.0]
+    assert rows.time == pytest.approx(
+        np.append(
+            [
+                np.linspace(begin, end, steps, endpoint=False)
+                for begin, end in itertools.pairwise(turning_times)
+            ],
+            4.0,
+        )
+    )
 
 
 # ------------------------------------------------------------------------- tilt and bulk strain

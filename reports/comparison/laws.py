@@ -85,8 +85,9 @@ def certificates(solution: ContactSolution) -> tuple[Certificate, ...]:
 
     From its fields: no tension, |q| <= f p ("cone"; left out where the solution has no shear), slip
     along the shear, loads as in the scene. From its record: the residuals that the engine reports.
-    For an external result a law is left out if the fields were derived from it. A certificate holds
-    the violation of one law at every instant, the largest, its instant, and the limit.
+    For an external result a law is left out if the fields were derived from it; loads are checked
+    if it states P or Q. A certificate holds the violation of one law at every instant, the largest,
+    its instant, and the limit.
 
     The limit is 1e-9; for printed digits of an external result 1e-3, and for straight load steps of
     theory corrected by responses of finite bodies 1e-6. A violation is (n_steps,), dimensionless.
@@ -96,10 +97,10 @@ def certificates(solution: ContactSolution) -> tuple[Certificate, ...]:
         violations_in_fields["cone"] = _violation_of_coulomb_limit(solution)
     derived_fields = names_of_derived_fields(solution)
     # stick and slip states that were derived from the tractions obey the law by construction;
-    # loads likewise
+    # loads that are the scene's likewise
     if "state" not in derived_fields:
         violations_in_fields["slip"] = _violation_in_slip(solution)
-    if "normal_load" not in derived_fields:
+    if not derived_fields >= {"normal_load", "tangential_load"}:
         violations_in_fields["loads"] = _difference_of_loads(solution)
     # limits: 1e-9 for double precision, 1e-3 for printed digits, 1e-6 for straight steps
     limit = _LIMIT_OF_DOUBLES

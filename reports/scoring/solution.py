@@ -135,8 +135,12 @@ def solution_of_surface(
             "its dissipation is the sum of q ds of its own shear and slip over the"
             f" {len(solution.last_cycle)} instants of a cycle"
         )
-    if surface.normal_load is None or surface.tangential_load is None:
+    if surface.normal_load is None and surface.tangential_load is None:
         notes.append("P and Q are the scene's at its instants")
+    elif surface.normal_load is None:
+        notes.append("P is the scene's at its instants")
+    elif surface.tangential_load is None:
+        notes.append("Q is the scene's at its instants")
     solution = replace(solution, record=replace(solution.record, notes=tuple(notes)))
     return solution, (*guesses, *_sentences_on_odd_signs(surface, history.tangential_load, scene))
 
@@ -151,7 +155,7 @@ def _solution_without_zones(
     """An external result as a solution with its tractions, slip, times and loads alone. All points
     are marked as open; edges, and all that follows from them, are NaN.
 
-    Where the result lacks P or Q, both loads are the scene's at its instants (`history`).
+    A load P or Q that the result lacks is the scene's at its instants (`history`).
 
     Parameters
     ----------
@@ -170,10 +174,12 @@ def _solution_without_zones(
     normal_load = surface.normal_load
     tangential_load = surface.tangential_load
     names_of_scene: list[str] = []
-    if normal_load is None or tangential_load is None:
+    if normal_load is None:
         normal_load = history.normal_load
+        names_of_scene.append("normal_load")
+    if tangential_load is None:
         tangential_load = history.tangential_load
-        names_of_scene = ["normal_load", "tangential_load"]
+        names_of_scene.append("tangential_load")
     slip = surface.slip
     if slip is None:
         slip = read_only_copy(np.full_like(surface.pressure, np.nan))
