@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import semi_analytic
 from command_line import (
     COARSE,
     HERTZ_SCENE,
@@ -21,7 +22,7 @@ from command_line import (
     require_schema,
 )
 from reports.inputs import input_effects
-from reports.page.rig import Motion, RigMotion
+from reports.page.rig import Motion, RigMotion, loops
 from scenes import load_scene
 
 RIG = (
@@ -136,6 +137,20 @@ def test_a_page_that_fails_leaves_the_answer(folder: Path, monkeypatch: pytest.M
     halfplane(folder, "run", "series.toml", "--out", "out")
     assert json_of(folder / "out" / "semi_analytic.json")["dissipation"] > 0
     assert not (folder / "out" / "report.html").exists()
+
+
+def test_the_legend_of_several_rigs_names_what_their_panels_draw() -> None:
+    """The actuator where a rig has a spring, and finite elements where they were solved."""
+
+    def legend(name: str, *, by_elements: bool = False) -> list[str]:
+        scene = load_scene(name)
+        solution = semi_analytic.solve(scene, x=[0.0], fields=("dissipation",))
+        beside = solution if by_elements else None
+        return [key.text for key in loops([RigMotion(scene, solution, None, beside)]).keys]
+
+    assert legend("rig-gross-slip") == ["contact"]
+    assert legend("rig-compliant") == ["contact", "actuator"]
+    assert legend("rig-gross-slip", by_elements=True) == ["contact", "contact, finite elements"]
 
 
 SLIDING = {

@@ -950,6 +950,13 @@ def test_an_axis_without_a_name_has_that_of_its_key() -> None:
         Axis(values=(0.5,))
 
 
+def test_an_axis_of_pairs_has_no_name_of_its_own() -> None:
+    axis_of_pairs = {"names": ("a", "b"), "key": "load.normal_load", "pairs": ((1, 2), (3, 4))}
+    assert Axis(**axis_of_pairs).columns == ("a", "b")
+    with pytest.raises(ValueError, match="names head their columns; leave name out"):
+        Axis(**axis_of_pairs, name="zzz")
+
+
 # ---------------------------------------------------------------------- killed, starved and doubled
 needs_dask = pytest.mark.skipif(
     not importlib.util.find_spec("distributed"), reason="distributed is missing: halfplane[cluster]"

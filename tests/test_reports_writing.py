@@ -40,7 +40,9 @@ from reports.charts.templating import marked, style_of, table_text, without_form
 from reports.comparison import Comparison
 from reports.comparison.words import summary_rows
 from reports.folder import MANIFEST
-from reports.page.writing import code_commit, draw
+from reports.page.cycle_view import CycleView
+from reports.page.history_figures import hysteresis
+from reports.page.writing import _data_of_slider, code_commit, draw
 from reports.studies.sweep import running
 from reports.studies.sweep.page import write_page
 from reports.studies.sweep.store import PlannedPoint, Store
@@ -81,6 +83,26 @@ def folder(comparison: Comparison, tmp_path_factory: pytest.TempPathFactory) -> 
     )
     assert page == out / "report.html"
     return out
+
+
+def test_rings_on_the_loops_start_where_the_slider_has_them() -> None:
+    """Each on its own curve: the Q of the result is 1 % above that of the reference."""
+    solution = with_fields(TRUTH, tangential_load=1.01 * TRUTH.tangential_load)
+    view = CycleView(compare(TRUTH, solution, polygon_reference=TRUTH))
+    slider = _data_of_slider(view)
+    loops = hysteresis(view)
+    assert loops is not None
+    rings = [
+        mark
+        for panel in loops.panels
+        for mark in panel.marks
+        if isinstance(mark, Dot) and mark.css.startswith("follow")
+    ]
+    assert len(rings) == 4
+    for ring in rings:
+        for name, value in (("series_x", ring.x), ("series_y", ring.y)):
+            place = slider["series"][ring.data[name]][slider["start"]]
+            assert place == pytest.approx(value, rel=1e-6), ring
 
 
 def read_json(path: Path) -> dict:

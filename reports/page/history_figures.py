@@ -359,7 +359,7 @@ def load_path(view: CycleView) -> Plate:
     # the page's slider moves it along Q over P
     marks.append(
         _slider_ring(
-            "P", cycle.normal_load[shown_instant], cycle.tangential_load[shown_instant], "now"
+            "P", cycle.normal_load[shown_instant], "Q", cycle.tangential_load[shown_instant], "now"
         )
     )
 
@@ -571,17 +571,30 @@ def _shift_into_box(
     return np.asarray(place_in_box - dot_place)
 
 
-def _slider_ring(x_series: str, x_value: float, y_value: float, css: str) -> Dot:
-    """A ring at the instant shown, at `x_value` and `y_value` in the units of the axes. The page's
-    slider moves it along the curve of Q over another series of the page's script (`x_series`, such
-    as "P", or "U0" for U of the reference). `css` is its class in the style sheet.
+# Radius of the ring at the instant shown [pixels].
+_RING_RADIUS = 6.5
+
+
+def _slider_ring(x_series: str, x_value: float, y_series: str, y_value: float, css: str) -> Dot:
+    """A ring (a circle that is not filled) on a curve of Q, at the instant that the page shows
+    first. The page's slider moves it along the curve.
+
+    Parameters
+    ----------
+    x_series, y_series
+        names of the curve's coordinates in the data of the page's script: "P" and "Q" of the
+        result, or "U0" and "Q0", U and Q of the reference, with which the result is compared
+    x_value, y_value
+        the coordinates at that instant, in the units of the axes
+    css
+        class of the ring in the style sheet
     """
     return Dot(
         float(x_value),
         float(y_value),
         f"follow {css}",
-        6.5,
-        data={"series_x": x_series, "series_y": "Q"},
+        _RING_RADIUS,
+        data={"series_x": x_series, "series_y": y_series},
     )
 
 
@@ -710,15 +723,12 @@ def _loop_panel(
     )
     marks += _numbered_dots(panel, result_values, loads[1], view.chosen_events)
     shown_instant = view.shown_instant
-    # rings that the page's slider moves along the loops of reference (0) and result (1)
-    marks.append(
-        _slider_ring(
-            f"{letter}0", reference_values[shown_instant], loads[0][shown_instant], "now pale"
-        )
-    )
-    marks.append(
-        _slider_ring(f"{letter}1", result_values[shown_instant], loads[1][shown_instant], "now")
-    )
+    # rings that the page's slider moves along the loops: "U0" over "Q0" of the reference, "U1" over
+    # "Q" of the result
+    for number, (y_series, css) in enumerate((("Q0", "now pale"), ("Q", "now"))):
+        displacement = (reference_values, result_values)[number][shown_instant]
+        load = loads[number][shown_instant]
+        marks.append(_slider_ring(f"{letter}{number}", displacement, y_series, load, css))
     return panel
 
 

@@ -234,25 +234,33 @@ def _loop(rig_motion: RigMotion) -> Plate:
     ):
         values_by_engine = [getattr(by_engine, attribute) for by_engine in rig_motions]
         table[column] = np.concatenate(values_by_engine).tolist()
-    has_spring = rig_motion.scene.rig.tangential_stiffness is not None
-    # legend: contact, actuator, contact by finite elements
-    keys = _KEYS_OF_LOOP if has_spring else _KEYS_OF_LOOP[:1]
-    if rig_motion.motion_by_elements is not None:
-        keys = (*keys, _KEY_OF_ELEMENTS)
     panel = _loop_panel(rig_motion, "rig-loop", _WIDTH, 380.0)
     return figure_with_texts(
         "rig_loop",
         [panel],
         table,
-        keys,
+        _keys_of_loops([rig_motion]),
         columns=1,
         noun=rig_motion.part_of_path,
-        has_spring=has_spring,
+        has_spring=rig_motion.scene.rig.tangential_stiffness is not None,
     )
 
 
+# entries of the legend for the loop over the displacement of the contact, of the actuator, and of
+# the contact by finite elements
 _KEYS_OF_LOOP = (Key("c0 bold", "contact"), Key("c1 dash", "actuator"))
 _KEY_OF_ELEMENTS = Key("c2 dash", "contact, finite elements")
+
+
+def _keys_of_loops(rig_motions: Sequence[RigMotion]) -> tuple[Key, ...]:
+    """Entries of the legend for the loops of these rigs: those of the contact, of the actuator
+    where a rig has a spring, and by finite elements where they were solved beside theory.
+    """
+    have_spring = any(motion.scene.rig.tangential_stiffness is not None for motion in rig_motions)
+    keys = _KEYS_OF_LOOP if have_spring else _KEYS_OF_LOOP[:1]
+    if any(motion.motion_by_elements is not None for motion in rig_motions):
+        keys = (*keys, _KEY_OF_ELEMENTS)
+    return keys
 
 
 def _loop_panel(
@@ -299,24 +307,30 @@ def _loop_panel(
 
 
 def loops(rig_motions: Sequence[RigMotion]) -> Plate:
-    """A figure of the loops of Q over the displacement U of the contact, a panel for each of
-    several rigs, two beside each other.
+    """A figure of the loops of the tangential load Q, a panel for each of several rigs, two beside
+    each other. Each has Q over the displacement U of the contact, and over that of the actuator
+    where a spring is between; finite elements are drawn too where they were solved beside theory.
+    The figure's table holds the loop of the contact alone, not that by finite elements.
+
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
     """
     panels = []
+    panel_width, panel_height = 440.0, 300.0  # pixels
     table: dict[str, list[Any]] = {"scene": [], "U of the contact": [], "Q": []}
     for rig_motion in rig_motions:
         name = rig_motion.scene.name
-        panels.append(_loop_panel(rig_motion, f"loop-{name}", 440.0, 300.0, name))
+        panels.append(_loop_panel(rig_motion, f"loop-{name}", panel_width, panel_height, name))
         table["scene"] += [name] * len(rig_motion.time)
         table["U of the contact"] += rig_motion.contact_displacement.tolist()
         table["Q"] += rig_motion.tangential_load.tolist()
-    return figure_with_texts("rig_loops", panels, table, _KEYS_OF_LOOP)
+    return figure_with_texts("rig_loops", panels, table, _keys_of_loops(rig_motions))
 
 
 def _over_time(rig_motion: RigMotion) -> Plate:
     """A figure of a rig over time in two panels. The upper one has Q between the limits of friction
     ±f P, on colours that show what the contact does. The lower one has the displacements of
-    actuator and contact, and the distance that the bodies slide as a whole.
+    actuator and contact, and the slip of the middle of the contact since the first instant, with
+    its sign: it changes where the bodies slide as a whole.
 
     `rig_motion` holds time, loads, displacements and slip of the middle (k,) at the shown instants,
     and what the contact does (stick, partial slip, ...) with the times between which it does so.
@@ -380,6 +394,7 @@ def _over_time(rig_motion: RigMotion) -> Plate:
         f"way that the bodies slide [{unit_of_length}]": rig_motion.slip_of_middle,
         "motion in the step before": words_of_motions,
     }
+    # `noun`: "last cycle" or "path", for the caption
     return figure_with_texts(
         "rig_over_time", panels, table, keys, columns=1, noun=rig_motion.part_of_path
     )

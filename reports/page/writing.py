@@ -400,12 +400,13 @@ def _data_of_slider(view: CycleView) -> dict[str, Any]:
     # 100,000 instants times points
     instant_indices = _instants_of_slider(view)
     point_indices = _points_of_slider(view, len(instant_indices))
-    # U0, V0 of the reference, U1, V1 of the result. V is U without its elastic part: Q over V is a
-    # wide loop.
+    # Q0, U0, V0 of the reference; P, Q, U1, V1 of the result. V is U without its elastic part: Q
+    # over V is a wide loop.
     series = {
         "t": view.time,
         "P": view.result_cycle.normal_load,
         "Q": view.result_cycle.tangential_load,
+        "Q0": view.reference_cycle.tangential_load,
         "U0": view.reference_cycle.tangential_displacement,
         "U1": view.result_cycle.tangential_displacement,
         "V0": sheared_displacement(view.reference_cycle),

@@ -76,13 +76,13 @@ class Axis(Frozen):
         if not.
 
         A list or range has one `name`, which heads its column in the table, and sets one `key` of
-        the scene, several `keys` or none. Pairs are rows with a value for each of `names`, and of
-        `keys` if given. A missing `name` is made from `key`.
+        the scene, several `keys` or none. Where it is missing, `name` is made from `key`. Pairs are
+        rows with a value for each of `names`, and of `keys` if given; they have no `name`.
         """
         if self.key and not self.name and not self.names:
             object.__setattr__(self, "name", re.sub(r"\W", "_", self.key))
-        # _WAYS: the names of the four ways
-        ways = [name for name in _WAYS if getattr(self, name)]
+        # _WAYS: the attributes that hold values, one for each way
+        ways = [way for way in _WAYS if getattr(self, way)]
         if len(ways) != 1:
             ways_in_words = " and ".join(ways) or "none"
             raise ValueError(
@@ -99,6 +99,8 @@ class Axis(Frozen):
                     "pairs: each row has one value for each of names, and keys (if given) are as"
                     " many"
                 )
+            if self.name:
+                raise ValueError("pairs: names head their columns; leave name out")
         elif not self.name or self.names:
             raise ValueError("an axis has a name; names go with pairs")
         if self.logarithmic and not (self.logarithmic.start > 0 and self.logarithmic.stop > 0):
