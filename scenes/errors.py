@@ -63,7 +63,9 @@ _SENTENCES_BY_REASON = {
         "|Q| exceeds f P, so the bodies slide as a whole and have no equilibrium under load"
         " control; lower the tangential load, raise the normal load or friction.coefficient"
     ),
-    "separation": "P is not positive there, so the bodies part; keep P > 0 after the start",
+    "separation": (
+        "P is negative there, or 0 where Q is not 0, so the bodies part; keep P > 0 after the start"
+    ),
 }
 
 
@@ -100,8 +102,8 @@ class InadmissibleLoadError(InputError):
     >>> print(
     ...     InadmissibleLoadError("separation", LoadedInstant(1.5, 0, 0), LoadedInstant(2, -3, 0))
     ... )
-    load: separation from time 1.5 on, at time 2 with P = -3, Q = 0: P is not positive there, so the
-    bodies part; keep P > 0 after the start
+    load: separation from time 1.5 on, at time 2 with P = -3, Q = 0: P is negative there, or 0 where
+    Q is not 0, so the bodies part; keep P > 0 after the start
     """
 
     def __init__(

@@ -204,10 +204,12 @@ def _rows_far_from_fit(residuals: Array) -> NDArray[np.int64]:
 
 def _spikes_of(x: Array, h: Array) -> NDArray[np.int64]:
     """Indices (m,) of measured points x, h (n,) that stand out from their neighbours; none where x
-    is not in order, and of 8 points or fewer, or of more than 20,000, which no fit takes.
+    is not in order, and of fewer than 8 points or more than 20,000, which no fit takes.
+
+    At most 5 % of the points are spikes: of fewer than 20 points none is.
     """
     # _FEWEST_ROWS, _MOST_ROWS: 8 and 20,000 points
-    if not _FEWEST_ROWS < len(x) <= _MOST_ROWS or np.any(np.diff(x) < 0):
+    if not _FEWEST_ROWS <= len(x) <= _MOST_ROWS or np.any(np.diff(x) < 0):
         return np.array([], dtype=np.int64)
     # Standard deviation of the noise of h, by differences of neighbouring points.
     sigma = max(math.sqrt(_noise_variance(x, h)), 1e-12 * float(np.ptp(h)))

@@ -690,7 +690,7 @@ SPOILT = [
     (("radius", "radus"), ["unknown key profile.radus = 1000.0; did you mean radius?"]),
     (("cycle =", "wear_rate = 10.0\ncycle ="), ["wear is not modelled"]),
     (("90.0, 27.0", "90.0, 47.0"), ["gross sliding from time ", "|Q| exceeds f P"]),
-    (("90.0, -27.0", "-10.0, -3.0"), ["separation from time ", "P is not positive there"]),
+    (("90.0, -27.0", "-10.0, -3.0"), ["separation from time ", "P is negative there"]),
     (
         (SCENE, SCENE + BLOCK.replace("20.0", "1.0")),
         ["the contact ", "reaches past the end of the narrower face"],

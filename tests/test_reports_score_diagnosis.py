@@ -323,6 +323,25 @@ def test_a_result_of_tractions_alone_with_holes_or_of_few_instants_is_judged_all
     assert first.fault == "shear_sign"
     assert any("no numbers" in line for line in first.evidence)
     assert diagnose(compare(true, replace(true, shear=np.full_like(shear, np.nan)))) == ()
+    # a single wrong cell is a number: it is counted apart
+    pressure = true.pressure.copy()
+    middle = len(true.x) // 2
+    pressure[-1, middle] *= 50
+    for shear_of_result, lines in (
+        (-true.shear, ["were left out, at single values"]),
+        (shear, ["are no numbers and were left out", "were left out, at single values"]),
+    ):
+        outlying = replace(true, pressure=pressure, shear=shear_of_result, **nothing)
+        found = next(
+            diagnosis
+            for diagnosis in diagnose(compare(true, replace(outlying, dissipation=float("nan"))))
+            if diagnosis.fault == "shear_sign"
+        )
+        left_out = [line for line in found.evidence if "left out" in line]
+        assert len(left_out) == len(lines)
+        assert all(map(str.__contains__, left_out, lines))
+        n_instants = 10  # that are looked at
+        assert left_out[-1].startswith(f"{100 / (n_instants * len(true.x)):.2g} % of")
     path = scene.load.path()
     solution = semi_analytic.solve(
         scene, x=true.x, time=path.cycle_start + path.period * np.array([0.0, 0.5, 1.0])

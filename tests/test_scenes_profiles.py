@@ -39,7 +39,7 @@ from scenes import (
     load_scene,
 )
 from scenes.bodies import arc_depth
-from scenes.fitting import fitted_again
+from scenes.fitting import FitRequest, fitted_again, fitted_keys
 
 PROFILES = [
     Hertz(radius=2.0),
@@ -430,6 +430,17 @@ def test_spikes_are_left_out_and_named_and_corners_are_none():
     for kind in ("flat_rounded", "hertz"):
         exact = scene_of(rows_of(TRUTHS["flat_rounded"], 61, 0.0), kind, 1e-6)
         assert exact.profile.fitted.spikes == ()
+
+
+@pytest.mark.parametrize("n_points", [8, 9, 19, 20, 40])
+def test_a_spike_is_at_most_a_twentieth_of_the_points(n_points):
+    """A fit takes 8 points; of fewer than 20 a single one is too many to be left out."""
+    x = np.linspace(-1.0, 1.0, n_points)
+    h = x**2 + 1e-6 * np.random.default_rng(0).standard_normal(n_points)
+    spike_row = n_points // 2
+    h[spike_row] += 1e-3
+    fitted = fitted_keys(x, h, FitRequest(kind="hertz"))["fitted"]
+    assert fitted.get("spikes", ()) == ((spike_row + 1,) if n_points >= 20 else ())
 
 
 @pytest.mark.parametrize("tilt", [-5e-3, 3e-3])

@@ -229,6 +229,11 @@ def _sentences_of_evidence(
     )
     if discrepancy.missing_share:
         yield f"{discrepancy.missing_share:.1%} of the tractions are no numbers and were left out"
+    if discrepancy.outlier_share:
+        yield (
+            f"{100 * discrepancy.outlier_share:.2g} % of the tractions were left out, at single"
+            " values that no neighbour supports"
+        )
     if discrepancy.unsymmetric:
         yield (
             "with bulk stress, tilt or unequal sides not looked for: no memory, unlike bodies, soft"

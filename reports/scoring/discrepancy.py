@@ -58,7 +58,9 @@ class Discrepancy:
         (k, n) of a squared difference in sums, 0 where the result has no number or an outlier; adds
         up to 1
     missing_share
-        share of the points and instants at which the result has no number or an outlier
+        share of the points and instants at which the result or the reference has no number
+    outlier_share
+        share of those at which both have numbers, and that of the result is an outlier
     is_half_plane_theory
         whether `reference_tractions` are half-plane theory of the scene
     has_shear
@@ -74,6 +76,7 @@ class Discrepancy:
     result_tractions: Tractions
     weight: Array
     missing_share: float
+    outlier_share: float
     is_half_plane_theory: bool
     has_shear: bool = True
     has_bodies: bool = False
@@ -378,6 +381,8 @@ def discrepancy_of(comparison: Comparison) -> Discrepancy | None:
     is_outlier = (comparison.masks_of_isolated["pressure"] | comparison.masks_of_isolated["shear"])[
         instants
     ]
+    missing_share = float(1 - is_known.mean())
+    outlier_share = float((is_known & is_outlier).mean())
     is_known &= ~is_outlier
     if not is_known.any():
         return None
@@ -401,7 +406,8 @@ def discrepancy_of(comparison: Comparison) -> Discrepancy | None:
         reference_tractions,
         np.where(is_known, result_tractions, reference_tractions),
         weight / weight.sum(),
-        missing_share=float(1 - is_known.mean()),
+        missing_share=missing_share,
+        outlier_share=outlier_share,
         is_half_plane_theory=comparison.reference.engine == "semi_analytic" and not has_bodies,
         has_shear=has_shear,
         has_bodies=has_bodies,
