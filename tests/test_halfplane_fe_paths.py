@@ -247,6 +247,17 @@ def test_inadmissible_paths_are_named_with_instant_and_loads(name):
     assert "\n" not in str(refusal)
 
 
+@pytest.mark.parametrize("loads", [(-0.5, 0.0), (0.0, 0.1)])
+def test_the_sentence_on_separation_is_true_of_the_loads_that_it_names(loads):
+    """P below 0, or P = 0 beside a tangential load."""
+    load = PolygonLoad(initial_loading=[(1, 0)], cycle=[loads])
+    with pytest.raises(
+        InadmissibleLoadError,
+        match="P is negative there, or 0 where Q is not 0, so the bodies part",
+    ):
+        check_admissible(load.path(), 0.5)
+
+
 # ------------------------------------------------------------------------- named troubles of bodies
 
 
