@@ -178,7 +178,7 @@ def density_uncertainty(x: Array, density: Array) -> float:
     coarse run alone agrees with it by chance. Two parts are added: a share of how far a node stands
     off, and one of how much farther it does than the nodes beside it; each the largest of that node
     and the two beside it. NaN where the largest value is 0 or at an end node, and where it stands
-    alone: it stands off by more than 0.75 of itself.
+    alone: its neighbours' line is more than 0.75 of it below.
 
     Parameters
     ----------
