@@ -565,9 +565,10 @@ def _first_and_last_onset(
 
 
 def _states_with_rates(increments: _Increments) -> States:
-    """States (k, n) of the nodes before k increments, in which they have rates. A node that has
-    just touched and starts to slide counts as sliding already, unless no node would stick then:
-    such states have no rates.
+    """States (k, n) of the nodes before k increments, for which the rates are taken: derivatives of
+    slip, nodal forces and gaps by the loads at these states. A node that has just touched and
+    starts to slide counts as sliding already, unless no node would stick then. There are no rates
+    where no node sticks, since the bodies are free to move.
     """
     is_onset = _is_slip_onset(increments.states_before, increments.states_after)
     # ROUNDING: round-off of scaled forces and displacements, 1e-11

@@ -59,7 +59,9 @@ def reported_states(
         initial loading
     """
     if problem.interface.coupling is not None:
-        return law_states(states)
+        return law_states(states)  # without slip that may be round-off
+    # Without slip by the error of the mesh, too. `friction`: coefficient f; the last argument: gap
+    # and slip of the nodes by unit bulk stresses of both bodies and by the tilt, None without any.
     return visible_states(
         states, cycle_starts, problem.friction, problem.interface.gap_and_slip_per_stress_and_tilt
     )

@@ -177,7 +177,9 @@ def increments_along(
         """Scaled loads at an instant."""
         return scaled_loads(stretch.segment, time, units)
 
-    # Along a straight segment slip that falls at the end falls from the start on: none is lost.
+    # A node that slides in the first part of an increment alone loses this slip: the increment does
+    # not count it. On a straight segment loads change in proportion, and no node turns round within
+    # an increment: lost slip is looked for on curved ones alone.
     is_curved = not is_straight(stretch.segment)
     regular_duration = stretch.ends[0] - stretch.start
     # Increments are halved down to 1/4096 of the regular one where they do not converge, and down

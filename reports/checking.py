@@ -312,9 +312,9 @@ def _load_ratio(normal_load: Array, tangential_load: Array, friction: float) -> 
 def _highest_value_and_time(
     segment: LoadSegment, value_at: Callable[[Array], Array]
 ) -> tuple[float, float]:
-    """The largest value of a function of time on one load segment, and its time: the largest of 513
-    samples or more, then twice the largest of closer samples around it. On a straight segment its
-    two ends alone are samples.
+    """The largest value of a function of time on one load segment, and its time. It is the largest
+    of 513 samples or more; then, two times over, that of 513 closer samples between the neighbours
+    of the largest. On a straight segment its two ends alone are samples.
 
     `value_at` gives the values at times (n,).
     """
@@ -698,7 +698,8 @@ def _contact_by_theory(scene: Scene, normal_load: float, time: float, source: st
 
 def _tilt_or_moment_at(scene: Scene, time: float) -> dict[str, float]:
     """The tilt [rad] or the moment [force] of the load path at a time, whichever the scene states,
-    by its key in the scene's load. Empty where the path has neither.
+    by its key in the scene's load. Empty where the path has neither at that time, and after the
+    first cycle.
 
     `load.has_bulk_or_tilt`: the load states bulk stress, tilt or moment. `moment_is_given`: it
     states the moment, from which the tilt follows.

@@ -241,7 +241,7 @@ def show_table(
     console = Console(highlight=False)
     table_rows = [list(row) for row in rows]
     # Blanks beside the rules (strokes between columns), whether there are outer rules, and
-    # widths of the columns.
+    # widths of the columns. `_printable_text`: control characters as escapes.
     layout = _layout([columns, *table_rows], console.width)
     table = Table(
         title=Text(_printable_text(title)),

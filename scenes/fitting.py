@@ -78,7 +78,8 @@ _N_KNOTS = 31
 _N_SPLINE_ROWS = 61
 # Smoothing weights that are tried where none is known.
 _TRIAL_WEIGHTS = np.logspace(-9, 3, 19)
-# Half-lengths of the flat, over L, of which the best begins the search; the longest.
+# Half-lengths of the flat, over L, of which the best begins the search; the longest, which is the
+# farthest fitted middle, too.
 _TRIAL_HALF_LENGTHS = np.linspace(0.02, 0.94, 24)
 _LONGEST_HALF_LENGTH = 0.98
 # Middles, over L from the lowest place of a parabola, which are tried together with the
@@ -479,15 +480,17 @@ def _fit_about(
     trace
         `levelled_heights` (n,); `known_middle`, None where the middle is fitted; `tilt_is_fitted`
     request
-        `kind` of profile; `extent`, `noise` (standard deviation of h), `smoothing_weight` and
-        `first_guess` (middle, half-length of the flat), None where they are not stated
+        `kind` of profile; `extent`, `noise` (standard deviation of h), `smoothing_weight` (factor
+        on the squared differences of neighbouring spline weights) and `first_guess` (middle,
+        half-length of the flat), None where they are not stated
     assumed_middle
         x of the axis of symmetry [length]
 
     Raises
     ------
     RowError
-        For too few points, all of one height, on one side of the middle, or not curved upwards.
+        For too few points, all of one height, on one side of the middle, or not curved upwards;
+        where the fitted middle is as far from the assumed one as the farthest point, to 2 %.
     """
     is_within_extent = np.abs(x_of_all_rows - assumed_middle) <= (request.extent or math.inf)
     x = x_of_all_rows[is_within_extent]
@@ -518,8 +521,8 @@ def _fit_about(
     # The dimensionless fit: middle, offset, tilt and weights of the basis functions.
     fit = scaled_rows.fit(scaled_noise, request.smoothing_weight, guessed_half_length)
     # A straight line through the points bends by round-off alone.
-    # _LEAST_HEIGHT_RANGE_SHARE, _LONGEST_HALF_LENGTH: 1e-9 and 0.98; `profile_heights` are the
-    # fitted heights without offset and tilt
+    # _LEAST_HEIGHT_RANGE_SHARE: 1e-9; _LONGEST_HALF_LENGTH: 0.98, here the farthest middle, over
+    # the largest distance; `profile_heights` are the fitted heights without offset and tilt
     if (
         np.ptp(fit.profile_heights) < _LEAST_HEIGHT_RANGE_SHARE
         or abs(fit.middle) > _LONGEST_HALF_LENGTH

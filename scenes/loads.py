@@ -405,7 +405,9 @@ class BulkAndTilt(Frozen, Generic[V]):
         if curved_segments:
             values_at_cycle_start = curved_segments[0].loads(curved_segments[0].start)
 
-        # P at the vertices, from 0 on, and the values of both quantities there.
+        # P at the vertices, from 0 on, and the values of both quantities there. A list states them.
+        # A number or formula counts in proportion to P up to the cycle; on straight lines of the
+        # cycle a number holds at each vertex.
         end_loads = (float(segment.loads(segment.end)[0]) for segment in straight_load_segments)
         normal_loads = np.array([0.0, *end_loads])
         first_values, second_values = (
@@ -1323,8 +1325,9 @@ class TimeSeriesLoad(StraightLoad, FromFile):
     def series(self) -> NDArray[np.float64]:
         """Load series (n, 3) of time, P and Q: the rows that the load path goes through.
 
-        They are the rows of the record that remain after cuts, means and reduction. A record that
-        starts loaded gets a row P = Q = 0 before.
+        They are the rows of the record from the keys `start` to `end`, without noise at small
+        loads, with means over `average` rows each, and without the rows that `reduce` leaves out. A
+        record that starts loaded gets a row P = Q = 0 before.
 
         Raises
         ------

@@ -1074,7 +1074,8 @@ def _values_over_time(request: Request, snapshot: Snapshot) -> dict[str, Array]:
     `force`. A request holds its instants `time` (n,), the fields that it wants, and A/pi as
     `unit_compliance`, A = 2/E*. Displacements that were not asked for are NaN, and so are the edges
     of no stick zone. Under a flat face the stick zone is no narrower than the flat, at the very
-    limit |Q| = f P too.
+    limit |Q| = f P too. `bulk_tilt_path` is the tilted contact with its loads, None without bulk
+    stress and tilt.
 
     Raises
     ------
@@ -1089,6 +1090,7 @@ def _values_over_time(request: Request, snapshot: Snapshot) -> dict[str, Array]:
     instants_with_slip = np.flatnonzero(snapshot.slip_zone_load)
     stick_half_width = half_width.copy()
     stick_half_width[instants_with_slip] = _half_width(contact, stick_edge_load[instants_with_slip])
+    # no stick zone: all of the contact slips, and the face has no flat
     stick_half_width[(stick_edge_load <= 0) & (stick_half_width == 0)] = np.nan
     # U pi/A, U the tangential displacement, and normal approach: NaN unless asked for
     scaled_displacement = np.full(len(request.time), np.nan)

@@ -709,12 +709,11 @@ def _times_near_slide_ends(driven_path: DrivenPath) -> Array:
 
 
 def _times_in_all_cycles(scene: Scene, time: Array, cycles: int) -> Array:
-    """Times (k,) at which each of the cycles is where it is at some given times (n,) of any cycle;
-    given times within the initial loading once, as they are.
+    """Given times (n,) moved by whole periods into every cycle of the path of the actuators, cycle
+    after cycle, (k,). Before them come those given times that lie in the initial loading, as they
+    are; they are moved into the cycles, too.
 
-    A path of the actuators that does not repeat gets its times back.
-
-    `cycles` is the number of cycles.
+    A path that does not repeat gets its times back. `cycles` is the number of cycles.
     """
     path = scene.load.path_of_actuators()
     if path.period is None:

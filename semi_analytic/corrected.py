@@ -1234,8 +1234,9 @@ class PointFields:
     def _traction_of_curvature(
         self, half_width: Array, curvature: Array, fourth_coefficient: Array
     ) -> Array:
-        """Traction at the k points that makes the displacement C x^2/2 + D x^4/24 of gap or faces
-        inside contacts of `half_width`, (n, k) [stress]; 0 outside the contact.
+        """Traction at the k points that makes the displacement C x^2/2 + D x^4/24 inside contacts
+        of `half_width`, (n, k) [stress]; 0 outside the contact. The traction is the pressure where
+        this displacement is that of the gap, and the shear where it is along the faces.
 
         C is `curvature` (n,) and D `fourth_coefficient` (n,), one of each per contact.
         """
@@ -1755,11 +1756,11 @@ def fields_at(
     question
         which fields are wanted
     point_fields
-        fields of the followed path at `distance`
+        fields at `distance` along the followed path, the load path with its memory of friction
     distance
         (k,) |x| [length] from the middle of contact
     row_numbers
-        (n,) numbers of the instants of the path
+        (n,) numbers of the instants of that path
 
     Raises
     ------

@@ -480,10 +480,13 @@ class PunchTable:
         """Second moments int x^2 p dx of the pressure of flat punches up to each coordinate s (k,):
         of the punches of the profile, of x^2/2 and of x^4/24, (k,) each.
 
-        A punch of half-width c has the moment c^2/2 per unit load. The table gives the loads eta, G
-        and G_4 that punches up to c carry, and int eta G dc/c.
+        s is a coordinate of the half-width c of a punch, a whole number at each kink of the
+        profile. A punch has the moment c^2/2 per unit load. eta, G and G_4 are the loads that
+        punches up to c carry, of the profile, of x^2/2 and of x^4/24: G = (pi E*/4) c^2, and G_4
+        grows as c^4. The integral of eta G dc/c is tabulated.
         """
-        # By parts; parabola_stiffness is pi E*/4.
+        # By parts: int c^2/2 d eta = c^2 eta/2 - int eta c dc, with c dc = (G dc/c)/(pi E*/4), and
+        # parabola_stiffness = pi E*/4.
         squared_half_width = np.square(self.half_width(s))
         moment_of_profile = (
             squared_half_width * self.profile_load(s) / 2
@@ -692,7 +695,8 @@ class Pieces(list[Piece]):
 
         A memory curve is F(s), the locked-in tangential force of the flat punches up to the
         coordinate s of their half-width. It is a chain of pieces; on each F is linear in the loads
-        eta, G and G_4 that these punches carry of the profile, of x^2/2 and of x^4/24.
+        eta, G and G_4 that these punches carry of the profile, of x^2/2 and of x^4/24. The pieces
+        are stacked: "above" and "top" are outwards, to wider punches and larger s.
 
         Parameters
         ----------

@@ -1044,13 +1044,17 @@ class KernelIntegrals:
     def _curved_integrals(
         self, pieces_and_edge_loads: Sequence[tuple[CurvePart, Array]]
     ) -> list[Array | float]:
-        """What the curvature of pieces of memory curves adds to the integral of M' K, beyond their
-        straight parts: (n, k) at k points, or 0, for each pair of a piece and loads (n,).
+        """What the curvature of pieces of memory curves adds to the integral of M' K d eta: (n, k)
+        at k points, or 0, for each pair of a piece and loads (n,). It is part of the shear, slip or
+        displacement at the points.
 
         The memory curve M(eta) is the tangential force that the flat punches up to the load eta
-        carry. The integral goes from the lower end of the piece to the load at the stick edge. A
-        piece is a parabola, for which M'' is 2 `bend`, or an arc, a curved segment of the load
-        path. Pieces that are cut from one arc are integrated together.
+        carry. K is the kernel: shear, slip or displacement by a unit load on a punch. M' is a
+        constant slope, which is integrated elsewhere, plus a remainder that is integrated here,
+        from the lower end of the piece to the load at the stick edge. For a parabola the remainder
+        is 2 `bend` eta. A piece on a curved segment of the load path, an arc, has the slope 0: the
+        remainder is M', and M' d eta is dQ along the segment. Pieces cut from one arc begin at the
+        same instant of it, and are integrated together.
 
         Parameters
         ----------

@@ -1114,9 +1114,9 @@ def _sums_over_all_knots(knot_sums: _KnotSums, knot_of_interval: Array, distance
     A knot is a half-width at which the curvature of the profile jumps. Over knots that are farther
     below a range of half-widths than it is long the sums are smooth: one Chebyshev series serves
     for the range. It is halved, and each half adds knots farther below than it is long itself. So
-    the time grows as the number of rows, not as its square. Near knots of the last, short ranges
-    are summed one by one. A group is a number of neighbouring intervals, from number `first` to
-    before `stop`, with the series of its far knots.
+    the time grows as the number of knots, not as its square. Near knots of the last, short ranges
+    are summed one by one. A group is a row of neighbouring intervals, from index `first` to before
+    `stop`, with the series of its far knots.
 
     Parameters
     ----------
@@ -1149,6 +1149,7 @@ def _sums_over_all_knots(knot_sums: _KnotSums, knot_of_interval: Array, distance
             half_widths[group_to_refine.first, 0],
             half_widths[group_to_refine.stop - 1, -1],
         )
+        # with a series on its own range of half-widths, over the knots that are now far, too
         group = knot_sums.with_far_knots(group_to_refine, half_width_range)
         # _MOST_INTERVALS_OF_GROUP: 32
         if group.stop - group.first > _MOST_INTERVALS_OF_GROUP:

@@ -461,7 +461,8 @@ class PunchSuperposition:
         `law.corner_advances`, 0 first, are those at which the edge is at a corner of the profile:
         dP/da is not smooth there. The range is cut at the first corner between the two; further
         ones are integrated across. The rises of P and a^2 are the sums of those before and behind
-        the corner.
+        the corner. Half of each is summed, since the factor 2 drops out of the mean. `law` is that
+        of the profile, P over the advance. Where neither P nor a^2 rises the mean is 0.
         """
 
         # at least four last digits of range, so that there is a mean
@@ -469,7 +470,8 @@ class PunchSuperposition:
         corner_advances = self.law.corner_advances
         number_of_corner_below = np.searchsorted(corner_advances, inner_advance, side="right") - 1
         next_corner_advance = np.append(corner_advances, np.inf)[number_of_corner_below + 1]
-        # half the rises of P and of a^2, from a corner on, up to the next one
+        # Half the rises of P and of a^2 from the inner advance up to the next corner. They are
+        # integrated over the root of the distance from the corner below: P is smooth in it.
         half_rise_of_load, half_rise_of_square = self._half_rises(
             inner_advance,
             np.minimum(next_corner_advance, end_advance),

@@ -619,7 +619,8 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
         uncertain inputs, dissipation of the finite elements, expected numbers, fit of the profile,
         notes, seconds of each stage, path of the page.
         """
-        report_content = whole_content(report, "", stages.seconds)  # that of comparison.json
+        # that of comparison.json; "": its command, which is not used here
+        report_content = whole_content(report, "", stages.seconds)
         solution_of_elements = report_content["result"]
         metrics: dict[str, Any] = {}
         for key, metric in report_content["metrics"].items():

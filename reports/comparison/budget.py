@@ -1220,12 +1220,17 @@ def _extrapolation_by_least_squares(refinement: Refinement, kind: _Kind) -> Extr
 
     `kind` is "monotone", "oscillating" or "diverging". The uncertainty of monotone values is at
     least the spread of the three finest, otherwise at least the spread of all. Values that are not
-    monotone have no limit: the value of the finest mesh stands for it. The safety factor is 1.25
-    for a plausible order, else 3. It is larger where the values scatter about the curve by more
-    than they change from mesh to mesh.
+    monotone have no limit: the value of the finest mesh stands for it.
+
+    Three terms are added: the error of the curve at the finest size times a safety factor, the
+    standard deviation of the values from the curve, and the distance of the finest value from it.
+    The safety factor is 1.25 for a plausible order, else 3. Where the standard deviation is no less
+    than the mean change from mesh to mesh, 3 times the quotient of the two is the factor instead,
+    on all three terms.
     """
-    # curve through the solutions: its `limit` at size zero, its value at the finest size, and the
-    # standard `deviation` of the solutions from it
+    # curve of the fitted order, if that lies between a quarter of the formal order and that order;
+    # else of the formal order, half of it or both: its `limit` at size zero, its value at the
+    # finest size, and the standard `deviation` of the solutions from it
     fit, order_in_words, order = _trusted_curve(refinement)
     finest_value = refinement.values[0]
     mean_change = refinement.spread / (len(refinement.values) - 1)  # between neighbouring meshes

@@ -138,7 +138,7 @@ def fit_residuals(scene: Scene, half_width: float) -> Plate | None:
     if fit is None:
         return None
     _, unit_of_length, _ = units(scene)
-    # the rows, and the fitted curve at each
+    # the rows, and the fitted curve at each; `spikes` are rows that the fit left out
     trace = _trace_of(scene, fit)
     panels = (
         _panel_of_trace(trace, unit_of_length),
@@ -151,7 +151,7 @@ def fit_residuals(scene: Scene, half_width: float) -> Plate | None:
         f"row - fit [{unit_of_length}]": trace.residuals,
         "fitted": trace.is_fitted.astype(float),
     }
-    # The arguments after `columns` fill the caption; `every`: one in so many rows is drawn.
+    # The arguments after `columns` fill the caption; `every`: one in so many fitted rows is drawn.
     return figure_with_texts(
         "profile_fit",
         panels,

@@ -107,7 +107,7 @@ class MeasuredRows:
 
         # notation: f coefficient of friction, Q tangential load, U relative tangential displacement
         """
-        # of the rows, highest minus lowest
+        # of the rows, highest minus lowest; the sizes stand in the order of the parameters
         range_of_displacement, range_of_load = self.ranges
         return np.array(
             [

@@ -471,6 +471,8 @@ def _sliding_loops(
         # the origin of U is arbitrary: the mean of the computed U becomes that of the measured one
         displacement_at_rows = np.interp(fit.share_of_cycle, SHARES_OF_CYCLE, displacement)
         displacement = displacement + float(np.mean(loop.displacement - displacement_at_rows))
+        # dU/dQ of the computed loop [1/stress], and its root mean square distance along U from the
+        # means of the measured rows [length]
         slope, distance = _slope_and_distance(loop, fit.share_of_cycle, displacement, load)
         table_row = LoopRow(
             name,
