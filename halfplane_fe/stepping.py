@@ -190,7 +190,8 @@ def increments_along(
         error_control = _ErrorControl(
             problem, tolerance, _SHORTEST_SHARE_FOR_ERROR * regular_duration
         )
-        # Instants still to be reached, the next one last: `end`, and before it those by halving.
+        # Instants still to be reached, the next one last: `end`, and before it those by halving and
+        # those at which slip ends.
         targets = [end]
         # bounded trials: by halving, and eight events of each node
         for _ in range(_MOST_TRIALS + _MOST_EVENTS_PER_NODE * len(problem.initial_gap)):
@@ -760,7 +761,8 @@ def _misses_event(
     problem: ContactProblem, start_state: InterfaceState, solved_state: InterfaceState, event: Event
 ) -> bool:
     """Whether an increment from `start_state` to `solved_state` misses the predicted `event`: a
-    node touches or lets go before the increment ends, or no node is at the event then.
+    node touches or lets go before the increment ends, or no node is at the predicted touch or
+    release then. For the event "regular" no node has to be at one.
 
     False of like bodies, where the prediction is exact: their pressure does not depend on shear
     (`interface.coupling` is None). A node is at an event if it has neither gap nor force, to 1e-9.

@@ -697,12 +697,12 @@ def _contact_by_theory(scene: Scene, normal_load: float, time: float, source: st
 
 
 def _tilt_or_moment_at(scene: Scene, time: float) -> dict[str, float]:
-    """The tilt [rad] or the moment [force] of the load path at a time, whichever the scene states,
-    by its key in the scene's load. Empty where the path has neither at that time, and after the
-    first cycle.
+    """The tilt [rad] or the moment [force] of the load path at a time, by the key "tilt" or
+    "moment" of a load. Empty where the path has neither at that time, and after the first cycle.
 
-    `load.has_bulk_or_tilt`: the load states bulk stress, tilt or moment. `moment_is_given`: it
-    states the moment, from which the tilt follows.
+    `load.has_bulk_or_tilt`: the load states bulk stress, tilt, moment or line of action.
+    `moment_is_given`: it states the moment, or the line of action from which the moment follows;
+    the tilt follows from the moment.
     """
     if not scene.load.has_bulk_or_tilt:
         return {}

@@ -535,7 +535,8 @@ def changes_of_theory(
     values (dissipation, largest pressure, ...).
 
     Where P and Q are given, without bulk stress and tilt on a symmetric profile, exact scaling laws
-    give most of the changes. Central differences give all others.
+    give most of the changes, and sizes of bodies other than radii of cylinders change nothing.
+    Central differences give all others.
 
     Parameters
     ----------
@@ -580,7 +581,8 @@ def _change_by_laws(
     values_at: Callable[[Scene], _ValueByName],
 ) -> _ChangeByInput:
     """How much one standard uncertainty of an input changes each value of half-plane theory: by a
-    scaling law where there is one for its key, else by central differences.
+    scaling law where there is one for its key, else by central differences. The changes by a size
+    of a body are 0, but for a radius.
 
     Parameters
     ----------
@@ -1106,8 +1108,8 @@ def draws_of_work(scene: Scene, reason: str) -> Draws | None:
     has_uncertain_compound_profile = isinstance(scene.profile, Compound) and any(
         uncertain_input.key.startswith("profile.") for uncertain_input in scene.inputs
     )
-    # N_DRAWS = 100,000 draws all at once, or N_FEW_DRAWS = 200 solved one by one.
-    # Other loads than ellipses are solved one by one, so are changed profiles of several parts.
+    # N_DRAWS = 100,000 draws, or N_FEW_DRAWS = 200 where a draw takes longer: of loads other than
+    # ellipses, which are solved one by one, and of changed profiles of several parts.
     n_draws = N_DRAWS if is_ellipse and not has_uncertain_compound_profile else N_FEW_DRAWS
     drawn_changes = drawn_changes_of(scene, n_draws)
     compute_values = values_of_ellipses if is_ellipse else values_one_by_one

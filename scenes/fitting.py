@@ -143,7 +143,8 @@ def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
     ------
     RowError
         For too few or too many points, x that descends, points that curve down, or points on one
-        side of the middle alone.
+        side of the middle alone. One side is enough for a middle that is known, if the nearest
+        point is within a tenth of the largest distance from it.
     """
     # Indices of points that may be spikes: first those far from their neighbours.
     candidate_rows = _spikes_of(x, h)
@@ -298,7 +299,7 @@ def _check_rows_of_fit(
     x: Array, h: Array, middle: float, middle_is_known: bool, last_row: int
 ) -> None:
     """Refuse measured points x, h (n,) to which no profile can be fitted: too few, all of one
-    height, or all on one side of the middle.
+    height, or all on one side of the middle (but for the case of `middle_is_known`).
 
     Parameters
     ----------
@@ -407,7 +408,8 @@ def _fit_of_rows(x: Array, h: Array, request: FitRequest) -> _FitOfRows:
     ------
     RowError
         For too few or too many points, x that descends, points that curve down, or points on one
-        side of the middle alone.
+        side of the middle alone. One side is enough for a middle that is known, if the nearest
+        point is within a tenth of the largest distance from it.
     """
     # Equal neighbours in x are allowed: a trace with few digits has several points at one x.
     RowError.refuse(np.diff(x) < 0, lambda row: f"x = {x[row]:.6g} does not ascend", 1)
@@ -489,8 +491,9 @@ def _fit_about(
     Raises
     ------
     RowError
-        For too few points, all of one height, on one side of the middle, or not curved upwards;
-        where the fitted middle is as far from the assumed one as the farthest point, to 2 %.
+        For too few points, all of one height, or not curved upwards. For points on one side of the
+        middle, unless it is known and the nearest lies within a tenth of the largest distance.
+        Where the fitted middle is as far from the assumed one as the farthest point, to 2 %.
     """
     is_within_extent = np.abs(x_of_all_rows - assumed_middle) <= (request.extent or math.inf)
     x = x_of_all_rows[is_within_extent]

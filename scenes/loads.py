@@ -384,9 +384,10 @@ class BulkAndTilt(Frozen, Generic[V]):
         """Two quantities over time beside P and Q, such as both bulk stresses: one segment for each
         load segment, over the same time.
 
-        Along the cycle they follow formulas of time, if the kind of load has them. Before, they are
-        straight lines between their values at the vertices of the load path; the last vertex is
-        where the formulas begin.
+        They follow formulas of time on the segments of the cycle, if the kind of load has formulas.
+        Functions of time that do not repeat have no cycle: their formulas hold from time 0 on. On
+        all other segments they are straight lines between their values at the vertices of the load
+        path. Where formulas follow, the last of these vertices is where they begin.
 
         Parameters
         ----------
@@ -406,8 +407,8 @@ class BulkAndTilt(Frozen, Generic[V]):
             values_at_cycle_start = curved_segments[0].loads(curved_segments[0].start)
 
         # P at the vertices, from 0 on, and the values of both quantities there. A list states them.
-        # A number or formula counts in proportion to P up to the cycle; on straight lines of the
-        # cycle a number holds at each vertex.
+        # A number or formula counts in proportion to P up to the cycle, or up to the begin of
+        # functions that do not repeat; on straight lines of the cycle a number holds at each vertex.
         end_loads = (float(segment.loads(segment.end)[0]) for segment in straight_load_segments)
         normal_loads = np.array([0.0, *end_loads])
         first_values, second_values = (
@@ -437,7 +438,8 @@ class BulkAndTilt(Frozen, Generic[V]):
         normal_loads
             (n,) P at the vertices, from 0 on
         value_at_cycle_start
-            value of the quantity at the last vertex, where the cycle begins
+            value of the quantity at the last vertex, where the cycle begins, or where functions
+            that do not repeat begin
 
         Raises
         ------
@@ -1325,9 +1327,10 @@ class TimeSeriesLoad(StraightLoad, FromFile):
     def series(self) -> NDArray[np.float64]:
         """Load series (n, 3) of time, P and Q: the rows that the load path goes through.
 
-        They are the rows of the record from the keys `start` to `end`, without noise at small
-        loads, with means over `average` rows each, and without the rows that `reduce` leaves out. A
-        record that starts loaded gets a row P = Q = 0 before.
+        They come from the rows of the record from the keys `start` to `end`. Where a least normal
+        load is stated, rows below it get Q = 0. Then means over `average` rows each take their
+        places, and `reduce` leaves some of these out. A record that starts loaded gets a row
+        P = Q = 0 before.
 
         Raises
         ------

@@ -1070,12 +1070,12 @@ def _values_over_time(request: Request, snapshot: Snapshot) -> dict[str, Array]:
     names of a ContactSolution [force per thickness, length].
 
     With bulk stress and tilt also these, and the moments of the tractions; edges are then those of
-    the tilted contact. `snapshot` has the friction states at the instants: P as `load`, Q as
-    `force`. A request holds its instants `time` (n,), the fields that it wants, and A/pi as
-    `unit_compliance`, A = 2/E*. Displacements that were not asked for are NaN, and so are the edges
-    of no stick zone. Under a flat face the stick zone is no narrower than the flat, at the very
-    limit |Q| = f P too. `bulk_tilt_path` is the tilted contact with its loads, None without bulk
-    stress and tilt.
+    the tilted contact. `snapshot` has the friction states at the instants: P as `load`; as `force`
+    Q, or a load in its place where bulk strain alone shears the contact. A request holds its
+    instants `time` (n,), the fields that it wants, and A/pi as `unit_compliance`, A = 2/E*.
+    Displacements that were not asked for are NaN, and so are the edges of no stick zone. Under a
+    flat face the stick zone is no narrower than the flat, at the very limit |Q| = f P too.
+    `bulk_tilt_path` is the tilted contact with its loads, None without bulk stress and tilt.
 
     Raises
     ------
@@ -1127,11 +1127,11 @@ def _values_with_bulk_and_tilt(
     stresses, tilt, moments of pressure and of shear, half-width, Q and approach (n,), edges (n, 2).
 
     `values` are those of a contact centred at x = 0. `snapshot` has the friction states: P as
-    `load`, Q as `force`, P - P_c of the slip zones, P_c the load at the stick edge. A centre is the
-    middle of a contact or stick zone, NaN half-widths are those of no stick zone. The memory curve
-    is the tangential force, or the bulk strain, locked in up to each load. `tangential_fraction` is
-    the rise of Q over that of the load in which the curve is written, 1 or 0. `bulk_tilt_path`
-    gives loads and edges over time.
+    `load`, P - P_c of the slip zones, P_c the load at the stick edge. Its `force` is Q, or a load
+    in its place where bulk strain alone shears the contact. `tangential_fraction`, 1 or 0, is the
+    rise of Q over that of `force`. A centre is the middle of a contact or stick zone, NaN
+    half-widths are those of no stick zone. The memory curve is the tangential force, or the bulk
+    strain, locked in up to each load. `bulk_tilt_path` gives loads and edges over time.
     """
     tilted_contact = bulk_tilt_path.contact
     tilted_values = bulk_tilt_path.values_over_time(request.time, snapshot.load)

@@ -1234,9 +1234,10 @@ class PointFields:
     def _traction_of_curvature(
         self, half_width: Array, curvature: Array, fourth_coefficient: Array
     ) -> Array:
-        """Traction at the k points that makes the displacement C x^2/2 + D x^4/24 inside contacts
-        of `half_width`, (n, k) [stress]; 0 outside the contact. The traction is the pressure where
-        this displacement is that of the gap, and the shear where it is along the faces.
+        """Traction at the k points that C x^2/2 + D x^4/24 adds inside contacts of `half_width`,
+        (n, k) [stress]; 0 outside the contact. Added to the gap, these terms make pressure, as an
+        added indenter of that shape does. Added to the displacement along the faces, they make
+        shear. Up to a constant, the traction takes them back: half-planes displace by the opposite.
 
         C is `curvature` (n,) and D `fourth_coefficient` (n,), one of each per contact.
         """

@@ -1045,32 +1045,35 @@ class KernelIntegrals:
         self, pieces_and_edge_loads: Sequence[tuple[CurvePart, Array]]
     ) -> list[Array | float]:
         """What the curvature of pieces of memory curves adds to the integral of M' K d eta: (n, k)
-        at k points, or 0, for each pair of a piece and loads (n,). It is part of the shear, slip or
-        displacement at the points.
+        at k points for each pair of a piece and loads (n,). It is part of the shear, slip or
+        displacement at the points. 0 for a straight piece; (n, 1) for the displacement along an
+        arc, which is the same at all points.
 
         The memory curve M(eta) is the tangential force that the flat punches up to the load eta
         carry. K is the kernel: shear, slip or displacement by a unit load on a punch. M' is a
         constant slope, which is integrated elsewhere, plus a remainder that is integrated here,
-        from the lower end of the piece to the load at the stick edge. For a parabola the remainder
-        is 2 `bend` eta. A piece on a curved segment of the load path, an arc, has the slope 0: the
-        remainder is M', and M' d eta is dQ along the segment. Pieces cut from one arc begin at the
-        same instant of it, and are integrated together.
+        from the lower end of the piece to each load. For a parabola the remainder is 2 `bend` eta,
+        for a straight line 0. A piece on a curved segment of the load path, an arc, has the slope
+        0: the remainder is M', and M' d eta is dQ along the segment. Pieces cut from one arc begin
+        at the same instant of it, and are integrated together.
 
         Parameters
         ----------
         pieces_and_edge_loads
-            pairs of a piece and the loads (n,) at the stick edge, up to which it counts
+            pairs of a piece and the loads (n,) up to which it counts: those at the stick edge if it
+            is the uppermost piece that sticks, else its top load
         """
         # Parabolas by the first moment of the kernel, int eta K d eta; arcs are collected first.
         integrals: list[Array | float] = [0.0] * len(pieces_and_edge_loads)
         pieces_of_arc: dict[tuple[int, float, float], list[tuple[int, Piece]]] = {}
-        for pair_number, (piece, stick_edge_load) in enumerate(pieces_and_edge_loads):
-            # anchor: instant at the end of the arc; arc: times of its ends on the load segment.
+        for pair_number, (piece, upper_load) in enumerate(pieces_and_edge_loads):
+            # anchor: instant at the end of the arc before any of it was cut off; arc: times of the
+            # ends of what is left, on the load segment.
             if isinstance(piece, Piece) and piece.arc is not None:
                 arc_key = (id(piece.anchor.segment), piece.arc[0], piece.anchor.time)
                 pieces_of_arc.setdefault(arc_key, []).append((pair_number, piece))
             elif piece.bend:
-                moment_change = self.moment(1, stick_edge_load) - self.moment(
+                moment_change = self.moment(1, upper_load) - self.moment(
                     1, np.array([piece.bottom_load])
                 )
                 integrals[pair_number] = 2 * piece.bend * moment_change
@@ -1078,16 +1081,16 @@ class KernelIntegrals:
             _, piece = numbered_pieces[0]
             if arc_key not in self._arcs:
                 self._arcs[arc_key] = piece, ArcIntegrals(self.contact, self.kernel, piece, self.x)
-            stick_edge_loads = [
+            upper_loads = [
                 pieces_and_edge_loads[pair_number][1] for pair_number, _ in numbered_pieces
             ]
-            # Times at which P was the load at the stick edge, for all pieces of the arc at once.
-            times_at_stick_edge = time_of_load_on_arc(piece, np.concatenate(stick_edge_loads))
-            split_positions = np.cumsum(
-                [len(loads_of_piece) for loads_of_piece in stick_edge_loads]
-            )[:-1]
+            # Times at which P was the load up to which a piece counts, for all pieces of the arc.
+            times_at_upper_load = time_of_load_on_arc(piece, np.concatenate(upper_loads))
+            split_positions = np.cumsum([len(loads_of_piece) for loads_of_piece in upper_loads])[
+                :-1
+            ]
             arc_integrals = np.split(
-                self._arcs[arc_key][1].up_to(times_at_stick_edge), split_positions
+                self._arcs[arc_key][1].up_to(times_at_upper_load), split_positions
             )
             for (pair_number, _), arc_integral in zip(numbered_pieces, arc_integrals, strict=True):
                 integrals[pair_number] = arc_integral

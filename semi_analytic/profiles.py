@@ -1114,9 +1114,9 @@ def _sums_over_all_knots(knot_sums: _KnotSums, knot_of_interval: Array, distance
     A knot is a half-width at which the curvature of the profile jumps. Over knots that are farther
     below a range of half-widths than it is long the sums are smooth: one Chebyshev series serves
     for the range. It is halved, and each half adds knots farther below than it is long itself. So
-    the time grows as the number of knots, not as its square. Near knots of the last, short ranges
-    are summed one by one. A group is a row of neighbouring intervals, from index `first` to before
-    `stop`, with the series of its far knots.
+    the time grows about as m log m with the number m of knots, not as its square. Near knots of the
+    last, short ranges are summed one by one. A group is a row of neighbouring intervals, from index
+    `first` to before `stop`, with the series of its far knots.
 
     Parameters
     ----------

@@ -465,13 +465,15 @@ class PunchSuperposition:
         of the profile, P over the advance. Where neither P nor a^2 rises the mean is 0.
         """
 
-        # at least four last digits of range, so that there is a mean
+        # A range of at least four last digits of the inner advance, so that there is a mean. At
+        # advance 0 this adds nothing: an empty range gets the mean 0 below.
         end_advance = np.maximum(outer_advance, inner_advance * (1 + 4 * _EPS))
         corner_advances = self.law.corner_advances
         number_of_corner_below = np.searchsorted(corner_advances, inner_advance, side="right") - 1
         next_corner_advance = np.append(corner_advances, np.inf)[number_of_corner_below + 1]
-        # Half the rises of P and of a^2 from the inner advance up to the next corner. They are
-        # integrated over the root of the distance from the corner below: P is smooth in it.
+        # Half the rises of P and of a^2 from the inner advance up to the next corner, or to the
+        # outer advance if no corner lies between. They are integrated over the root of the distance
+        # from the corner below: P is smooth in it.
         half_rise_of_load, half_rise_of_square = self._half_rises(
             inner_advance,
             np.minimum(next_corner_advance, end_advance),

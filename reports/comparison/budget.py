@@ -1224,16 +1224,18 @@ def _extrapolation_by_least_squares(refinement: Refinement, kind: _Kind) -> Extr
 
     Three terms are added: the error of the curve at the finest size times a safety factor, the
     standard deviation of the values from the curve, and the distance of the finest value from it.
-    The safety factor is 1.25 for a plausible order, else 3. Where the standard deviation is no less
-    than the mean change from mesh to mesh, 3 times the quotient of the two is the factor instead,
-    on all three terms.
+    The safety factor is 1.25 for a plausible order, else 3. The spread over the number of
+    refinements is the mean change from mesh to mesh, if the values are monotone. Where the standard
+    deviation is no less than it, 3 times the quotient of the two is the factor instead, on all
+    three terms.
     """
     # curve of the fitted order, if that lies between a quarter of the formal order and that order;
     # else of the formal order, half of it or both: its `limit` at size zero, its value at the
     # finest size, and the standard `deviation` of the solutions from it
     fit, order_in_words, order = _trusted_curve(refinement)
     finest_value = refinement.values[0]
-    mean_change = refinement.spread / (len(refinement.values) - 1)  # between neighbouring meshes
+    # between neighbouring meshes, of monotone values; taken for others too, which change by more
+    mean_change = refinement.spread / (len(refinement.values) - 1)
     residual_of_finest_value = abs(finest_value - fit.finest_value)
     error_of_finest_value = abs(fit.limit - fit.finest_value)
     safety_factor = _SAFETY_FACTOR if refinement.is_plausible(order) else _LARGE_SAFETY_FACTOR

@@ -172,8 +172,8 @@ class RigMotion:
 
     @cached_property
     def slip_of_middle(self) -> Array:
-        """Slip of the middle of the contact since the first instant, (k,) [length]: where it moves,
-        the bodies slide as a whole.
+        """Slip of the middle of the contact since the first instant, (k,) [length]. It changes
+        where the bodies slide as a whole, and where they are moved while apart.
         """
         middle_point = int(np.argmin(np.abs(self.solution.x)))
         slip = self.solution.slip[self.instants, middle_point]
@@ -330,7 +330,7 @@ def _over_time(rig_motion: RigMotion) -> Plate:
     """A figure of a rig over time in two panels. The upper one has Q between the limits of friction
     ±f P, on colours that show what the contact does. The lower one has the displacements of
     actuator and contact, and the slip of the middle of the contact since the first instant, with
-    its sign: it changes where the bodies slide as a whole.
+    its sign: it changes where the bodies slide as a whole, and where they are moved while apart.
 
     `rig_motion` holds time, loads, displacements and slip of the middle (k,) at the shown instants,
     and what the contact does (stick, partial slip, ...) with the times between which it does so.

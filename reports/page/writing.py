@@ -374,8 +374,8 @@ _CODE_OF_NO_NUMBER = -32768
 
 def _in_16_bits(values: Array) -> dict[str, Any]:
     """Numbers packed for the page's script: "data" holds them as 16-bit multiples of a "step",
-    little-endian, in base64. The largest magnitude is 32766 steps; the code of NaN and infinity is
-    -32768. Where all numbers are 0, the step is 1.
+    little-endian, in base64. The largest finite magnitude is 32766 steps; the code of NaN and
+    infinity is -32768. Where no number is finite, or all finite ones are 0, the step is 1.
 
     >>> _in_16_bits(np.array([0.0, 2.0, -1.0]))["step"] * 32766
     2.0

@@ -224,8 +224,9 @@ def _phrases_on_shape(discrepancy: Discrepancy) -> Iterator[str]:
 
 
 def _width_by_second_moment(discrepancy: Discrepancy, pressure: Array) -> float:
-    """Width of a pressure distribution (k, n): root of its second moment about its centre, over all
-    instants together [length]; 0 without pressure. Negative pressure counts as 0.
+    """Width of a pressure distribution (k, n) at k instants and n points: root of its second moment
+    over its sum [length]; 0 without pressure. Moment and sum are over all instants together, about
+    one centre for all of them. Negative pressure counts as 0.
     """
     # weight (k, n): of each instant and point in sums
     weighted_pressure = discrepancy.weight * np.maximum(pressure, 0.0)
