@@ -408,7 +408,7 @@ class BulkAndTilt(Frozen, Generic[V]):
 
         # P at the vertices, from 0 on, and the values of both quantities there. A list states them.
         # A number or formula counts in proportion to P up to the cycle, or up to the begin of
-        # functions that do not repeat; on straight lines of the cycle a number holds at each vertex.
+        # functions that do not repeat. On a cycle of straight lines a number holds at each vertex.
         end_loads = (float(segment.loads(segment.end)[0]) for segment in straight_load_segments)
         normal_loads = np.array([0.0, *end_loads])
         first_values, second_values = (
