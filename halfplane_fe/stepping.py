@@ -377,6 +377,8 @@ def _end_of_lost_slip(
     counted_slip = np.maximum(directions * (increment.state.slip - start_state.slip), 0.0)
     lost_slip = np.where(is_losing, np.maximum(slip.max(axis=0) - counted_slip, 0.0), 0.0)
     lost_work = problem.friction * start_state.pressure * lost_slip
+    if not lost_work.any():
+        return end
 
     # Near sliding all other sliding nodes lose slip in the same proportion.
     weighted_slip_by_q = np.where(
