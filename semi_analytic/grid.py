@@ -289,39 +289,54 @@ class Grid:
         dundurs_beta
             Dundurs' beta of unlike materials, by which pressure shears the faces apart
         """
-        ends_of_grids = np.atleast_2d(np.asarray(extent, dtype=float))
-        # The grids: x (g, k) are the middles of their cells.
-        self.is_single_grid = np.ndim(extent) == 1
-        self.cells = cells
-        self.modulus = modulus
         self.friction = friction
+        self.modulus = modulus
         self.dundurs_beta = dundurs_beta
+        self.is_single_grid = np.ndim(extent) == 1
+        self._place_cells(np.atleast_2d(np.asarray(extent, dtype=float)), cells)
+        self._unloaded_gap = height(self.x)
+        self._assemble_matrices()
+        self._set_untouched_state()
+
+    def _place_cells(self, ends_of_grids: Array, n_cells: int) -> None:
+        """Divide each grid into `n_cells` equal cells: their number, width and middles x (g, k).
+
+        `ends_of_grids` (g, 2) are the left and right ends of g grids of one length [length].
+        """
+        self.n_cells = n_cells
         self._length = float(ends_of_grids[0, 1] - ends_of_grids[0, 0])
-        self.cell_width = self._length / cells
-        self.x: Array = ends_of_grids[:, :1] + self.cell_width * (np.arange(cells) + 0.5)
+        self.cell_width = self._length / n_cells
+        self.x: Array = ends_of_grids[:, :1] + self.cell_width * (np.arange(n_cells) + 0.5)
+        self._cell_numbers = np.arange(n_cells)
 
-        # Change of the displacement U per Q if its datum moves from distance 1 to the grid's
-        # length.
-        self.datum_compliance = 2 / (math.pi * modulus) * math.log(self._length)
-        self._height = height(self.x)
-        self._cell_numbers = np.arange(cells)
+    def _assemble_matrices(self) -> None:
+        """Matrices of the k cells of any of the grids, (k, k) each, from E* (`modulus`) and
+        Dundurs' beta: compliance C, coupling D of unlike bodies, and the root M of the stiffness,
+        M^T M = C^-1.
 
-        # Their compliance matrix C (k, k); coupling D (k, k) of unlike bodies; M with M^T M = C^-1;
-        # and what was solved with them.
+        Also empty caches for what is solved with them, and `datum_compliance`: the change of the
+        displacement U per Q if its datum moves from distance 1 to the grid's length.
+        """
+        self.datum_compliance = 2 / (math.pi * self.modulus) * math.log(self._length)
         self._compliance = self.displacement_per_traction_at(self.x[0], 0)
         signs = np.sign(self._cell_numbers[:, None] - self._cell_numbers)
-        self._coupling = dundurs_beta / modulus * self.cell_width * signs
+        self._coupling = self.dundurs_beta / self.modulus * self.cell_width * signs
         cholesky_factor = scipy.linalg.cholesky(self._compliance, lower=True)
         self._root_of_stiffness: Array = scipy.linalg.solve_triangular(
-            cholesky_factor, np.eye(cells), lower=True
+            cholesky_factor, np.eye(self.n_cells), lower=True
         )
         self._stiffness_by_size: dict[int, CellStiffness] = {}
         self._normal_by_load: dict[tuple[float, float], NormalSolution] = {}
 
+    def _set_untouched_state(self) -> None:
+        """State of g grids of k cells before anything touches: no cells in contact, no shear q,
+        slip s and displacement U, no bulk strain.
+
+        The directions of slip are those of the last increment, +1, -1 or 0. U is stored against a
+        datum at the grid's length.
+        """
         # Number of increments whose newly touched cells were given no slip before the touch.
         self.increments_without_early_slip = 0
-        # The state they are in: cells in contact, q, s, U against a datum at the grid's length,
-        # bulk strain, and directions of slip in the last increment.
         no_cells = np.zeros(len(self.x), dtype=int)
         self._contact = ContactCells(no_cells, no_cells)
         self._shear: Array = np.zeros(self.x.shape)
@@ -401,55 +416,70 @@ class Grid:
         """
         # x (g, k): middles of the cells of g grids.
         unloaded_gap = gap_without_tilt + tilt * self.x
-        # Cells in contact before: number of the first, and how many, (g,) each.
+        # First guess: the cells in contact before; else five cells about the least gap.
         contact = self._contact
         if not contact.n_cells.all():
-            # First guess: five cells about the least gap.
             contact = ContactCells(
                 np.argmin(unloaded_gap, axis=1) - 2, np.full(len(unloaded_gap), 5)
             )
 
         # At most 200 iterations; begin: number of the first cell in contact on each grid.
         for _ in range(_MOST_ACTIVE_SET_ITERATIONS):
-            pressure = np.zeros(unloaded_gap.shape)
-            approach = np.zeros(len(unloaded_gap))
-            # C p = delta - unloaded gap over the cells in contact; the sum of p is P over the cell
-            # width.
-            # Grids with equally many cells in contact have one stiffness: traction_per_shift (m,)
-            # are the tractions that displace m cells by 1, total_per_shift their sum.
-            for n_cells in np.unique(contact.n_cells).tolist():
-                cell_stiffness = self._stiffness_of_cells(n_cells)
-                grids_of_size = np.flatnonzero(contact.n_cells == n_cells)
-                cells_in_contact = (
-                    grids_of_size[:, None],
-                    contact.begin[grids_of_size, None] + np.arange(n_cells),
-                )
-                approach[grids_of_size] = (
-                    normal_load / self.cell_width
-                    + unloaded_gap[cells_in_contact] @ cell_stiffness.traction_per_shift
-                ) / cell_stiffness.total_per_shift
-                pressure_by_gap = (
-                    unloaded_gap[cells_in_contact] @ cell_stiffness.root.T
-                ) @ cell_stiffness.root
-                pressure[cells_in_contact] = (
-                    approach[grids_of_size, None] * cell_stiffness.traction_per_shift
-                    - pressure_by_gap
-                )
+            pressure, approach = self._pressure_on_cells(contact, normal_load, unloaded_gap)
             # _compliance: C (k, k) of all cells.
             is_in_contact = self._contact_mask(contact)
             loaded_gap = unloaded_gap - approach[:, None] + pressure @ self._compliance
             is_touching = np.where(is_in_contact, pressure > 0, loaded_gap < 0)
             if np.array_equal(is_touching, is_in_contact):
                 break
-            # All cells from the first to the last that touches.
-            first_cell = np.argmax(is_touching, axis=1)
-            number_after_last_cell = self.cells - np.argmax(is_touching[:, ::-1], axis=1)
-            contact = ContactCells(first_cell, number_after_last_cell - first_cell)
+            contact = _cells_from_first_to_last(is_touching)
         else:
             raise ArithmeticError("the contact area does not converge")
-        if np.any(contact.begin == 0) or np.any(contact.end == self.cells):
+        if np.any(contact.begin == 0) or np.any(contact.end == self.n_cells):
             raise ArithmeticError("the contact meets the end of the grid")
         return NormalSolution(pressure, contact, approach)
+
+    def _pressure_on_cells(
+        self, contact: ContactCells, normal_load: float, unloaded_gap: Array
+    ) -> tuple[Array, Array]:
+        """Pressure p (g, k) and normal approach delta (g,) that close the gap over given cells in
+        contact of g grids under the load P. The pressure may come out as tension.
+
+        Over the cells in contact C p = delta - unloaded gap, with their compliance matrix C; the
+        sum of p is P over the cell width. p is 0 in all other cells.
+
+        Parameters
+        ----------
+        contact
+            cells in contact of each grid: number of the first (`begin`), and how many (`n_cells`)
+        normal_load
+            P [force per thickness]
+        unloaded_gap
+            (g, k) gap between the unloaded faces, tilt included [length]
+        """
+        pressure = np.zeros(unloaded_gap.shape)
+        approach = np.zeros(len(unloaded_gap))
+        # Grids with equally many cells in contact have one stiffness: traction_per_shift (m,) are
+        # the tractions that displace m cells by 1, total_per_shift is their sum, root is M with
+        # M^T M = C^-1.
+        for n_cells in np.unique(contact.n_cells).tolist():
+            cell_stiffness = self._stiffness_of_cells(n_cells)
+            grids_of_size = np.flatnonzero(contact.n_cells == n_cells)
+            cells_in_contact = (
+                grids_of_size[:, None],
+                contact.begin[grids_of_size, None] + np.arange(n_cells),
+            )
+            approach[grids_of_size] = (
+                normal_load / self.cell_width
+                + unloaded_gap[cells_in_contact] @ cell_stiffness.traction_per_shift
+            ) / cell_stiffness.total_per_shift
+            pressure_by_gap = (
+                unloaded_gap[cells_in_contact] @ cell_stiffness.root.T
+            ) @ cell_stiffness.root
+            pressure[cells_in_contact] = (
+                approach[grids_of_size, None] * cell_stiffness.traction_per_shift - pressure_by_gap
+            )
+        return pressure, approach
 
     def _solve_tangential(
         self,
@@ -541,8 +571,8 @@ class Grid:
         load, where the cells in contact are known. Which of them slide is found by an active set.
 
         q = q_0 - G v, with q_0 of full stick and the slip v of the increment. G is the stiffness of
-        the cells in contact. Matrices have the size of the largest contact: where a grid has fewer
-        cells in contact, open cells beside them are included and slip without friction.
+        the cells in contact. It is solved on blocks of cells, as many in each grid as the largest
+        contact has.
 
         Parameters
         ----------
@@ -566,66 +596,62 @@ class Grid:
         ArithmeticError
             Where all cells in contact slip, or the active set does not converge.
         """
-        # The cells that are solved for lie in the same number of columns in each grid.
-        is_in_contact = self._contact_mask(contact)[grids]
-        n_cells = int(contact.n_cells[grids].max())
-        cell_stiffness = self._stiffness_of_cells(n_cells)
-        first_column = np.minimum(contact.begin[grids], self.cells - n_cells)
-        columns = first_column[:, None] + np.arange(n_cells)
-        grid_rows = np.arange(len(grids))[:, None]
-        grids_and_columns = (grids[:, None], columns)
-
+        block = _BlockOfCells.around(contact, grids, self.n_cells)
+        cell_stiffness = self._stiffness_of_cells(block.n_cells)
         # Slip of the increment if there were neither shear nor U.
-        free_slip = (displacement - slip_at_begin)[grids_and_columns]
-        is_touching_in_columns = is_in_contact[grid_rows, columns]
-        limit_in_columns = np.where(is_touching_in_columns, friction_limit[grids_and_columns], 0.0)
+        free_slip = block.values_of(displacement - slip_at_begin)
 
-        # 1e-12 of the largest f p, for round-off.
-        tolerance = _ROUND_OFF_SHARE_OF_LIMIT * friction_limit.max()
-        # Of the stiffness: traction_per_shift are the tractions that displace all cells by 1,
-        # total_per_shift is their sum, matrix is G.
-        # q_0: by Q with the same displacement of all cells, and by what keeps each cell at its slip
-        # before the increment
-        shear_in_full_stick = (
+        # Active set: directions of slip, shear, and slip in the increment.
+        directions_in_block, shear_in_block, increment_slip = _sliding_cells(
+            cell_stiffness,
+            self._shear_in_full_stick(tangential_load, free_slip, cell_stiffness),
+            np.where(block.is_touching, block.values_of(friction_limit), 0.0),
+            block.is_touching,
+            _first_guess_of_directions(block, self._directions),
+            # 1e-12 of the largest f p, for round-off.
+            tolerance=_ROUND_OFF_SHARE_OF_LIMIT * friction_limit.max(),
+        )
+
+        # U from equilibrium: the sum of q is Q over the cell width. traction_per_shift are the
+        # tractions that displace all cells of the block by 1, total_per_shift is their sum.
+        rigid_displacement = (
+            tangential_load / self.cell_width
+            + (increment_slip - free_slip) @ cell_stiffness.traction_per_shift
+        ) / cell_stiffness.total_per_shift
+        # From the blocks to all cells; _compliance (k, k): displacements of the cells by unit
+        # tractions on them.
+        all_shear = block.on_all_cells(shear_in_block, self.n_cells)
+        all_directions = block.on_all_cells(directions_in_block, self.n_cells)
+        all_slip = rigid_displacement[:, None] + displacement[grids] - all_shear @ self._compliance
+        return TangentialSolution(all_shear, all_slip, all_directions, rigid_displacement)
+
+    def _shear_in_full_stick(
+        self, tangential_load: float, free_slip: Array, cell_stiffness: CellStiffness
+    ) -> Array:
+        """Shear q_0 of m cells side by side on each of n grids if no cell slid in an increment,
+        (n, m) [stress].
+
+        One part is that of Q with the same displacement of all cells. The other part keeps each
+        cell at its slip before the increment.
+
+        Parameters
+        ----------
+        tangential_load
+            Q at the end of the increment [force per thickness]
+        free_slip
+            (n, m) slip of the increment if there were neither shear nor U [length]
+        cell_stiffness
+            of m cells: `traction_per_shift` (m,), the tractions that displace all of them by 1, and
+            `total_per_shift`, their sum; `matrix` (m, m), by which equal displacements of all cells
+            make no traction
+        """
+        return np.asarray(
             tangential_load
             / self.cell_width
             / cell_stiffness.total_per_shift
             * cell_stiffness.traction_per_shift
             + free_slip @ cell_stiffness.matrix
         )
-
-        # First guess: cells slip as in the increment before, unless that leaves none that stick.
-        directions_in_columns = np.where(
-            is_touching_in_columns, self._directions[grids_and_columns], 0
-        )
-        directions_in_columns[
-            np.all((directions_in_columns != 0) | ~is_touching_in_columns, axis=1)
-        ] = 0
-
-        # Active set: directions of slip, shear, and slip in the increment.
-        directions_in_columns, shear_in_columns, slip_in_columns = _sliding_cells(
-            cell_stiffness,
-            shear_in_full_stick,
-            limit_in_columns,
-            is_touching_in_columns,
-            directions_in_columns,
-            tolerance,
-        )
-
-        # From these columns to all cells of the grids.
-        all_shear = np.zeros(is_in_contact.shape)
-        all_directions = np.zeros(is_in_contact.shape, dtype=int)
-        all_shear[grid_rows, columns] = shear_in_columns
-        all_directions[grid_rows, columns] = directions_in_columns
-
-        # U from equilibrium: the sum of q is Q over the cell width.
-        rigid_displacement = (
-            tangential_load / self.cell_width
-            + (slip_in_columns - free_slip) @ cell_stiffness.traction_per_shift
-        ) / cell_stiffness.total_per_shift
-        # _compliance (k, k): displacements of the cells by unit tractions on them.
-        all_slip = rigid_displacement[:, None] + displacement[grids] - all_shear @ self._compliance
-        return TangentialSolution(all_shear, all_slip, all_directions, rigid_displacement)
 
     def _step_to_loads(
         self, normal_load: float, tangential_load: float, strain: float, tilt: float
@@ -638,11 +664,6 @@ class Grid:
         from the shear, slip and cells in contact that are stored here. Where P is not positive
         nothing touches, and Q makes neither shear nor slip. Q still enters the field "displacement"
         by its datum, and the work of the loads.
-
-        U has two datums. The attribute `_displacement` stores U as it is solved for, against a
-        datum at the distance of the grid's length. The field "displacement" is U against a datum at
-        distance 1: that U minus `datum_compliance` Q. The field "approach" is likewise the solved
-        one minus `datum_compliance` P.
 
         Parameters
         ----------
@@ -658,64 +679,103 @@ class Grid:
             grid.
         """
         displacement_by_strain: Array = -strain * self.x  # of the faces, without shear, (g, k)
-        # Solutions: pressure, cells in contact and approach; shear, slip, its directions and U.
-        if normal_load <= 0:
-            normal_solution, tangential_solution = self._solution_without_contact(
-                displacement_by_strain
-            )
-        # Without coupling the normal solution depends on P and alpha only: it is kept for the next
-        # cycle.
-        elif not self.dundurs_beta:
-            if (normal_load, tilt) not in self._normal_by_load:
-                self._normal_by_load[normal_load, tilt] = self._solve_normal(
-                    normal_load, tilt, self._height
-                )
-            normal_solution = self._normal_by_load[normal_load, tilt]
-            cells_before = self._contact
-            self._contact = normal_solution.contact
-            tangential_solution = self._solve_tangential(
-                tangential_load,
-                displacement_by_strain,
-                self.friction * normal_solution.pressure,
-                cells_before,
-            )
-        else:
-            normal_solution, tangential_solution = self._solve_in_turn(
-                normal_load, tangential_load, tilt, displacement_by_strain
-            )
-        shear, slip, slip_directions, displacement_in_grid = tangential_solution
-
-        # Mean shear times the slip of the increment; then open, stick or slip of each cell.
-        work_per_area = (self._shear + shear) * (slip - self.slip) / 2
-        # _STATES_BY_DIRECTION: stick, forward and reverse slip for the directions 0, 1 and -1.
-        state_in_contact = _STATES_BY_DIRECTION[slip_directions]
-        contact_state = np.where(self._contact_mask(self._contact), state_in_contact, OPEN).astype(
-            np.int8
+        normal_solution, tangential_solution = self._solve_under_loads(
+            normal_load, tangential_load, tilt, displacement_by_strain
         )
-        fields: dict[str, Any] = {
-            "loads": np.array([normal_load, tangential_load, strain, tilt]),
-            "pressure": normal_solution.pressure,
-            "shear": shear,
-            "slip": slip,
-            "state": contact_state,
-            "approach": normal_solution.approach - self.datum_compliance * normal_load,
-            "displacement": displacement_in_grid - self.datum_compliance * tangential_load,
-            "moment": self.cell_width * np.sum(self.x * normal_solution.pressure, axis=1),
-            "shear_moment": self.cell_width * np.sum(self.x * shear, axis=1),
-            "density": work_per_area,
-            "work": self.cell_width * np.sum(work_per_area, axis=1),
-        }
+        loads = np.array([normal_load, tangential_load, strain, tilt])
+        fields = self._fields_at_end(loads, normal_solution, tangential_solution)
 
         # Work of the loads in the increment, Q dU - m_q d eps, to compare the friction work with.
         # _last_fields: fields at the end of the increment before, None before the first.
         fields["work_of_loads"] = _work_of_loads_between(self._last_fields or fields, fields)
-        self._shear = shear
-        self.slip = slip
-        self._displacement = displacement_in_grid
+        self._shear = tangential_solution.shear
+        self.slip = tangential_solution.slip
+        self._displacement = tangential_solution.displacement
         self._strain = strain
-        self._directions = slip_directions
+        self._directions = tangential_solution.directions
         self._last_fields = fields
         return fields
+
+    def _solve_under_loads(
+        self, normal_load: float, tangential_load: float, tilt: float, displacement_by_strain: Array
+    ) -> tuple[NormalSolution, TangentialSolution]:
+        """Normal and tangential solution of all grids at the end of an increment: apart where P is
+        not positive; normal, then tangential for like bodies; both in turn for unlike ones.
+
+        The new cells in contact are stored in the grid. Without coupling the normal solution
+        depends on P and the tilt only: it is cached for the next cycle.
+
+        Parameters
+        ----------
+        normal_load, tangential_load, tilt
+            P and Q [force per thickness] and the tilt alpha at the end of the increment
+        displacement_by_strain
+            tangential displacement of the faces by bulk strain, (g, k) for g grids of k cells
+            [length]
+
+        Raises
+        ------
+        ArithmeticError
+            Where the solution does not converge, all cells slip, or the contact meets the end of
+            the grid.
+        """
+        if normal_load <= 0:
+            return self._solution_without_contact(displacement_by_strain)
+        if self.dundurs_beta:
+            return self._solve_in_turn(normal_load, tangential_load, tilt, displacement_by_strain)
+        if (normal_load, tilt) not in self._normal_by_load:
+            self._normal_by_load[normal_load, tilt] = self._solve_normal(
+                normal_load, tilt, self._unloaded_gap
+            )
+        normal_solution = self._normal_by_load[normal_load, tilt]
+        cells_before = self._contact
+        self._contact = normal_solution.contact
+        tangential_solution = self._solve_tangential(
+            tangential_load,
+            displacement_by_strain,
+            self.friction * normal_solution.pressure,
+            cells_before,
+        )
+        return normal_solution, tangential_solution
+
+    def _fields_at_end(
+        self,
+        loads: Array,
+        normal_solution: NormalSolution,
+        tangential_solution: TangentialSolution,
+    ) -> dict[str, Any]:
+        """Fields at the end of an increment by their names in `GridFields`, but for the work of the
+        loads. The grids still have the shear and slip from before the increment.
+
+        `loads` (4,) are P, Q, bulk strain and tilt at the end. The solutions have pressure, shear,
+        slip and its directions, (g, k) each, and approach and U, (g,) each. These two are solved
+        against a datum at the distance of the grid's length. The fields "approach" and
+        "displacement" are against a datum at distance 1: the solved ones minus `datum_compliance`
+        P and `datum_compliance` Q.
+        """
+        normal_load, tangential_load, _, _ = loads.tolist()
+        pressure = normal_solution.pressure
+        shear = tangential_solution.shear
+        # Friction work: mean shear times the slip of the increment.
+        work_per_area = (self._shear + shear) * (tangential_solution.slip - self.slip) / 2
+        # _STATES_BY_DIRECTION: stick, forward and reverse slip for the directions 0, 1 and -1.
+        state_in_contact = _STATES_BY_DIRECTION[tangential_solution.directions]
+        contact_state = np.where(self._contact_mask(self._contact), state_in_contact, OPEN)
+        return {
+            "loads": loads,
+            "pressure": pressure,
+            "shear": shear,
+            "slip": tangential_solution.slip,
+            "state": contact_state.astype(np.int8),
+            "approach": normal_solution.approach - self.datum_compliance * normal_load,
+            "displacement": (
+                tangential_solution.displacement - self.datum_compliance * tangential_load
+            ),
+            "moment": self.cell_width * np.sum(self.x * pressure, axis=1),
+            "shear_moment": self.cell_width * np.sum(self.x * shear, axis=1),
+            "density": work_per_area,
+            "work": self.cell_width * np.sum(work_per_area, axis=1),
+        }
 
     def _solution_without_contact(
         self, displacement_by_strain: Array
@@ -768,8 +828,10 @@ class Grid:
             # _coupling (k, k): displacement of the faces, normal by shear and tangential by
             # pressure.
             gap_by_shear = shear_of_last_turn @ self._coupling.T
-            # _height: gap between the unloaded faces.
-            normal_solution = self._solve_normal(normal_load, tilt, self._height + gap_by_shear)
+            # _unloaded_gap: gap between the unloaded faces.
+            normal_solution = self._solve_normal(
+                normal_load, tilt, self._unloaded_gap + gap_by_shear
+            )
             self._contact = normal_solution.contact
             friction_limit = self.friction * normal_solution.pressure
             displacement_by_pressure = normal_solution.pressure @ self._coupling.T
@@ -826,8 +888,8 @@ class Grid:
         normal_load, tangential_load, strain, tilt = loads.tolist()
         # The cells of each grid take the slip at their middles.
         self.slip = np.stack([slip(x) for x in self.x])
-        # Cells in contact under these loads; _height: gap between the unloaded faces.
-        self._contact = self._solve_normal(normal_load, tilt, self._height).contact
+        # Cells in contact under these loads; _unloaded_gap: gap between the unloaded faces.
+        self._contact = self._solve_normal(normal_load, tilt, self._unloaded_gap).contact
         self._step_to_loads(normal_load, tangential_load, strain, tilt)
 
     def follow(self, loads: Array) -> GridFields:
@@ -863,6 +925,86 @@ class Grid:
         for name in fields.keys() - {"loads"}:
             fields[name] = fields[name][:, 0]
         return GridFields(self.x[0], self.cell_width, **fields)
+
+
+def _cells_from_first_to_last(is_touching: NDArray[np.bool_]) -> ContactCells:
+    """All cells from the first to the last that touches, on each of g grids.
+
+    `is_touching` (g, k) marks the cells that touch; at least one on each grid.
+    """
+    n_cells = is_touching.shape[1]
+    first_cell = np.argmax(is_touching, axis=1)
+    number_after_last_cell = n_cells - np.argmax(is_touching[:, ::-1], axis=1)
+    return ContactCells(first_cell, number_after_last_cell - first_cell)
+
+
+class _BlockOfCells(NamedTuple):
+    """Cells that a tangential problem is solved on: on each of n grids m cells side by side, the
+    cells in contact among them.
+
+    m is the number of cells of the largest contact, so that one stiffness serves all grids. Where a
+    grid has fewer cells in contact, open cells beside them are in the block. They slip without
+    friction.
+
+    Attributes
+    ----------
+    grids
+        (n,) numbers of the grids
+    columns
+        (n, m) numbers of the cells on each grid
+    is_touching
+        (n, m) whether the cell is in contact
+    """
+
+    grids: NDArray[np.intp]
+    columns: NDArray[np.intp]
+    is_touching: NDArray[np.bool_]
+
+    @classmethod
+    def around(
+        cls, contact: ContactCells, grids: NDArray[np.intp], n_cells_of_grid: int
+    ) -> _BlockOfCells:
+        """The block that holds the cells in contact of some grids, each of `n_cells_of_grid` cells.
+
+        `contact` has the first cell in contact of each grid and how many there are; `grids` (n,)
+        are the numbers of those grids that are solved.
+        """
+        n_cells = int(contact.n_cells[grids].max())
+        first_column = np.minimum(contact.begin[grids], n_cells_of_grid - n_cells)
+        columns = first_column[:, None] + np.arange(n_cells)
+        is_touching = (columns >= contact.begin[grids, None]) & (columns < contact.end[grids, None])
+        return cls(grids, columns, is_touching)
+
+    @property
+    def n_cells(self) -> int:
+        """Number m of cells of the block on each grid."""
+        return self.columns.shape[1]
+
+    def values_of(self, field_of_grids: NDArray[Any]) -> NDArray[Any]:
+        """Values of a field (g, k) on all cells of all grids in the cells of the block, (n, m)."""
+        return np.asarray(field_of_grids[self.grids[:, None], self.columns])
+
+    def on_all_cells(self, values: NDArray[Any], n_cells_of_grid: int) -> NDArray[Any]:
+        """Values (n, m) in the block spread to all `n_cells_of_grid` cells of its n grids; 0 in
+        cells outside the block.
+        """
+        all_values = np.zeros((len(self.grids), n_cells_of_grid), dtype=values.dtype)
+        np.put_along_axis(all_values, self.columns, values, axis=1)
+        return all_values
+
+
+def _first_guess_of_directions(
+    block: _BlockOfCells, directions_before: NDArray[np.intp]
+) -> NDArray[np.intp]:
+    """First guess of the directions of slip, +1, -1 or 0 (stick), in the m cells of a block on each
+    of n grids, (n, m): cells slip as in the increment before.
+
+    `directions_before` (g, k) are those on all cells of all grids. Where they would leave no cell
+    that sticks on a grid, all its cells stick; open cells have 0.
+    """
+    directions = np.where(block.is_touching, block.values_of(directions_before), 0)
+    directions[np.all((directions != 0) | ~block.is_touching, axis=1)] = 0
+    return directions
 
 
 def _sliding_cells(
@@ -1058,41 +1200,30 @@ class _PathInIncrements:
         end at instants that were asked for.
 
         Cycle -1 is the initial loading. Of the instants `time` (k,) those that fall into this cycle
-        are taken. Loads of a segment of the path are computed once, and stored by its times.
+        are taken. First touch stands for any instant before it.
         """
         # A LoadPath: segments of the initial loading and of a cycle, between turning points of the
         # loads; all cycles are like the first.
         path = self.loads.path
         is_initial_loading = cycle_number < 0
-        time_in_cycle = time - max(cycle_number, 0) * (path.period or 0.0)
         segments = path.initial_loading if is_initial_loading else path.cycle
+        time_in_cycle = _times_at_boundaries_made_exact(
+            time - max(cycle_number, 0) * (path.period or 0.0), segments[0].start, segments[-1].end
+        )
 
-        # By round-off an instant at the end of a cycle would lie in none, or in the next.
-        for boundary in (segments[0].start, segments[-1].end):
-            is_at_boundary = np.isclose(time_in_cycle, boundary, rtol=_ROUND_OFF_OF_TIME, atol=0)
-            time_in_cycle = np.where(is_at_boundary, boundary, time_in_cycle)
-
-        # Times of the ends of the increments, (n,) for each segment.
+        # Times of the ends of the increments, (n,) for each segment; then P, Q, bulk strain and
+        # tilt at these times, (n, 4) for each.
         times_of_segments = [
             self._increment_times(segment, segment_number, is_initial_loading, time_in_cycle)
             for segment_number, segment in enumerate(segments)
         ]
-
-        # P, Q, bulk strain and tilt at these times, (n, 4) for each segment.
-        loads_of_segments = []
-        for times_of_segment in times_of_segments:
-            # Loads at times that were met before are taken from the store.
-            key_of_times = times_of_segment.tobytes()
-            if key_of_times not in self._loads_by_times:
-                self._loads_by_times[key_of_times] = self.loads.loads_in_segment(times_of_segment).T
-            loads_of_segments.append(self._loads_by_times[key_of_times])
-        all_times = np.concatenate(times_of_segments)
+        loads_of_segments = [self._loads_at(times) for times in times_of_segments]
 
         # The start of a cycle is the end of the one before.
         is_after_start = (time_in_cycle > segments[0].start) | is_initial_loading
         instant_numbers = np.flatnonzero((time_in_cycle <= segments[-1].end) & is_after_start)
-        # The increment that ends next to each instant; first touch stands for any instant before
-        # it.
+        # The increment whose end is nearest to each instant.
+        all_times = np.concatenate(times_of_segments)
         increment_numbers = [
             np.argmin(np.abs(all_times - max(instant, path.start)))
             for instant in time_in_cycle[instant_numbers]
@@ -1102,6 +1233,17 @@ class _PathInIncrements:
             np.array(increment_numbers, dtype=int),
             instant_numbers,
         )
+
+    def _loads_at(self, times: Array) -> Array:
+        """P, Q, bulk strain and tilt at times (n,) of one segment of the load path, (n, 4).
+
+        They are computed once and then cached by the times, since the segment returns in each
+        cycle.
+        """
+        key_of_times = times.tobytes()
+        if key_of_times not in self._loads_by_times:
+            self._loads_by_times[key_of_times] = self.loads.loads_in_segment(times).T
+        return self._loads_by_times[key_of_times]
 
     def _increment_times(
         self, segment: LoadSegment, segment_number: int, is_initial: bool, time_in_cycle: Array
@@ -1164,6 +1306,18 @@ class _PathInIncrements:
         return np.unique(np.concatenate([even_times, turning_times, asked_times]))
 
 
+def _times_at_boundaries_made_exact(time: Array, start: float, end: float) -> Array:
+    """Instants `time` (k,), with those that differ from the start or the end of a cycle by
+    round-off only (1e-12 of it) set to it.
+
+    Else an instant at the end of a cycle would lie in none, or in the next.
+    """
+    for boundary in (start, end):
+        is_at_boundary = np.isclose(time, boundary, rtol=_ROUND_OFF_OF_TIME, atol=0)
+        time = np.where(is_at_boundary, boundary, time)
+    return time
+
+
 @dataclass(eq=False)
 class _Answers:
     """What g grids find at n instants and m points, along cycles.
@@ -1180,11 +1334,11 @@ class _Answers:
         (4, n) P, Q, eps and alpha
     displacement, shear_moment
         (n,) U and m_q, means over the grids
-    stick_zones
+    most_stick_zones
         the largest number of stick zones at any instant
     slip_at_starts
         mean slip, as a function of x, where each cycle starts
-    increments
+    n_increments
         number of increments that were solved
     works
         (g, c) friction work of the c cycles
@@ -1204,9 +1358,9 @@ class _Answers:
     loads: Array
     displacement: Array
     shear_moment: Array
-    stick_zones: int = 1
+    most_stick_zones: int = 1
     slip_at_starts: list[Callable[[Array], Array]] = field(default_factory=list)
-    increments: int = 0
+    n_increments: int = 0
     works: Array = field(default_factory=lambda: np.empty(0))
     work: Array = field(default_factory=lambda: np.empty(0))
     work_of_loads: Array = field(default_factory=lambda: np.empty(0))
@@ -1264,8 +1418,8 @@ class _Answers:
         stride
             what each grid finds by itself is stored at every so many instants
         """
-        # Numbers of solved increments; then means over the grids at these instants.
-        self.increments += len(increments.loads)
+        # Number of solved increments; then means over the grids at these instants.
+        self.n_increments += len(increments.loads)
         self.loads[:, increments.instant_numbers] = fields.loads[increments.increment_numbers].T
         self.displacement[increments.instant_numbers] = np.mean(
             fields.displacement[increments.increment_numbers], axis=1
@@ -1282,12 +1436,35 @@ class _Answers:
             self.friction_ratio[instant_number] = np.mean(state_of_grids.friction_ratio, axis=0)
             self.slip[instant_number] = np.mean(state_of_grids.slip, axis=0)
             self.stick_edges[instant_number] = np.mean(state_of_grids.stick_edges, axis=0)
-            self.stick_zones = max(self.stick_zones, state_of_grids.stick_zones)
+            self.most_stick_zones = max(self.most_stick_zones, state_of_grids.most_stick_zones)
             if instant_number % stride == 0:
                 self.friction_ratio_by_grid[:, instant_number // stride] = (
                     state_of_grids.friction_ratio
                 )
                 self.slip_by_grid[:, instant_number // stride] = state_of_grids.slip
+
+    def store_last_cycle(
+        self, fields: GridFields, works_of_cycles: Sequence[Array], permanent_stick_edges: Array
+    ) -> None:
+        """Store the friction work of all cycles, and work, work per area and permanent stick zone
+        of the last one.
+
+        Parameters
+        ----------
+        fields
+            of the last cycle: `work_of_loads` (n, g) and `density` (n, g, k), the work of the loads
+            and the friction work per area in each of its n increments, on g grids of k cells
+        works_of_cycles
+            friction work of each cycle, (g,) each [energy per thickness]
+        permanent_stick_edges
+            (2,) outer edges of the cells that stick all through the last cycle, NaN without such
+            cells
+        """
+        self.works = np.array(works_of_cycles).T
+        self.work = works_of_cycles[-1]
+        self.work_of_loads = np.sum(fields.work_of_loads, axis=0)
+        self.density = np.sum(fields.density, axis=0)
+        self.permanent_stick_edges = permanent_stick_edges
 
 
 class _State(NamedTuple):
@@ -1298,72 +1475,103 @@ class _State(NamedTuple):
     friction_ratio: Array
     slip: Array
     stick_edges: Array
-    stick_zones: int
+    most_stick_zones: int
 
 
-def _state_at(grid: Grid, fields: GridFields, instant: int, x: Array, compliance: Array) -> _State:
-    """Shear, slip and stick zones of g grids at one instant: q/(f p) and slip s at points x (m,),
-    (g, m) each, the outer edges of stick (g, 2), and the largest number of stick zones of a grid,
-    at least 1.
+def _state_at(
+    grid: Grid, fields: GridFields, increment_number: int, x: Array, compliance: Array
+) -> _State:
+    """Shear, slip and stick zones of g grids at the end of one increment: q/(f p) and slip s at
+    points x (m,), (g, m) each, the outer edges of stick (g, 2), and the largest number of stick
+    zones of a grid, at least 1.
 
-    q/(f p) is interpolated between cells, 0 without contact; slip follows from all tractions. A
-    cell that sticks at the edge of contact sticks up to that edge, wherever it lies in the cell:
-    edge +-inf. Edges are NaN where nothing sticks.
+    q/(f p) is interpolated between cells, 0 without contact; slip follows from all tractions. Edges
+    are NaN where nothing sticks.
 
     Parameters
     ----------
     grid
         the g grids; x (g, k) are the middles of their cells
     fields
-        tractions of the cells and their state of contact (open, stick or slip), at all increments
-    instant
+        tractions of the cells and their state of contact (open, stick or slip), at the ends of all
+        increments
+    increment_number
         number of the increment
+    x
+        (m,) points
     compliance
         (g, m, k) displacements at the points by unit tractions on the k cells of each grid
     """
     n_grids = len(grid.x)
-    # Of an increment: Q and bulk strain.
-    _, tangential_load, strain, _ = fields.loads[instant]
-    # U against the datum of the compliance, at the grid's length; datum_compliance: change of U per
-    # Q if the datum moves there from 1.
-    displacement = fields.displacement[instant] + grid.datum_compliance * tangential_load
-
-    # By the shear of all cells, (g, m).
-    displacement_by_shear = np.matmul(compliance, fields.shear[instant][..., None])[..., 0]
-    slip = displacement[:, None] - strain * x - displacement_by_shear
     friction_ratio = np.zeros((n_grids, len(x)))
     stick_edges = np.full((n_grids, 2), np.nan)
-    n_stick_zones = 1
-    for grid_number, contact_states in enumerate(fields.state[instant]):
+    most_stick_zones = 1
+    for grid_number, contact_states in enumerate(fields.state[increment_number]):
         touching_cells = np.flatnonzero(contact_states != OPEN)
         if not len(touching_cells):
             continue
         cell_middles = grid.x[grid_number]
-        friction_limit = grid.friction * fields.pressure[instant, grid_number, touching_cells]
-        ratios_of_cells = fields.shear[instant, grid_number, touching_cells] / friction_limit
-        friction_ratio[grid_number] = np.interp(x, cell_middles[touching_cells], ratios_of_cells)
-        # Numbers of the first cell of each stick zone and of the cell behind its last, in turn.
-        sticks_in_padded_row = np.concatenate([[False], contact_states == STICK, [False]]).astype(
-            int
+        pressure = fields.pressure[increment_number, grid_number, touching_cells]
+        shear = fields.shear[increment_number, grid_number, touching_cells]
+        friction_ratio[grid_number] = np.interp(
+            x, cell_middles[touching_cells], shear / (grid.friction * pressure)
         )
-        ends_of_stick_zones = np.flatnonzero(np.diff(sticks_in_padded_row))
-        n_stick_zones = max(n_stick_zones, len(ends_of_stick_zones) // 2)
-        if len(ends_of_stick_zones):
-            first_sticking_cell = ends_of_stick_zones[0]
-            last_sticking_cell = ends_of_stick_zones[-1] - 1
-            # A cell that sticks at the edge of contact sticks up to it.
-            left_edge = (
-                -np.inf
-                if first_sticking_cell == touching_cells[0]
-                else cell_middles[first_sticking_cell] - grid.cell_width / 2
-            )
-            right_edge = (
-                np.inf
-                if last_sticking_cell == touching_cells[-1]
-                else cell_middles[last_sticking_cell] + grid.cell_width / 2
-            )
-            stick_edges[grid_number] = (left_edge, right_edge)
-    return _State(friction_ratio, slip, stick_edges, n_stick_zones)
+        stick_edges[grid_number], n_stick_zones = _stick_edges_and_zones(
+            contact_states, cell_middles, grid.cell_width
+        )
+        most_stick_zones = max(most_stick_zones, n_stick_zones)
+    slip = _slip_at_points(grid, fields, increment_number, x, compliance)
+    return _State(friction_ratio, slip, stick_edges, most_stick_zones)
+
+
+def _slip_at_points(
+    grid: Grid, fields: GridFields, increment_number: int, x: Array, compliance: Array
+) -> Array:
+    """Slip s = U - eps x - (displacement by the shear of all cells) at points x (m,), by each of g
+    grids at the end of one increment, (g, m) [length].
+
+    `fields` has P, Q, bulk strain eps and tilt as `loads` (n, 4), the displacement U (n, g) and the
+    shear (n, g, k) at the ends of n increments. `compliance` (g, m, k) are displacements at the
+    points by unit tractions on the k cells.
+    """
+    _, tangential_load, strain, _ = fields.loads[increment_number]
+    # U against the datum of the compliance, at the grid's length; datum_compliance: change of U per
+    # Q if the datum moves there from 1.
+    displacement = fields.displacement[increment_number] + grid.datum_compliance * tangential_load
+    displacement_by_shear = np.matmul(compliance, fields.shear[increment_number][..., None])[..., 0]
+    return np.asarray(displacement[:, None] - strain * x - displacement_by_shear)
+
+
+def _stick_edges_and_zones(
+    contact_states: NDArray[np.int8], cell_middles: Array, cell_width: float
+) -> tuple[tuple[float, float], int]:
+    """Left and right outer edge of stick on one grid [length], and the number of stick zones.
+
+    A cell that sticks at the edge of contact sticks up to that edge, wherever it lies in the cell:
+    edge -inf on the left, +inf on the right. Both edges are NaN where nothing sticks.
+
+    Parameters
+    ----------
+    contact_states
+        (k,) open, stick or slip of the k cells; at least one is not open
+    cell_middles, cell_width
+        (k,) middles x of the cells, and their width [length]
+    """
+    # Numbers of the first cell of each stick zone and of the cell behind its last, in turn.
+    sticks_in_padded_row = np.concatenate([[False], contact_states == STICK, [False]]).astype(int)
+    ends_of_stick_zones = np.flatnonzero(np.diff(sticks_in_padded_row))
+    if not len(ends_of_stick_zones):
+        return (math.nan, math.nan), 0
+    first_sticking_cell = ends_of_stick_zones[0]
+    last_sticking_cell = ends_of_stick_zones[-1] - 1
+    touching_cells = np.flatnonzero(contact_states != OPEN)
+    left_edge = cell_middles[first_sticking_cell] - cell_width / 2
+    if first_sticking_cell == touching_cells[0]:
+        left_edge = -math.inf
+    right_edge = cell_middles[last_sticking_cell] + cell_width / 2
+    if last_sticking_cell == touching_cells[-1]:
+        right_edge = math.inf
+    return (left_edge, right_edge), len(ends_of_stick_zones) // 2
 
 
 def _follow_cycles(
@@ -1391,9 +1599,9 @@ def _follow_cycles(
     cycle_numbers
         cycles to follow at most, -1 for the initial loading
     least_cycles
-        cycles to follow in any case
+        number of cycles to follow in any case
     stride
-        what each grid finds by itself is stored at every so many instants
+        what each grid finds by itself is stored at every `stride`-th instant
 
     Raises
     ------
@@ -1420,29 +1628,42 @@ def _follow_cycles(
         # wanted.
         increments = path.increments_of_cycle(cycle_number, time)
         slip_before = grid.slip
-        try:
-            fields = grid.follow(increments.loads)
-        except ArithmeticError as fault:
-            raise InputError(
-                f"load: half-plane theory takes grids for such bulk stress or tilt, and {fault} of"
-                f" cycle {cycle_number + 1}; finite elements may take the scene"
-            ) from fault
+        fields = _fields_of_cycle(grid, increments.loads, cycle_number)
         answers.store_cycle(grid, fields, increments, x, compliance, stride)
         if cycle_number >= 0 or not path.loads.path.cycle:
             works_of_cycles.append(np.sum(fields.work, axis=0))
-        # Steady: the mean work changes by less than 1e-6 of itself.
-        if len(works_of_cycles) >= max(least_cycles, 2):
-            work_change = abs(np.mean(works_of_cycles[-1] - works_of_cycles[-2]))
-            if work_change <= STEADY_WORK_SHARE * np.mean(works_of_cycles[-1]):
-                break
-
-    # Friction work of all cycles, (g, c), and quantities of the last one.
-    answers.works = np.array(works_of_cycles).T
-    answers.work = works_of_cycles[-1]
-    answers.work_of_loads = np.sum(fields.work_of_loads, axis=0)
-    answers.density = np.sum(fields.density, axis=0)
-    answers.permanent_stick_edges = _permanent_edges(grid, fields, slip_before)
+        if len(works_of_cycles) >= max(least_cycles, 2) and _last_cycle_repeats(works_of_cycles):
+            break
+    answers.store_last_cycle(fields, works_of_cycles, _permanent_edges(grid, fields, slip_before))
     return answers
+
+
+def _fields_of_cycle(grid: Grid, loads: Array, cycle_number: int) -> GridFields:
+    """Tractions, slip and work of the cells of g grids at the end of each of the n increments of a
+    cycle, by `loads` (n, 4): P, Q, bulk strain and tilt there. The grids are left at its end.
+
+    `cycle_number` is -1 for the initial loading. Where an increment does not converge, InputError
+    names the loads and the cycle.
+    """
+    try:
+        return grid.follow(loads)
+    except ArithmeticError as fault:
+        raise InputError(
+            f"load: half-plane theory takes grids for such bulk stress or tilt, and {fault} of"
+            f" cycle {cycle_number + 1}; finite elements may take the scene"
+        ) from fault
+
+
+def _last_cycle_repeats(works_of_cycles: Sequence[Array]) -> bool:
+    """Whether the friction work of the last cycle, in the mean over g grids, differs from that of
+    the cycle before by at most 1e-6 of itself: the steady state.
+
+    `works_of_cycles` has the work of each cycle, (g,) each [energy per thickness], two cycles or
+    more.
+    """
+    work_change = abs(np.mean(works_of_cycles[-1] - works_of_cycles[-2]))
+    # STEADY_WORK_SHARE: 1e-6.
+    return bool(work_change <= STEADY_WORK_SHARE * np.mean(works_of_cycles[-1]))
 
 
 def _permanent_edges(grid: Grid, fields: GridFields, slip_before: Array) -> Array:
@@ -1685,67 +1906,197 @@ def follow_on_grid(
     InputError
         Where an increment does not converge, as at the limit of gross sliding.
     """
-    # Refuse gross sliding and separation; then find the widest contact, which the grids must cover.
-    path = loads.path
-    require_admissible([*path.initial_loading, *path.cycle], friction)
+    require_admissible([*loads.path.initial_loading, *loads.path.cycle], friction)
+    setup = _setup_along_path(loads, contact, height, friction)
+    points_of_fields = x if request.pointwise else np.zeros(0)
+    runs = _run_coarse_and_fine(setup, loads, points_of_fields, time, request)
+    normal_contact = _exact_normal_contact(contact, runs.fine_answers.loads, x)
+    fields = _fields_at_points(runs, friction, normal_contact, request)
+    work = _work_on_grids(runs, x)
+    return _record_of_path(runs, normal_contact, fields, work, request.cells)
+
+
+def _record_of_path(
+    runs: _Runs,
+    normal_contact: _NormalContact,
+    fields: _FieldsAtPoints,
+    work: _WorkOnGrids,
+    n_cells: int,
+) -> PathOnGrids:
+    """The record of a load path that was followed on grids, from its parts.
+
+    The answers of the fine grids are the means over 16 grids. Stick edges are moved into the exact
+    contact.
+
+    Parameters
+    ----------
+    runs
+        answers of coarse and fine grids
+    normal_contact, fields
+        exact normal contact, and q, s, state, at n instants and k points
+    work
+        friction work of each cycle, and W(x) of the last, with their errors
+    n_cells
+        number of cells across the largest contact
+    """
+    fine_answers = runs.fine_answers
+    contact_edges = normal_contact.edges
+    return PathOnGrids(
+        time=runs.plan.time,
+        loads=fine_answers.loads,
+        moment=normal_contact.moment,
+        shear_moment=fine_answers.shear_moment,
+        displacement=fine_answers.displacement,
+        contact_edges=contact_edges,
+        stick_edges=np.clip(fine_answers.stick_edges, contact_edges[:, :1], contact_edges[:, 1:]),
+        pressure=normal_contact.pressure,
+        shear=fields.shear,
+        slip=fields.slip,
+        state=fields.state,
+        works=work.works,
+        loop_work=work.loop_work,
+        unsteady_work=work.unsteady_work,
+        steady_from=work.steady_from,
+        steady_tolerance=STEADY_WORK_SHARE,
+        density=work.density,
+        permanent_stick_edges=fine_answers.permanent_stick_edges,
+        permanent_stick_uncertainty=_change_of_permanent_stick(runs),
+        counts=_counts_of(runs, n_cells),
+        errors=work.errors | fields.errors,
+    )
+
+
+def _setup_along_path(
+    loads: PathLoads, contact: TiltedProfile, height: Callable[[Array], Array], friction: float
+) -> _GridSetup:
+    """What all grids along a load path have in common: the gap h(x) = `height`, f, E*, and the
+    leftmost and rightmost edge of contact of the path, which the grids must cover.
+
+    `loads` has P, Q, bulk strain and tilt along the path. `contact` is the profile, whose edges of
+    contact follow from P and tilt; its `intervals.compliance` is A = 2/E*.
+    """
     contact_edges = contact_edges_along(loads, contact)
-    setup = _GridSetup(
+    return _GridSetup(
         height=height,
         outermost_edges=(float(np.min(contact_edges)), float(np.max(contact_edges))),
         friction=friction,
         modulus=2 / contact.intervals.compliance,
     )
-    points_of_fields = x if request.pointwise else np.zeros(0)
 
-    # Coarse and fine grids along the path; the answers of the fine ones are the means over 16
-    # grids.
-    runs = _run_coarse_and_fine(setup, loads, points_of_fields, time, request)
-    fine_answers = runs.fine_answers
 
-    # Exact normal contact at the instants of the answer.
-    load, _, _, tilt = fine_answers.loads
-    contact_middle, half_width = contact.centre_and_half_width_under(load, tilt)
-    contact_edges = np.stack([contact_middle - half_width, contact_middle + half_width], axis=-1)
-    pressure = contact.pressure_over(x, contact_middle, half_width)
-    is_in_contact = (x >= contact_edges[:, :1]) & (x <= contact_edges[:, 1:])
-    friction_limit = friction * pressure
+class _NormalContact(NamedTuple):
+    """Exact normal contact at n instants and k points.
 
-    # Shear, slip and state at the points; NaN and open where they are not wanted.
-    fields = _FieldsAtPoints.nowhere_known(is_in_contact.shape)
-    if request.pointwise:
-        fields = _FieldsAtPoints.of_means(fine_answers, friction_limit, is_in_contact)
+    Attributes
+    ----------
+    edges
+        (n, 2) left and right edge of contact x [length]
+    moment
+        (n,) int x p dx [force]
+    pressure
+        (n, k) p at the points [stress], 0 outside the contact
+    is_in_contact
+        (n, k) whether the point lies between the edges
+    """
 
-    # Friction work of each cycle, W(x) of the last, and errors from coarse against fine grids.
+    edges: Array
+    moment: Array
+    pressure: Array
+    is_in_contact: NDArray[np.bool_]
+
+
+def _exact_normal_contact(contact: TiltedProfile, loads: Array, x: Array) -> _NormalContact:
+    """Edges of contact, moment and pressure at points x (k,) under the loads of n instants, without
+    any grid.
+
+    `contact` is the profile: normal contact under P and tilt. `loads` (4, n) are P, Q, bulk strain
+    and tilt at the instants; P and tilt alone count.
+    """
+    normal_load, _, _, tilt = loads
+    middle, half_width = contact.centre_and_half_width_under(normal_load, tilt)
+    edges = np.stack([middle - half_width, middle + half_width], axis=-1)
+    return _NormalContact(
+        edges=edges,
+        moment=contact.moment(middle, half_width, normal_load, tilt),
+        pressure=contact.pressure_over(x, middle, half_width),
+        is_in_contact=(x >= edges[:, :1]) & (x <= edges[:, 1:]),
+    )
+
+
+def _fields_at_points(
+    runs: _Runs, friction: float, normal_contact: _NormalContact, request: GridRequest
+) -> _FieldsAtPoints:
+    """Shear q, slip s and state at n instants and k points, the mean over the fine grids, with the
+    relative errors of q and s, by name.
+
+    They are NaN and open where no fields are wanted (`request.pointwise` is false). Errors are
+    estimated from the change between coarse and fine grids, but not where the last cycle alone is
+    wanted.
+
+    Parameters
+    ----------
+    runs
+        results of coarse and fine grids
+    friction
+        f
+    normal_contact
+        exact pressure, and which points are in contact, (n, k) each
+    request
+        `pointwise`, whether q, s and the state are wanted
+    """
+    if not request.pointwise:
+        return _FieldsAtPoints.nowhere_known(normal_contact.pressure.shape)
+    friction_limit = friction * normal_contact.pressure
+    fields = _FieldsAtPoints.of_means(
+        runs.fine_answers, friction_limit, normal_contact.is_in_contact
+    )
+    if runs.plan.is_last_cycle_alone:
+        return fields
+    return fields._replace(errors=_errors_of_fields(runs, friction_limit))
+
+
+class _WorkOnGrids(NamedTuple):
+    """Friction work of the cycles on grids.
+
+    Attributes
+    ----------
+    works
+        (c,) friction work of each cycle, the last by the fine grids [energy per thickness]
+    loop_work
+        closed integral of Q dU - m_q d eps of the last cycle
+    unsteady_work
+        estimated difference of the last cycle's work from the steady one; infinite after one cycle
+    steady_from
+        index of the first cycle that repeats the one before to 1e-6, None where there is none
+    density
+        (k,) W(x) of the last cycle at the points [energy per area]
+    errors
+        relative errors of W and W(x), by the names "dissipation" and "dissipation_density"
+    """
+
+    works: Array
+    loop_work: float
+    unsteady_work: float
+    steady_from: int | None
+    density: Array
+    errors: dict[str, float]
+
+
+def _work_on_grids(runs: _Runs, x: Array) -> _WorkOnGrids:
+    """Friction work of each cycle, and W(x) of the last one at points x (k,), as means over the
+    grids of `runs`; with errors by the change from coarse grids to fine ones, and what is missing
+    to the steady cycle.
+    """
+    # Whether the work is steady is judged by cycles that the same grids followed.
     works_of_cycles = runs.works_of_cycles()
-    density_of_grids = _work_density_at(runs.fine_grids, fine_answers, x)
-    errors = _errors_of_work(runs, density_of_grids, x)
-    if request.pointwise and not runs.is_last_cycle_alone:
-        errors |= _errors_of_fields(runs, friction_limit)
-
-    # Values of the fine grids; `unsteady_work` is an estimate of how far the last cycle's work is
-    # from the steady one.
-    return PathOnGrids(
-        time=runs.time,
-        loads=fine_answers.loads,
-        moment=contact.moment(contact_middle, half_width, load, tilt),
-        shear_moment=fine_answers.shear_moment,
-        displacement=fine_answers.displacement,
-        contact_edges=contact_edges,
-        stick_edges=np.clip(fine_answers.stick_edges, contact_edges[:, :1], contact_edges[:, 1:]),
-        pressure=pressure,
-        shear=fields.shear,
-        slip=fields.slip,
-        state=fields.state,
+    density_of_grids = _work_density_at(runs.fine_grids, runs.fine_answers, x)
+    return _WorkOnGrids(
         works=runs.works_with_last_by_fine_grids(),
-        loop_work=float(np.mean(fine_answers.work_of_loads)),
+        loop_work=float(np.mean(runs.fine_answers.work_of_loads)),
         unsteady_work=remainder_of(works_of_cycles.tolist()),
         steady_from=first_repeated_cycle(works_of_cycles, STEADY_WORK_SHARE),
-        steady_tolerance=STEADY_WORK_SHARE,
         density=np.mean(density_of_grids, axis=0),
-        permanent_stick_edges=fine_answers.permanent_stick_edges,
-        permanent_stick_uncertainty=_change_of_permanent_stick(runs),
-        counts=_counts_of(runs, request.cells),
-        errors=errors,
+        errors=_errors_of_work(runs, density_of_grids, x),
     )
 
 
@@ -1781,6 +2132,32 @@ class _GridSetup:
         return Grid(self.height, extents, cells + 5, self.friction, self.modulus)
 
 
+class _Plan(NamedTuple):
+    """Cycles that the fine grids follow, and instants of their results.
+
+    Attributes
+    ----------
+    time
+        (n,) instants of the results
+    stride
+        each grid by itself, and the coarse grids, have results at every `stride`-th instant: about
+        40 of them
+    cycle_numbers
+        cycles to follow, -1 for the initial loading
+    is_last_cycle_alone
+        whether the last cycle only is wanted
+    is_resumed
+        whether the fine grids start from the slip of the coarse ones and follow the last cycles
+        only
+    """
+
+    time: Array
+    stride: int
+    cycle_numbers: range
+    is_last_cycle_alone: bool
+    is_resumed: bool
+
+
 @dataclass(frozen=True, eq=False)
 class _Runs:
     """Results of coarse and fine grids along one load path; coarse ones have half as many cells and
@@ -1793,18 +2170,10 @@ class _Runs:
     fine_grids, fine_answers
         the fine grids in their state at the end, and their results
     coarse_grids, coarse_answers
-        the coarse grids that the fine ones are compared with, and their results
-    time
-        (n,) instants of the fine results
-    stride
-        each grid by itself, and the coarse ones, have results at every `stride`-th instant
-    cycle_numbers
-        cycles that the fine grids followed, -1 for the initial loading
-    is_last_cycle_alone
-        whether the last cycle only is wanted; the first grids are then the coarse ones
-    is_resumed
-        whether the fine grids took up the slip of the coarse ones and followed the last cycles
-        only
+        the coarse grids that the fine ones are compared with, and their results; those that went
+        first where the last cycle alone is wanted
+    plan
+        cycles that the fine grids followed, and instants of their results
     """
 
     first_answers: _Answers
@@ -1812,20 +2181,16 @@ class _Runs:
     fine_answers: _Answers
     coarse_grids: Grid
     coarse_answers: _Answers
-    time: Array
-    stride: int
-    cycle_numbers: range
-    is_last_cycle_alone: bool
-    is_resumed: bool
+    plan: _Plan
 
     def works_of_cycles(self) -> Array:
         """Friction work of each cycle from the first one on, the mean over the grids, (c,) [energy
         per thickness], with all cycles by the same grids.
 
         These are the fine grids, or the coarse ones where the fine grids followed the last cycles
-        only, `is_resumed`.
+        only, `plan.is_resumed`.
         """
-        answers_of_all_cycles = self.first_answers if self.is_resumed else self.fine_answers
+        answers_of_all_cycles = self.first_answers if self.plan.is_resumed else self.fine_answers
         return np.asarray(np.mean(answers_of_all_cycles.works, axis=0))
 
     def works_with_last_by_fine_grids(self) -> Array:
@@ -1833,10 +2198,10 @@ class _Runs:
         per thickness], with the last cycle by the fine grids in any case.
 
         Earlier cycles are by coarse grids where the fine grids followed the last cycles only,
-        `is_resumed`.
+        `plan.is_resumed`.
         """
         works_of_fine_grids = np.mean(self.fine_answers.works, axis=0)
-        if not self.is_resumed:
+        if not self.plan.is_resumed:
             return np.asarray(works_of_fine_grids)
         return np.append(self.works_of_cycles()[:-1], works_of_fine_grids[-1])
 
@@ -1869,59 +2234,30 @@ def _run_coarse_and_fine(
     InputError
         Where an increment does not converge.
     """
-    # path.cycle: segments of a cycle, empty without one; path.period: its duration or None;
-    # _PathInIncrements: the path in so many increments a cycle.
-    path = loads.path
-    increments_per_cycle = request.increments
-    coarse_path = _PathInIncrements(loads, increments_per_cycle // 2)
-    fine_path = _PathInIncrements(loads, increments_per_cycle)
-    coarse_cells = request.cells // 2
-    is_last_cycle_alone = request.steady and time is None and path.period is not None
-
-    # The coarse grid goes first: how many cycles are there?
-    fewest_cycles = cycles_needed(path, time)
-    most_cycles = max(request.most_cycles, fewest_cycles) if path.cycle else 0
-    shifts_of_first_grids = _GRID_SHIFTS if is_last_cycle_alone else _GRID_SHIFTS[:1]
+    # The path in so many increments a cycle; path.period: duration of a cycle, None without cycles.
+    coarse_path = _PathInIncrements(loads, request.increments // 2)
+    is_last_cycle_alone = request.steady and time is None and loads.path.period is not None
 
     # _GRID_SHIFTS: 16 shifts by fractions of a cell.
-    no_instants = np.zeros(0)
-    first_grids = setup.moved_grids(coarse_cells, shifts_of_first_grids)
-    first_answers = _follow_cycles(
-        first_grids, coarse_path, x, no_instants, range(-1, most_cycles), fewest_cycles
+    first_grids = setup.moved_grids(
+        request.cells // 2, _GRID_SHIFTS if is_last_cycle_alone else _GRID_SHIFTS[:1]
     )
-
-    # works (g, c): friction work of each cycle on each grid.
-    n_cycles = first_answers.works.shape[1]
-
-    # The fine grids follow all these cycles, or the last ones from the coarse grids' slip.
-    # _CYCLES_RESUMED: the last two cycles.
-    is_resumed = is_last_cycle_alone and n_cycles > _CYCLES_RESUMED
-    cycle_numbers = range(-1, n_cycles if path.cycle else 0)
-    if is_resumed:
-        cycle_numbers = range(n_cycles - _CYCLES_RESUMED, n_cycles)
-
-    # Instants of the answer, if none are given: about every second increment.
-    if time is None:
-        time = _default_times(path, n_cycles, increments_per_cycle, is_last_cycle_alone)
-    time = np.asarray(time, dtype=float)
-
-    # Grids by themselves are stored, and compared, at every so many instants.
-    # _INSTANTS_COMPARED: 40.
-    stride = max(len(time) // _INSTANTS_COMPARED, 1)
+    first_answers = _answers_of_first_grids(first_grids, coarse_path, x, time, request)
+    plan = _plan_of_fine_grids(loads.path, first_answers, time, request, is_last_cycle_alone)
     fine_grids = setup.moved_grids(request.cells, _GRID_SHIFTS)
-    if is_resumed:
-        loads_at_cycle_start = loads.loads_in_segment(np.array([path.cycle_start]))[:, 0]
-        fine_grids.resume(first_answers.slip_at_starts[cycle_numbers[0]], loads_at_cycle_start)
-    fine_answers = _follow_cycles(
-        fine_grids, fine_path, x, time, cycle_numbers, len(cycle_numbers), stride
-    )
+    fine_answers = _answers_of_fine_grids(fine_grids, loads, x, plan, first_answers, request)
 
     coarse_grids = first_grids
     coarse_answers = first_answers
     if not is_last_cycle_alone:
-        coarse_grids = setup.moved_grids(coarse_cells, _GRID_SHIFTS)
+        coarse_grids = setup.moved_grids(request.cells // 2, _GRID_SHIFTS)
         coarse_answers = _follow_cycles(
-            coarse_grids, coarse_path, x, time[::stride], cycle_numbers, len(cycle_numbers)
+            coarse_grids,
+            coarse_path,
+            x,
+            plan.time[:: plan.stride],
+            plan.cycle_numbers,
+            len(plan.cycle_numbers),
         )
     return _Runs(
         first_answers=first_answers,
@@ -1929,20 +2265,136 @@ def _run_coarse_and_fine(
         fine_answers=fine_answers,
         coarse_grids=coarse_grids,
         coarse_answers=coarse_answers,
-        time=time,
-        stride=stride,
-        cycle_numbers=cycle_numbers,
-        is_last_cycle_alone=is_last_cycle_alone,
-        is_resumed=is_resumed,
+        plan=plan,
+    )
+
+
+def _answers_of_first_grids(
+    grids: Grid, path: _PathInIncrements, x: Array, time: Array | None, request: GridRequest
+) -> _Answers:
+    """Friction work of each cycle on the coarse grids that go first, until the work is steady: they
+    find how many cycles there are. Nothing is stored at instants.
+
+    Parameters
+    ----------
+    grids
+        one coarse grid or 16, which nothing touches yet
+    path
+        the load path in increments, as many a cycle as coarse grids take
+    x
+        (m,) points at which q and s are wanted
+    time
+        (n,) instants of the results, which the cycles must reach; None if none are given
+    request
+        `most_cycles`, the largest number of cycles
+
+    Raises
+    ------
+    InputError
+        Where an increment does not converge.
+    """
+    load_path = path.loads.path
+    fewest_cycles = cycles_needed(load_path, time)
+    most_cycles = max(request.most_cycles, fewest_cycles) if load_path.cycle else 0
+    no_instants = np.zeros(0)
+    # Cycle -1 is the initial loading.
+    return _follow_cycles(grids, path, x, no_instants, range(-1, most_cycles), fewest_cycles)
+
+
+def _plan_of_fine_grids(
+    path: LoadPath,
+    first_answers: _Answers,
+    time: Array | None,
+    request: GridRequest,
+    is_last_cycle_alone: bool,
+) -> _Plan:
+    """Which cycles the fine grids follow, and at which instants they give results.
+
+    They follow all cycles that coarse grids found until the work was steady. Where the last cycle
+    alone is wanted (`is_last_cycle_alone`) and there are more than two, they follow the last two.
+
+    Parameters
+    ----------
+    path
+        the load path; `cycle` is empty without cycles
+    first_answers
+        of the coarse grids: `works` (g, c), friction work of each of c cycles on each grid
+    time
+        (n,) instants of the results; about every second increment if None
+    request
+        `increments`, the number of increments a cycle
+    is_last_cycle_alone
+        whether only results of the last cycle are wanted
+    """
+    n_cycles = first_answers.works.shape[1]
+    # _CYCLES_RESUMED: the last two cycles.
+    is_resumed = is_last_cycle_alone and n_cycles > _CYCLES_RESUMED
+    cycle_numbers = range(-1, n_cycles if path.cycle else 0)
+    if is_resumed:
+        cycle_numbers = range(n_cycles - _CYCLES_RESUMED, n_cycles)
+    if time is None:
+        time = _default_times(path, n_cycles, request.increments, is_last_cycle_alone)
+    time = np.asarray(time, dtype=float)
+    # _INSTANTS_COMPARED: 40.
+    stride = max(len(time) // _INSTANTS_COMPARED, 1)
+    return _Plan(time, stride, cycle_numbers, is_last_cycle_alone, is_resumed)
+
+
+def _answers_of_fine_grids(
+    fine_grids: Grid,
+    loads: PathLoads,
+    x: Array,
+    plan: _Plan,
+    first_answers: _Answers,
+    request: GridRequest,
+) -> _Answers:
+    """What the fine grids find along the cycles of a plan: from first touch, or from the mean slip
+    of the coarse grids where the first of these cycles begins (`plan.is_resumed`).
+
+    Parameters
+    ----------
+    fine_grids
+        16 grids, which nothing touches yet
+    loads
+        P, Q, bulk strain and tilt along the path; `path.cycle_start` is the time at which the first
+        cycle begins
+    x
+        (m,) points at which q and s are wanted
+    plan
+        cycles to follow, instants of the results, and the stride at which each grid is stored
+    first_answers
+        of the coarse grids: `slip_at_starts`, the slip as a function of x where each cycle begins
+    request
+        `increments`, the number of increments a cycle
+
+    Raises
+    ------
+    InputError
+        Where an increment does not converge.
+    """
+    if plan.is_resumed:
+        loads_at_cycle_start = loads.loads_in_segment(np.array([loads.path.cycle_start]))[:, 0]
+        fine_grids.resume(first_answers.slip_at_starts[plan.cycle_numbers[0]], loads_at_cycle_start)
+    return _follow_cycles(
+        fine_grids,
+        _PathInIncrements(loads, request.increments),
+        x,
+        plan.time,
+        plan.cycle_numbers,
+        len(plan.cycle_numbers),
+        plan.stride,
     )
 
 
 class _FieldsAtPoints(NamedTuple):
-    """q [stress], s [length] and the state at n instants and k points, (n, k) each."""
+    """q [stress], s [length] and the state at n instants and k points, (n, k) each; relative errors
+    of "shear" and "slip" by these names, empty where they are not estimated.
+    """
 
     shear: Array
     slip: Array
     state: NDArray[np.int8]
+    errors: dict[str, float]
 
     @classmethod
     def nowhere_known(cls, shape: tuple[int, ...]) -> _FieldsAtPoints:
@@ -1950,21 +2402,21 @@ class _FieldsAtPoints(NamedTuple):
         open.
         """
         not_a_number = np.full(shape, np.nan)
-        return cls(not_a_number, not_a_number, np.full(shape, OPEN, dtype=np.int8))
+        return cls(not_a_number, not_a_number, np.full(shape, OPEN, dtype=np.int8), {})
 
     @classmethod
     def of_means(
         cls, answers: _Answers, friction_limit: Array, is_in_contact: NDArray[np.bool_]
     ) -> _FieldsAtPoints:
         """Shear, slip and state of contact at n instants and k points from the means over the
-        grids. Shear is 0 outside the contact.
+        grids, without errors. Shear is 0 outside the contact.
 
         `answers` has the means: q/(f p) as `friction_ratio` and s as `slip`, (n, k) each.
         `friction_limit` (n, k) is f p. A point slips where |q| reaches f p.
         """
         friction_ratio = np.where(is_in_contact, answers.friction_ratio, 0.0)
         state = _states_of(friction_ratio, is_in_contact)
-        return cls(friction_limit * friction_ratio, answers.slip, state.astype(np.int8))
+        return cls(friction_limit * friction_ratio, answers.slip, state.astype(np.int8), {})
 
 
 def _errors_of_work(runs: _Runs, density_of_grids: Array, x: Array) -> dict[str, float]:
@@ -1991,9 +2443,10 @@ def _errors_of_fields(runs: _Runs, friction_limit: Array) -> dict[str, float]:
     coarse and fine grids.
 
     `runs` has the answers of both. Those of each of g grids by itself, (g, n', k), are at every
-    `stride`-th instant and at k points. `friction_limit` (n, k) is f p at all n instants [stress].
+    `plan.stride`-th instant and at k points. `friction_limit` (n, k) is f p at all n instants
+    [stress].
     """
-    limit_at_instants = friction_limit[:: runs.stride]
+    limit_at_instants = friction_limit[:: runs.plan.stride]
     fine_answers = runs.fine_answers
     coarse_answers = runs.coarse_answers
     # convergence_order: power of the cell width with which the error falls.
@@ -2020,28 +2473,28 @@ def _change_of_permanent_stick(runs: _Runs) -> float:
     return _SAFETY_OF_CHANGE * float(np.max(np.abs(fine_edges - coarse_edges)))
 
 
-def _counts_of(runs: _Runs, cells: int) -> dict[str, int]:
+def _counts_of(runs: _Runs, n_cells: int) -> dict[str, int]:
     """Numbers that describe the effort of a solution on grids, by name: grids, cells across the
     largest contact, increments, and zones that stick ("pieces").
 
     Where there are any, also cycles that coarse grids alone followed, and increments of the fine
     grids whose newly touched cells were given no slip before the touch, counted for each grid.
-    `runs` has the answers of coarse and fine grids; `cells` is the number of cells across the
+    `runs` has the answers of coarse and fine grids; `n_cells` is the number of cells across the
     largest contact.
     """
     # _GRID_SHIFTS: 16 shifts, one for each grid.
     counts = {
         "grids": 2 * len(_GRID_SHIFTS),
-        "cells": cells,
-        "increments": runs.first_answers.increments + runs.fine_answers.increments,
-        "pieces": runs.fine_answers.stick_zones,
+        "cells": n_cells,
+        "increments": runs.first_answers.n_increments + runs.fine_answers.n_increments,
+        "pieces": runs.fine_answers.most_stick_zones,
     }
     # Else the first answers are those of the coarse grids themselves.
-    if not runs.is_last_cycle_alone:
-        counts["increments"] += runs.coarse_answers.increments
+    if not runs.plan.is_last_cycle_alone:
+        counts["increments"] += runs.coarse_answers.n_increments
     # The fine grids followed only the last cycles; cycle_numbers[0]: index of the first of them.
-    if runs.is_resumed:
-        counts["cycles on coarse grids alone"] = runs.cycle_numbers[0]
+    if runs.plan.is_resumed:
+        counts["cycles on coarse grids alone"] = runs.plan.cycle_numbers[0]
     if runs.fine_grids.increments_without_early_slip:
         counts["increments without early slip"] = runs.fine_grids.increments_without_early_slip
     return counts
