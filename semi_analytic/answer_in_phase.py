@@ -145,9 +145,8 @@ def _instants_of_cycle(loads: PathLoads) -> tuple[Array, Array]:
         n_times = _INSTANTS_PER_CYCLE // len(segments) + 2
         even_times = np.linspace(segment.start, segment.end, n_times)[1:]
         times_of_segments.append(np.unique(np.append(even_times, loads.turning_times(segment))))
-    return np.concatenate(times_of_segments), np.concatenate(
-        [loads.loads_in_segment(time) for time in times_of_segments], axis=1
-    )
+    time = np.concatenate(times_of_segments)
+    return time, loads.loads_at(time)
 
 
 def _is_rising(time: Array, force: Array, period: float) -> NDArray[np.bool_]:

@@ -869,17 +869,42 @@ class PathLoads:
             tilt = self.contact.tilt_under(p, moment)
         return np.stack([p, q, eps, tilt])
 
+    def loads_at(self, time: Array) -> Array:
+        """P, Q [force per thickness], bulk strain eps and tilt alpha [rad] at any times (n,), as
+        rows of (4, n).
+
+        A time before the path counts as its start, one after a path without cycles as its end.
+        """
+        path = self.path
+        path_end = math.inf if path.period is not None else path.initial_loading[-1].end
+        times_in_path = np.clip(time, path.start, path_end)
+        loads = np.empty((4, len(times_in_path)))
+        for instant_numbers in self._instants_by_segment(times_in_path):
+            loads[:, instant_numbers] = self.loads_in_segment(times_in_path[instant_numbers])
+        return loads
+
     def bulk_stresses(self, time: Array) -> Array:
         """Bulk stress of the lower and of the upper body [stress], (2, n), for any times (n,)."""
         stresses = np.zeros((2, len(time)))
-        for instant_number, instant in enumerate(time.tolist()):
+        for instant_numbers in self._instants_by_segment(time):
+            times_in_segment = time[instant_numbers]
             # Times of a segment are those of the first cycle.
-            segment, duration_of_earlier_cycles = self._segment_at(instant)
-            if segment.bulk is not None:
-                stresses[:, instant_number] = segment.bulk.loads(
-                    instant - duration_of_earlier_cycles
-                )
+            segment, duration_of_earlier_cycles = self._segment_at(float(times_in_segment[0]))
+            stresses[:, instant_numbers] = _companion_loads(
+                segment.bulk, times_in_segment - duration_of_earlier_cycles
+            )
         return stresses
+
+    def _instants_by_segment(self, time: Array) -> list[list[int]]:
+        """Numbers of the times (n,) that lie in one segment of the load path and in one cycle, a
+        list for each such segment.
+        """
+        numbers_by_segment: dict[tuple[int, float], list[int]] = {}
+        for instant_number, instant in enumerate(time.tolist()):
+            segment, duration_of_earlier_cycles = self._segment_at(instant)
+            key_of_segment = (id(segment), duration_of_earlier_cycles)
+            numbers_by_segment.setdefault(key_of_segment, []).append(instant_number)
+        return list(numbers_by_segment.values())
 
     def turning_times(self, segment: LoadSegment) -> list[float]:
         """Times in a segment of the load path at which P, Q, bulk strain, tilt or moment turn, and

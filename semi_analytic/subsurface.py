@@ -431,14 +431,8 @@ def _contact_edges_at(scene: Scene, times: Array) -> Array:
     from P and the tilt then. A time outside the path counts as its start or end.
     """
     path_loads, profile = path_loads_and_contact(scene)
-    path = path_loads.path
-    path_end = math.inf if path.period is not None else path.initial_loading[-1].end
-    times_in_path = np.clip(times, path.start, path_end)
-    # P, Q, bulk strain and tilt (4, n); each time may lie in another segment.
-    loads = np.concatenate(
-        [path_loads.loads_in_segment(times_in_path[k : k + 1]) for k in range(len(times))], axis=1
-    )
-    centre, half_width = profile.centre_and_half_width_under(loads[0], loads[3])
+    normal_load, _, _, tilt = path_loads.loads_at(times)
+    centre, half_width = profile.centre_and_half_width_under(normal_load, tilt)
     return np.stack([centre - half_width, centre + half_width], axis=-1)
 
 

@@ -12,7 +12,7 @@ import semi_analytic
 from scenes import InputError, Scene, load_scene
 from semi_analytic import edge_tension, stress, subsurface
 from semi_analytic.answer_by_memory import memory_at
-from semi_analytic.bulk_and_tilt import path_loads_and_contact
+from semi_analytic.bulk_and_tilt import PathLoads, path_loads_and_contact
 from semi_analytic.quadrature import graded_nodes
 from semi_analytic.subsurface import (
     _answers_with_tractions,
@@ -329,6 +329,28 @@ def test_edges_of_contact_by_the_loads_are_those_of_the_solution():
     path = scene.load.path()
     before = subsurface._contact_edges_at(scene, np.array([path.start - 5.0, path.start]))
     assert np.array_equal(before[0], before[1])
+
+
+def test_loads_at_any_times_are_gathered_once_for_each_segment(monkeypatch):
+    """They were gathered one instant at a time."""
+    scene, answer = flat_pad_on_grids()
+    path_loads, _ = path_loads_and_contact(scene)
+    path = path_loads.path
+    in_order = answer.time[::7]
+    times = np.concatenate([in_order[::-1], [path.start - 5.0]])
+    calls = []
+    loads_in_segment = PathLoads.loads_in_segment
+    monkeypatch.setattr(
+        PathLoads,
+        "loads_in_segment",
+        lambda *given: calls.append(1) or loads_in_segment(*given),
+    )
+    loads = path_loads.loads_at(times)
+    # each cycle and each segment of the initial loading, and the ends that two of them share
+    assert len(calls) <= 2 * (answer.work.counts["cycles_solved"] + len(path.initial_loading))
+    one_by_one = [loads_in_segment(path_loads, time[None])[:, 0] for time in times[:-1]]
+    one_by_one.append(loads_in_segment(path_loads, np.array([path.start]))[:, 0])
+    np.testing.assert_allclose(loads, np.stack(one_by_one, axis=1), rtol=1e-13, atol=1e-16)
 
 
 def test_a_time_outside_the_path_is_refused_on_grids_too():
