@@ -31,6 +31,7 @@ from typing import NamedTuple
 import numpy as np
 
 from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState, nodal_values
+from halfplane_fe.interface import Interface
 from halfplane_fe.law import force_to_limit, slip_sign, violations
 from scenes import STICK
 from scenes.array_types import Array, Indices, Mask, States
@@ -89,11 +90,11 @@ class _Increments(NamedTuple):
 
     Attributes
     ----------
-    p_at_start, p_at_end, q_at_start
+    p_at_start, p_at_end, q_at_start, q_at_end
         (m, n) nodal forces, of pressure p and of shear q
-    slip
-        (m, n) slip of the upper face over the lower in the increment
-    states_before, states_after
+    slip_change, gap_change
+        (m, n) changes of the slip of the upper face over the lower, and of the gap
+    node_states_before, node_states_after
         (m, n) open, stick or slip of the nodes before the increment, and during it
     load_changes
         (m, k) changes of the k loads, or of the movements in their place
@@ -102,45 +103,117 @@ class _Increments(NamedTuple):
     p_at_start: Array
     p_at_end: Array
     q_at_start: Array
-    slip: Array
-    states_before: States
-    states_after: States
+    q_at_end: Array
+    slip_change: Array
+    gap_change: Array
+    node_states_before: States
+    node_states_after: States
     load_changes: Array
 
     @classmethod
     def between(
-        cls, states: Sequence[InterfaceState], solved_states: States, friction: float
+        cls,
+        contact_states: Sequence[InterfaceState],
+        solved_node_states: States,
+        friction: float,
     ) -> _Increments:
         """The m increments between m + 1 contact states that follow each other: forces, slips,
         node states and changes of the loads.
 
-        `solved_states` (m, n) are open, stick or slip of the nodes as each increment was solved:
-        before a node that touches or lets go at its very end changes. Nodes that were to start to
-        slide, but have not moved, keep the state from before. `friction` is the coefficient f.
+        `solved_node_states` (m, n) are open, stick or slip of the nodes as each increment was
+        solved: before a node that touches or lets go at its very end changes. Nodes that were to
+        start to slide, but have not moved, keep the state from before. `friction` is the
+        coefficient f.
         """
-        slip, p, q, _ = nodal_values(np.stack([state.values for state in states]))
+        slip, p, q, gap = nodal_values(np.stack([state.values for state in contact_states]))
         slip_change = np.diff(slip, axis=0)
-        states_before = np.stack([state.node_states for state in states[:-1]])
+        node_states_before = np.stack([state.node_states for state in contact_states[:-1]])
         return cls(
             p_at_start=p[:-1],
             p_at_end=p[1:],
             q_at_start=q[:-1],
-            slip=slip_change,
-            states_before=states_before,
-            states_after=_without_idle_onsets(friction, states_before, solved_states, slip_change),
-            load_changes=np.diff([state.loads for state in states], axis=0),
+            q_at_end=q[1:],
+            slip_change=slip_change,
+            gap_change=np.diff(gap, axis=0),
+            node_states_before=node_states_before,
+            node_states_after=_without_idle_onsets(
+                friction, node_states_before, solved_node_states, slip_change
+            ),
+            load_changes=np.diff([state.loads for state in contact_states], axis=0),
         )
 
     def subset(self, numbers: Indices) -> _Increments:
         """Those increments of the m that have these numbers: all arrays at these rows."""
         return _Increments._make(values[numbers] for values in self)
 
+    def interface_work(self, p: Array, q: Array) -> Array:
+        """Work (m,) of nodal shear q in the slip of each increment, minus that of nodal pressure p
+        in the change of the gap; p and q are (m, n), over P^2/E*.
+        """
+        return np.asarray((q * self.slip_change - p * self.gap_change).sum(axis=1))
+
+
+class _Movements(NamedTuple):
+    """Loads of m increments, and the changes of the displacements in which they do work. Scaled.
+
+    The mean load of an increment times the change of displacement is its work along the chord of
+    the load path, exactly.
+
+    Attributes
+    ----------
+    mean_loads, loads_at_end
+        (m, 2) normal load P and tangential load Q: their means over each increment, and at its end
+    approach_change, shift_change
+        (m,) changes of the approach of the upper body, and of its tangential displacement U
+    stress_and_tilt_change
+        (m, 3) changes of the bulk stresses of the lower and the upper body, and of the tilt
+    """
+
+    mean_loads: Array
+    loads_at_end: Array
+    approach_change: Array
+    shift_change: Array
+    stress_and_tilt_change: Array
+
+    @classmethod
+    def between(cls, contact_states: Sequence[InterfaceState]) -> _Movements:
+        """Loads and movements of the m increments between m + 1 contact states that follow each
+        other.
+        """
+        loads = np.array([(state.normal_load, state.tangential_load) for state in contact_states])
+        # the first two values of a contact state are the approach and U
+        rigid_motion = np.array([state.values[:2] for state in contact_states])
+        approach_change, shift_change = np.diff(rigid_motion, axis=0).T
+        return cls(
+            mean_loads=(loads[:-1] + loads[1:]) / 2,
+            loads_at_end=loads[1:],
+            approach_change=approach_change,
+            shift_change=shift_change,
+            stress_and_tilt_change=np.diff(
+                [state.stresses_and_tilt for state in contact_states], axis=0
+            ),
+        )
+
+    def work_of_loads(self, interface: Interface, loads: Array, p: Array, q: Array) -> Array:
+        """Work (m,) of loads P and Q (m, 2), of bulk stresses and of tilt in these movements, over
+        P^2/E*.
+
+        That of bulk stresses and tilt is the work of the nodal forces p and q (m, n) in the gap and
+        slip that a unit of each causes; `interface` has these.
+        """
+        work_per_unit = interface.work_per_stress_and_tilt(p, q)
+        return np.asarray(
+            loads[:, 0] * self.approach_change
+            + loads[:, 1] * self.shift_change
+            + (work_per_unit * self.stress_and_tilt_change).sum(axis=1)
+        )
+
 
 def elastic_energies(
-    problem: ContactProblem, states: Sequence[InterfaceState]
+    problem: ContactProblem, contact_states: Sequence[InterfaceState]
 ) -> tuple[Array, Array]:
     """Elastic energy of both bodies and of the penalty layer between them, and that of the layer
-    alone, at m states of the contact, (m,) each, over P^2/E*.
+    alone, at m contact states, (m,) each, over P^2/E*.
 
     It is (p^T N p - 2 q^T K p + q^T T q)/2. N p - K^T q is the gap by the nodal forces, T q - K p
     minus the slip by them. Both are what is left of gap and slip without the initial gap, the rigid
@@ -153,16 +226,16 @@ def elastic_energies(
     ----------
     problem
         the contact problem: contact compliance, initial gap, and compliances (n,) of its layer
-    states
+    contact_states
         each with its values: approach and tangential displacement, then slip, pressure, shear and
         gap of the nodes; and with bulk stresses and tilt
     """
-    values = np.stack([state.values for state in states])
+    values = np.stack([state.values for state in contact_states])
     slip, pressure, shear, gap = nodal_values(values)
     gap_by_motion, slip_by_motion = problem.interface.gap_and_slip_by_motion(
         values[:, 0, None], values[:, 1, None]
     )
-    stresses_and_tilt = np.array([state.stresses_and_tilt for state in states])
+    stresses_and_tilt = np.array([state.stresses_and_tilt for state in contact_states])
     gap_by_stress_and_tilt, slip_by_stress_and_tilt = problem.gap_and_slip_by(stresses_and_tilt)
     gap_by_forces = gap - problem.initial_gap - gap_by_motion - gap_by_stress_and_tilt
     minus_slip_by_forces = slip_by_motion + slip_by_stress_and_tilt - slip
@@ -174,52 +247,51 @@ def elastic_energies(
     return np.asarray(elastic_energy), np.asarray(layer_energy)
 
 
-def _is_slip_onset(states_before: States, states_after: States) -> Mask:
+def _is_slip_onset(node_states_before: States, node_states_after: States) -> Mask:
     """Whether each node starts to slide, or turns round: it slides after an increment and did not
     slide that way before. All arrays have one shape (...).
     """
-    sense = slip_sign(states_after)
-    return (sense != 0) & (sense != slip_sign(states_before))
+    sense = slip_sign(node_states_after)
+    return (sense != 0) & (sense != slip_sign(node_states_before))
 
 
 def step_errors(
     friction: float,
     pressure_change: Array,
     slip_change: Array,
-    states_before: States,
-    states_after: States,
+    node_states_before: States,
+    node_states_after: States,
 ) -> Array:
     """Bound (...) of the error of the dissipation of increments: f |dp| |ds| / 2 of the nodes that
     start to slide in them.
 
     `friction` is the coefficient f. `pressure_change` and `slip_change` are dp and ds of the
-    increment, `states_before` and `states_after` open, stick or slip of the nodes, each (..., n).
-    Scaled.
+    increment. `node_states_before` and `node_states_after` are open, stick or slip of the nodes.
+    Each is (..., n), scaled.
     """
-    starts_to_slide = _is_slip_onset(states_before, states_after)
+    starts_to_slide = _is_slip_onset(node_states_before, node_states_after)
     products = np.where(starts_to_slide, np.abs(pressure_change * slip_change), 0.0)
     return np.asarray(friction * products.sum(axis=-1) / 2)
 
 
 def increment_energies(
     problem: ContactProblem,
-    states: Sequence[InterfaceState],
+    contact_states: Sequence[InterfaceState],
     solved_by_increment: Sequence[States],
     areas_of_curve: Array | None = None,
 ) -> Energies:
     """Energies of the m increments between m + 1 contact states that follow each other: friction
     work, work of the loads, elastic energy and step errors, over P^2/E*.
 
-    # notation: p, q nodal forces, pressure and shear; f coefficient of friction; P, Q loads; U
-    # tangential displacement
+    # notation: p, q nodal forces, pressure and shear; P, Q loads; U tangential displacement
 
     Parameters
     ----------
     problem
-        the contact problem that the states solve
-    states
-        the m + 1 states, each with its loads and values: approach, U and tilt, then slip, p, q and
-        gap of the n nodes
+        the contact problem that the contact states solve; its `friction` is the coefficient f
+    contact_states
+        the m + 1 contact states, each with its loads and values: approach, U and tilt, then slip,
+        p, q and gap of the n nodes
     solved_by_increment
         m arrays (n,): open, stick or slip of the nodes as each increment was solved, before a node
         that touches or lets go at its very end changes
@@ -236,99 +308,225 @@ def increment_energies(
         layer alone; work at the interface, by mean forces and by those at the end; bound of the
         error of the friction work, and the part of it by kinks of pressure and slip.
     """
-    # Means and changes of each increment. Its work is the mean of loads or forces in the change of
-    # displacements: exact along the chord of the load path.
-    interface = problem.interface
-    values = np.stack([state.values for state in states])
-    _, p, q, _ = nodal_values(values)
-    loads = np.array([(state.normal_load, state.tangential_load) for state in states])
-    mean_p = (p[:-1] + p[1:]) / 2
-    mean_q = (q[:-1] + q[1:]) / 2
-    mean_loads = (loads[:-1] + loads[1:]) / 2
-    value_changes = np.diff(values, axis=0)
-    approach_change = value_changes[:, 0]
-    shift_change = value_changes[:, 1]  # of U
-    slip_change, p_change, _, gap_change = nodal_values(value_changes)
-    stress_and_tilt_change = np.diff([state.stresses_and_tilt for state in states], axis=0)
+    solved_node_states = np.stack(solved_by_increment)
+    increments = _Increments.between(contact_states, solved_node_states, problem.friction)
+    movements = _Movements.between(contact_states)
+    mean_p = (increments.p_at_start + increments.p_at_end) / 2
+    mean_q = (increments.q_at_start + increments.q_at_end) / 2
+    slip_sense = slip_sign(solved_node_states)  # 1 forward, -1 in reverse, 0 without slip
 
-    def work_of_loads(load_pairs: Array, p_of_nodes: Array, q_of_nodes: Array) -> Array:
-        """(m,) work of P and Q (m, 2), of bulk stresses and of tilt in the increments; that of the
-        latter is the work of p and q in the gap and slip that a unit of each causes.
-        """
-        work_per_unit = interface.work_per_stress_and_tilt(p_of_nodes, q_of_nodes)
-        return np.asarray(
-            load_pairs[:, 0] * approach_change
-            + load_pairs[:, 1] * shift_change
-            + (work_per_unit * stress_and_tilt_change).sum(axis=1)
+    # Friction work along the chord of the load path, and the work of Q with it.
+    friction_work = _friction_work(problem, increments, slip_sense)
+    loop_work = _loop_work_along_chord(
+        problem.interface, increments, movements, slip_sense, friction_work
+    )
+
+    # What the curvature of the load path adds: while the node states before hold, and those after.
+    curve_work = np.zeros_like(increments.slip_change)
+    if areas_of_curve is not None:
+        work_before, work_after = _curve_work_by_node_states(
+            problem, increments, slip_sense, friction_work.mean_onset, areas_of_curve
         )
+        # friction only takes energy
+        curve_work = np.maximum(
+            work_before.dissipation + work_after.dissipation, -friction_work.dissipation
+        )
+        loop_work = loop_work - work_before.normal_work - work_after.normal_work
+        loop_work += curve_work.sum(axis=1)
 
-    # Friction work f p |ds| of each node. Increments in which nodes start to slide (onsets) are
-    # integrated in parts, with kinks of p and slip.
-    solved_states = np.stack(solved_by_increment)
-    sense = slip_sign(solved_states)  # 1 forward, -1 in reverse, 0 without slip
-    increments = _Increments.between(states, solved_states, problem.friction)
-    states_before = increments.states_before
-    states_after = increments.states_after
-    dissipation = problem.friction * mean_p * np.maximum(sense * slip_change, 0.0)
-    kink_work = np.zeros(len(sense))
-    share_before = np.ones(len(sense))  # of each increment, in which the states before hold
-    numbers_with_onsets = np.flatnonzero(_is_slip_onset(states_before, states_after).any(axis=1))
+    elastic_energy, layer_energy = elastic_energies(problem, contact_states)
+    return Energies(
+        dissipation=friction_work.dissipation + curve_work,
+        loop_work=loop_work,
+        external=movements.work_of_loads(problem.interface, movements.mean_loads, mean_p, mean_q),
+        external_end_of_step=movements.work_of_loads(
+            problem.interface, movements.loads_at_end, increments.p_at_end, increments.q_at_end
+        ),
+        curve=curve_work.sum(axis=1),
+        elastic=np.diff(elastic_energy),
+        layer=np.diff(layer_energy),
+        interface=increments.interface_work(mean_p, mean_q),
+        end_of_step=increments.interface_work(increments.p_at_end, increments.q_at_end),
+        step_error=step_errors(
+            problem.friction,
+            increments.p_at_end - increments.p_at_start,
+            increments.slip_change,
+            increments.node_states_before,
+            increments.node_states_after,
+        ),
+        kink_work=friction_work.kink_work,
+    )
+
+
+class _FrictionWork(NamedTuple):
+    """Friction work of m increments with n nodes along the chord of the load path, over P^2/E*.
+
+    Attributes
+    ----------
+    dissipation
+        (m, n) of each node
+    kink_work
+        (m,) part of it by kinks between the first onset of slip and the last, without sign: an
+        onset is where a node starts to slide, and p and slip of all nodes change their rates
+    mean_onset
+        (m,) middle of the first and the last onset, a share of the increment; 1 where no node
+        starts to slide
+    """
+
+    dissipation: Array
+    kink_work: Array
+    mean_onset: Array
+
+
+def _friction_work(
+    problem: ContactProblem, increments: _Increments, slip_sense: Indices
+) -> _FrictionWork:
+    """Friction work of m increments along the chord of the load path: f times the mean pressure p
+    of each sliding node, times its slip.
+
+    Where nodes start to slide in an increment (onsets), p and slip have kinks. Such increments are
+    integrated in parts, see `_work_with_onsets`.
+
+    Parameters
+    ----------
+    problem
+        the contact problem, with the friction coefficient f
+    increments
+        forces at start and end, slip and node states of n nodes in m increments
+    slip_sense
+        (m, n) 1 where a node slides forward as the increment was solved, -1 in reverse, 0 without
+        slip
+    """
+    mean_p = (increments.p_at_start + increments.p_at_end) / 2
+    dissipation = problem.friction * mean_p * np.maximum(slip_sense * increments.slip_change, 0.0)
+    kink_work = np.zeros(len(slip_sense))
+    mean_onset = np.ones(len(slip_sense))
+    is_onset = _is_slip_onset(increments.node_states_before, increments.node_states_after)
+    numbers_with_onsets = np.flatnonzero(is_onset.any(axis=1))
     if len(numbers_with_onsets):
         work_with_onsets = _work_with_onsets(problem, increments.subset(numbers_with_onsets))
         dissipation[numbers_with_onsets] = work_with_onsets.dissipation
         kink_work[numbers_with_onsets] = work_with_onsets.kink_work
-        share_before[numbers_with_onsets] = work_with_onsets.mean_onset
+        mean_onset[numbers_with_onsets] = work_with_onsets.mean_onset
+    return _FrictionWork(dissipation, kink_work, mean_onset)
 
-    # Q dU, and q in the slip by bulk stress. The shear of a node that starts to slide has a kink in
-    # the increment, and the work of Q with it: by as much as its dissipation differs from q ds.
-    trapezoidal_work = np.where(sense != 0, mean_q * slip_change, 0.0)
-    loop_work = mean_loads[:, 1] * shift_change + (dissipation - trapezoidal_work).sum(axis=1)
-    shear_work_per_unit = interface.work_per_stress_and_tilt(0 * mean_p, mean_q)
-    loop_work += (shear_work_per_unit * stress_and_tilt_change)[:, :2].sum(axis=1)
 
-    # What the curvature of the load path adds.
-    curve_work = np.zeros_like(slip_change)
-    if areas_of_curve is not None:
-        # The states before hold up to a share z of the increment, those after from there on. Up to
-        # z, a parabola over its chord has z^2 (3 - 2 z) of its area.
-        area_share_before = share_before**2 * (3 - 2 * share_before)
-        sense_before = np.where(sense == slip_sign(states_before), sense, 0)
-        for node_states, slip_sense, area_share in (
-            (states_before, sense_before, area_share_before),
-            (states_after, slip_sign(states_after), 1 - area_share_before),
-        ):
-            numbers = np.flatnonzero(slip_sense.any(axis=1) & (area_share > 0))
-            added_dissipation, added_normal_work = _work_by_curve(
-                problem,
-                node_states[numbers],
-                slip_sense[numbers].astype(float),
-                areas_of_curve[:, :, numbers] * area_share[numbers],
-            )
-            curve_work[numbers] += added_dissipation
-            loop_work[numbers] -= added_normal_work
-        curve_work = np.maximum(curve_work, -dissipation)  # friction only takes energy
-        loop_work += curve_work.sum(axis=1)
+def _loop_work_along_chord(
+    interface: Interface,
+    increments: _Increments,
+    movements: _Movements,
+    slip_sense: Indices,
+    friction_work: _FrictionWork,
+) -> Array:
+    """Work Q dU of the tangential load in m increments, and of shear in the slip by bulk stress,
+    along the chord of the load path, (m,), over P^2/E*. Round a steady cycle it is the friction
+    work.
 
-    elastic_energy, layer_energy = elastic_energies(problem, states)
-    return Energies(
-        dissipation=dissipation + curve_work,
-        loop_work=loop_work,
-        external=work_of_loads(mean_loads, mean_p, mean_q),
-        external_end_of_step=work_of_loads(loads[1:], p[1:], q[1:]),
-        curve=curve_work.sum(axis=1),
-        elastic=np.diff(elastic_energy),
-        layer=np.diff(layer_energy),
-        interface=(mean_q * slip_change - mean_p * gap_change).sum(axis=1),
-        end_of_step=(q[1:] * slip_change - p[1:] * gap_change).sum(axis=1),
-        step_error=step_errors(
-            problem.friction, p_change, slip_change, states_before, states_after
+    The shear of a node that starts to slide has a kink in the increment, and the work of Q has it
+    too. So Q dU differs from that with the mean Q by as much as the friction work differs from the
+    mean shear times slip.
+
+    Parameters
+    ----------
+    interface
+        gives the slip at each node by a unit of bulk stress
+    increments, movements
+        shear and slip of n nodes; mean loads, and changes of U and of bulk stresses
+    slip_sense
+        (m, n) 1 where a node slides forward as the increment was solved, -1 in reverse, 0 without
+        slip
+    friction_work
+        of each node, (m, n)
+    """
+    mean_q = (increments.q_at_start + increments.q_at_end) / 2
+    work_with_mean_q = np.where(slip_sense != 0, mean_q * increments.slip_change, 0.0)
+    loop_work = movements.mean_loads[:, 1] * movements.shift_change + (
+        friction_work.dissipation - work_with_mean_q
+    ).sum(axis=1)
+    # pressure 0: the work of shear alone; per unit of both bulk stresses, then of tilt
+    shear_work_per_unit = interface.work_per_stress_and_tilt(0 * mean_q, mean_q)
+    loop_work += (shear_work_per_unit * movements.stress_and_tilt_change)[:, :2].sum(axis=1)
+    return np.asarray(loop_work)
+
+
+class _CurveWork(NamedTuple):
+    """What the curvature of the load path adds to the work of m increments, over P^2/E*.
+
+    Attributes
+    ----------
+    dissipation
+        (m, n) to the friction work of each node
+    normal_work
+        (m,) to the work of the loads which is neither Q dU nor that of shear in the slip by bulk
+        stress
+    """
+
+    dissipation: Array
+    normal_work: Array
+
+
+def _curve_work_by_node_states(
+    problem: ContactProblem,
+    increments: _Increments,
+    slip_sense: Indices,
+    mean_onset: Array,
+    areas_of_curve: Array,
+) -> tuple[_CurveWork, _CurveWork]:
+    """What the curvature of the load path adds to the work of m increments in two parts: while the
+    nodes have their states from before the increment, and those after it.
+
+    The states before hold up to the share z of the increment at which nodes start to slide, those
+    after from there on. Up to z, a parabola over its chord has z^2 (3 - 2 z) of its area.
+
+    Parameters
+    ----------
+    problem
+        the contact problem, with the rates of pressure and slip by the loads
+    increments
+        with open, stick or slip of the n nodes before and after
+    slip_sense
+        (m, n) 1 where a node slides forward as the increment was solved, -1 in reverse, 0 without
+        slip
+    mean_onset
+        (m,) shares z, 1 where no node starts to slide
+    areas_of_curve
+        (k, k, m) areas between path and chord, by pairs of the k loads
+    """
+    area_share_before = mean_onset**2 * (3 - 2 * mean_onset)
+    slides_already = slip_sense == slip_sign(increments.node_states_before)
+
+    def work_of_part(node_states: States, sense: Indices, area_share: Array) -> _CurveWork:
+        """Work that a share (m,) of the areas adds while the nodes have these states and senses of
+        slip, (m, n) each.
+        """
+        curve_work = _CurveWork(np.zeros(slip_sense.shape), np.zeros(len(slip_sense)))
+        numbers = np.flatnonzero(sense.any(axis=1) & (area_share > 0))
+        added_work = _work_by_curve(
+            problem,
+            node_states[numbers],
+            sense[numbers].astype(float),
+            areas_of_curve[:, :, numbers] * area_share[numbers],
+        )
+        curve_work.dissipation[numbers] += added_work.dissipation
+        curve_work.normal_work[numbers] += added_work.normal_work
+        return curve_work
+
+    return (
+        work_of_part(
+            increments.node_states_before,
+            np.where(slides_already, slip_sense, 0),
+            area_share_before,
         ),
-        kink_work=kink_work,
+        work_of_part(
+            increments.node_states_after,
+            slip_sign(increments.node_states_after),
+            1 - area_share_before,
+        ),
     )
 
 
 def _without_idle_onsets(
-    friction: float, states_before: States, states_after: States, slip: Array
+    friction: float, node_states_before: States, node_states_after: States, slip: Array
 ) -> States:
     """States (...) of the nodes after increments. Nodes that are to start to slide and have not
     moved keep their state from before: at the Coulomb limit the last digit of the shear decides
@@ -339,15 +537,15 @@ def _without_idle_onsets(
     """
     # ROUNDING: round-off of scaled forces and displacements, 1e-11
     has_moved = np.abs(slip) > ROUNDING * min(friction, 1.0)
-    is_idle_onset = _is_slip_onset(states_before, states_after) & ~has_moved
-    return np.where(is_idle_onset, states_before, states_after)
+    is_idle_onset = _is_slip_onset(node_states_before, node_states_after) & ~has_moved
+    return np.where(is_idle_onset, node_states_before, node_states_after)
 
 
 def work_by_kinks(
     problem: ContactProblem,
     start_state: InterfaceState,
     end_state: InterfaceState,
-    solved_states: States,
+    solved_node_states: States,
 ) -> float:
     """Part of the dissipation of one increment, without sign, that is by kinks of pressure and slip
     where nodes start to slide one after the other; over P^2/E*.
@@ -362,17 +560,19 @@ def work_by_kinks(
         the contact problem that both states solve
     start_state, end_state
         contact states before and after the increment
-    solved_states
+    solved_node_states
         (n,) open, stick or slip of the nodes as the increment was solved, before a node that
         touches or lets go at its very end changes
     """
-    increment = _Increments.between([start_state, end_state], solved_states[None], problem.friction)
+    increment = _Increments.between(
+        [start_state, end_state], solved_node_states[None], problem.friction
+    )
     return float(_work_with_onsets(problem, increment).kink_work[0])
 
 
 def _work_by_curve(
     problem: ContactProblem, node_states: States, sense: Array, areas: Array
-) -> tuple[Array, Array]:
+) -> _CurveWork:
     """What the curvature of the load path adds to the work of m increments: to the dissipation of
     the nodes (m, n), and to the normal work (m,): that of the loads which is neither Q dU nor the
     work of shear in the slip by bulk stress.
@@ -402,7 +602,7 @@ def _work_by_curve(
     added_normal_work = np.zeros(len(sense))
     pairs = np.argwhere(np.tril(areas.any(axis=2))).tolist()  # each pair once
     if not pairs:
-        return added_dissipation, added_normal_work
+        return _CurveWork(added_dissipation, added_normal_work)
     rates = np.array([problem.rates(states, n_loads) for states in node_states])
     for i, j in pairs:
         rates_by_i = rates[:, i]
@@ -416,28 +616,10 @@ def _work_by_curve(
             problem, i, j, rates_by_i, rates_by_j
         ) - _normal_work_rate(problem, j, i, rates_by_j, rates_by_i)
         added_normal_work += normal_work_per_area * area
-    return added_dissipation, added_normal_work
+    return _CurveWork(added_dissipation, added_normal_work)
 
 
-class _WorkWithOnsets(NamedTuple):
-    """Friction work of k increments in which nodes start to slide.
-
-    Attributes
-    ----------
-    dissipation
-        (k, n) of each node, over P^2/E*
-    kink_work
-        (k,) part of it by kinks between the first onset of slip and the last, without sign
-    mean_onset
-        (k,) middle of the first and the last onset, a share of the increment
-    """
-
-    dissipation: Array
-    kink_work: Array
-    mean_onset: Array
-
-
-def _work_with_onsets(problem: ContactProblem, increments: _Increments) -> _WorkWithOnsets:
+def _work_with_onsets(problem: ContactProblem, increments: _Increments) -> _FrictionWork:
     """Friction work of k increments of a contact `problem` in which nodes start to slide: onsets of
     slip. Returned are that of each node, its part by kinks, and the middle of the first and last
     onset.
@@ -468,13 +650,13 @@ def _work_with_onsets(problem: ContactProblem, increments: _Increments) -> _Work
     """
     friction = problem.friction
     # A node that has just touched counts as sliding before.
-    increments = increments._replace(states_before=_states_with_rates(increments))
-    sense = slip_sign(increments.states_after)
+    increments = increments._replace(node_states_before=_states_with_rates(increments))
+    sense = slip_sign(increments.node_states_after)
 
     # Changes of slip and p, as if the states before, or those after, held throughout the increment;
     # shares (k,) of the increment up to its first and its last onset.
-    changes_before = _changes_at_constant_states(problem, increments, increments.states_before)
-    changes_after = _changes_at_constant_states(problem, increments, increments.states_after)
+    changes_before = _changes_at_constant_states(problem, increments, increments.node_states_before)
+    changes_after = _changes_at_constant_states(problem, increments, increments.node_states_after)
     slip_change_before, p_change_before, _, _ = changes_before
     slip_change_after, p_change_after, _, _ = changes_after
     first_onset, last_onset = _first_and_last_onset(
@@ -488,7 +670,7 @@ def _work_with_onsets(problem: ContactProblem, increments: _Increments) -> _Work
     p_at_last_onset = increments.p_at_end - share_from_last_onset * p_change_after
     slip_to_first_onset = share_to_first_onset * slip_change_before
     slip_from_last_onset = share_from_last_onset * slip_change_after
-    slip_between_onsets = increments.slip - slip_to_first_onset - slip_from_last_onset
+    slip_between_onsets = increments.slip_change - slip_to_first_onset - slip_from_last_onset
     doubled_integral = (increments.p_at_start + p_at_first_onset) * slip_to_first_onset + (
         p_at_first_onset + p_at_last_onset
     ) * slip_between_onsets
@@ -496,7 +678,7 @@ def _work_with_onsets(problem: ContactProblem, increments: _Increments) -> _Work
 
     # Work by kinks: one at each onset in the longest run of neighbours that start to slide.
     n_onsets = _length_of_longest_run(
-        _is_slip_onset(increments.states_before, increments.states_after)
+        _is_slip_onset(increments.node_states_before, increments.node_states_after)
     )
     kink_factor = np.maximum(n_onsets - 2, 0) / np.maximum(n_onsets - 1, 1) / 12
     kink_integral = ((last_onset - first_onset) ** 2 * kink_factor)[:, None] * (
@@ -504,7 +686,7 @@ def _work_with_onsets(problem: ContactProblem, increments: _Increments) -> _Work
     )
     dissipation = friction * sense * (doubled_integral / 2 + kink_integral)
     kink_work_of_nodes = friction * sense * kink_integral
-    return _WorkWithOnsets(
+    return _FrictionWork(
         dissipation=np.maximum(dissipation, 0.0),
         kink_work=np.abs(kink_work_of_nodes.sum(axis=1)),
         mean_onset=(first_onset + last_onset) / 2,
@@ -545,18 +727,18 @@ def _first_and_last_onset(
     friction
         coefficient f
     """
-    sense = slip_sign(increments.states_after)
-    is_onset = _is_slip_onset(increments.states_before, increments.states_after)
+    sense = slip_sign(increments.node_states_after)
+    is_onset = _is_slip_onset(increments.node_states_before, increments.node_states_after)
     _, p_change_before, q_change_before, _ = changes_before
     slip_change_after, _, _, _ = changes_after
     with np.errstate(divide="ignore", invalid="ignore"):
         force = force_to_limit(increments.p_at_start, increments.q_at_start, sense, friction)
         force_change = force_to_limit(p_change_before, q_change_before, sense, friction)
         onset_by_force = force / -force_change
-        onset_by_slip = 1 - increments.slip / slip_change_after
+        onset_by_slip = 1 - increments.slip_change / slip_change_after
     onset_by_force = np.where(onset_by_force >= 0, onset_by_force, 1.0)
     # What slid the other way turns round somewhere.
-    onset_by_force = np.where(slip_sign(increments.states_before) != 0, 0.0, onset_by_force)
+    onset_by_force = np.where(slip_sign(increments.node_states_before) != 0, 0.0, onset_by_force)
     first_onset = np.where(is_onset, onset_by_force, 1.0).min(axis=1).clip(0.0, 1.0)
     first_onset = np.where(is_onset.any(axis=1), first_onset, 0.0)
     is_known = is_onset & np.isfinite(onset_by_slip)
@@ -570,14 +752,14 @@ def _states_with_rates(increments: _Increments) -> States:
     starts to slide counts as sliding already, unless no node would stick then. There are no rates
     where no node sticks, since the bodies are free to move.
     """
-    is_onset = _is_slip_onset(increments.states_before, increments.states_after)
+    is_onset = _is_slip_onset(increments.node_states_before, increments.node_states_after)
     # ROUNDING: round-off of scaled forces and displacements, 1e-11
     has_just_touched = is_onset & (increments.p_at_start <= ROUNDING)
     states_if_sliding = np.where(
-        has_just_touched, increments.states_after, increments.states_before
+        has_just_touched, increments.node_states_after, increments.node_states_before
     )
     has_stick = (states_if_sliding == STICK).any(axis=1, keepdims=True)
-    return np.where(has_stick, states_if_sliding, increments.states_before)
+    return np.where(has_stick, states_if_sliding, increments.node_states_before)
 
 
 def _length_of_longest_run(is_onset: Mask) -> Indices:
@@ -620,7 +802,9 @@ def _normal_work_rate(
     return np.asarray(work_rate)
 
 
-def law_violations(problem: ContactProblem, states: Sequence[InterfaceState]) -> dict[str, Array]:
+def law_violations(
+    problem: ContactProblem, contact_states: Sequence[InterfaceState]
+) -> dict[str, Array]:
     """Violations (m,) of the laws of contact and friction, and of equilibrium, at the ends of the m
     increments between m + 1 states; 0 where they are met.
 
@@ -634,7 +818,7 @@ def law_violations(problem: ContactProblem, states: Sequence[InterfaceState]) ->
     problem
         the contact problem: friction; `actuators`, of which each is the compliance of a rig whose
         movement stands in the place of P or Q, or None; whether the moment is given
-    states
+    contact_states
         m + 1 states of the contact, each with its loads and values
 
     Returns
@@ -644,11 +828,11 @@ def law_violations(problem: ContactProblem, states: Sequence[InterfaceState]) ->
         "gap_pressure" (gap times pressure), "cone" (shear beyond the Coulomb limit), "slip_sign"
         (work of slip against the shear), "creep" (slip below the limit).
     """
-    values = np.stack([state.values for state in states])
+    values = np.stack([state.values for state in contact_states])
     slip, pressure, shear, gap = nodal_values(values)
     slip_increment = np.diff(slip, axis=0)
     # at the ends of the increments: the first state is where they start
-    loads = np.array([state.loads for state in states])[1:]
+    loads = np.array([state.loads for state in contact_states])[1:]
     pressure = pressure[1:]
     shear = shear[1:]
     gap = gap[1:]
