@@ -12,6 +12,7 @@ of squares, and its interval is where that sum exceeds the least one by what cha
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -61,85 +62,141 @@ def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
 
     # notation: P normal load
     """
-    # period; share of the cycle that is over at each row; scale and offset of Q over the scene's
+    # where the rows lie on the scene's cycle. Their Q is `scale` times the scene's, at the same P:
+    # so is f.
     alignment = _required_alignment(loop, scene)
-    # The file's Q is r times the scene's (r: `scale`), at the same P: so is f.
-    scale = alignment.scale
-    # sums of squared differences of U between theory and rows, for any f
     search = _Search(loop, scene, cycle_loads(scene)[1], rig_compliance)
-    # f at which the contact just slides as a whole at the scene's loads
-    least_scene_friction = friction_at_gross_sliding(scene)
+    # the least f of the scene: below it the contact slides as a whole at the scene's loads
+    sliding_friction = friction_at_gross_sliding(scene)
+    trials = search.trial_fits(sliding_friction, alignment)
+    best_fit = search.best_fit(trials, alignment)
+    friction = alignment.scale * math.exp(best_fit.log_friction)
 
-    # scan of trial values of ln f of the scene, then the best value between the neighbours of the
-    # best trial
-    log_trials = np.log(least_scene_friction) + np.linspace(
-        1e-6, math.log(_LARGEST_FRICTION_RATIO), _N_TRIALS
-    )
-    sums_of_squares = np.array(
-        [
-            search.sum_of_squares(log_trial, alignment.share_of_cycle, scale)
-            for log_trial in log_trials.tolist()
-        ]
-    )
-    index_of_best = int(np.argmin(sums_of_squares))
-    neighbours_of_best = (
-        float(log_trials[max(index_of_best - 1, 0)]),
-        float(log_trials[min(index_of_best + 1, _N_TRIALS - 1)]),
-    )
-    log_friction = min(
-        search.best_log_friction(neighbours_of_best, alignment.share_of_cycle, scale),
-        float(log_trials[index_of_best]),
-        key=lambda log_trial: search.sum_of_squares(log_trial, alignment.share_of_cycle, scale),
-    )
-    # rig whose C Q + U0 (compliance C, origin U0), added to theory's U, fits the rows best
-    least_sum, compliance, _ = search.rig_fit(log_friction, alignment.share_of_cycle, scale)
-    degrees_of_freedom = len(loop.time) - 3 - (rig_compliance is None)
-    # The scatter is at least what the digits of the rows leave.
-    noise = max(math.sqrt(least_sum / degrees_of_freedom), loop.resolution[0] / math.sqrt(12))
-    friction = scale * math.exp(log_friction)
-
-    # ends of the interval by the scatter of the rows; 3.841: chi squared of one degree, 95 %
-    limit = least_sum + _CHI_SQUARED * noise**2
-    trials_outside = log_trials[sums_of_squares > limit]
-    trials_below = trials_outside[trials_outside < log_friction]
-    trials_above = trials_outside[trials_outside > log_friction]
-    log_at_lower_end = search.log_friction_at_limit(limit, log_friction, trials_below, alignment)
-    log_at_upper_end = search.log_friction_at_limit(limit, log_friction, trials_above, alignment)
-    distance_to_lower_end = abs(scale * math.exp(log_at_lower_end) - friction)
-    distance_to_upper_end = abs(scale * math.exp(log_at_upper_end) - friction)
-
-    # error of f, since noise of Q leaves the place and the size of the rows' loads uncertain
+    # half of the interval on each side, by the scatter of U and by the errors that go with it
+    distances_to_ends = _distances_by_scatter(search, trials, best_fit, alignment)
     noise_of_load, changes_of_friction = _friction_changes_by_load_noise(
-        search, alignment, neighbours_of_best, friction
+        search, alignment, trials.neighbours_of_best, friction
     )
     errors_beside_scatter = (friction * _RELATIVE_ERROR_OF_THEORY, *changes_of_friction)
-    lowest_friction = friction - math.hypot(distance_to_lower_end, *errors_beside_scatter)
-    highest_friction = None
-    if not math.isinf(distance_to_upper_end):
-        highest_friction = friction + math.hypot(distance_to_upper_end, *errors_beside_scatter)
+    lower_half, upper_half = (
+        math.hypot(distance, *errors_beside_scatter) for distance in distances_to_ends
+    )
     n_cycles = float(loop.time[-1] / alignment.period)
-    sentences = [
+    return FittedLoop(
+        scene=scene,
+        friction=friction,
+        lowest_friction=max(friction - lower_half, alignment.scale * sliding_friction),
+        highest_friction=None if math.isinf(upper_half) else friction + upper_half,
+        compliance=best_fit.compliance,
+        share_of_cycle=alignment.share_of_cycle,
+        phase=loop.time / alignment.period,
+        n_cycles=n_cycles,
+        scale=alignment.scale,
+        offset=alignment.offset,
+        displacement_noise=best_fit.displacement_noise,
+        load_noise=max(noise_of_load, loop.resolution[1] / math.sqrt(12)),
+        sentences=_sentences_on_alignment(alignment, n_cycles),
+    )
+
+
+def _sentences_on_alignment(alignment: _Alignment, n_cycles: float) -> tuple[str, ...]:
+    """Sentences for the reader of a fitted loop: how many cycles its rows cover, how closely their
+    tangential load Q follows the scene's Q, and that it is larger or smaller where it is.
+    """
+    return (
         (
             f"The rows cover {n_cycles:.4g} cycles and follow the scene's Q over time to"
             f" {100 * alignment.misfit:.2g} % of its amplitude"
         ),
-        *sentences_on_scale(scale),
-    ]
-    return FittedLoop(
-        scene=scene,
-        friction=friction,
-        lowest_friction=max(lowest_friction, scale * least_scene_friction),
-        highest_friction=highest_friction,
-        compliance=compliance,
-        share_of_cycle=alignment.share_of_cycle,
-        phase=loop.time / alignment.period,
-        n_cycles=n_cycles,
-        scale=scale,
-        offset=alignment.offset,
-        displacement_noise=noise,
-        load_noise=max(noise_of_load, loop.resolution[1] / math.sqrt(12)),
-        sentences=tuple(sentences),
+        *sentences_on_scale(alignment.scale),
     )
+
+
+def _distances_by_scatter(
+    search: _Search, trials: _TrialFits, best_fit: _BestFit, alignment: _Alignment
+) -> tuple[float, float]:
+    """Distances from the fitted friction coefficient f of the file to the lower and to the upper
+    end of its 95 % interval, by the scatter of U in the rows. Infinite where no trial value of f on
+    that side has a sum of squares beyond the limit.
+
+    Parameters
+    ----------
+    search
+        gives the sum of squared differences of U between theory and rows for any f
+    trials
+        trial values of ln f of the scene with their sums of squares
+    best_fit
+        the best ln f of the scene, its sum of squares, and the standard deviation of U's noise
+    alignment
+        where the rows lie on the scene's cycle; f of the file is its `scale` times f of the scene
+    """
+    # 3.841: chi squared of one degree of freedom, 95 %
+    limit = best_fit.sum_of_squares + _CHI_SQUARED * best_fit.displacement_noise**2
+    logs_outside = trials.log_frictions[trials.sums_of_squares > limit]
+    logs_below = logs_outside[logs_outside < best_fit.log_friction]
+    logs_above = logs_outside[logs_outside > best_fit.log_friction]
+    friction = alignment.scale * math.exp(best_fit.log_friction)
+    log_at_lower_end = search.log_friction_at_limit(
+        limit, best_fit.log_friction, logs_below, alignment
+    )
+    log_at_upper_end = search.log_friction_at_limit(
+        limit, best_fit.log_friction, logs_above, alignment
+    )
+    distance_to_lower_end = abs(alignment.scale * math.exp(log_at_lower_end) - friction)
+    distance_to_upper_end = abs(alignment.scale * math.exp(log_at_upper_end) - friction)
+    return distance_to_lower_end, distance_to_upper_end
+
+
+class _TrialFits(NamedTuple):
+    """Trial values of the friction coefficient f of a scene, and how well theory's displacement U
+    fits the rows of a measured loop with each.
+
+    Attributes
+    ----------
+    log_frictions
+        (k,) ln f, ascending
+    sums_of_squares
+        (k,) sums of squared differences of U between theory and rows [length^2]
+    """
+
+    log_frictions: Array
+    sums_of_squares: Array
+
+    @property
+    def best_log_friction(self) -> float:
+        """ln f of the trial with the least sum of squares."""
+        return float(self.log_frictions[np.argmin(self.sums_of_squares)])
+
+    @property
+    def neighbours_of_best(self) -> tuple[float, float]:
+        """ln f of the trials beside the best one; the best one itself where it is an end."""
+        index_of_best = int(np.argmin(self.sums_of_squares))
+        last_index = len(self.log_frictions) - 1
+        return (
+            float(self.log_frictions[max(index_of_best - 1, 0)]),
+            float(self.log_frictions[min(index_of_best + 1, last_index)]),
+        )
+
+
+class _BestFit(NamedTuple):
+    """Theory's loop that fits the rows of a measured one best.
+
+    Attributes
+    ----------
+    log_friction
+        ln of the scene's friction coefficient
+    sum_of_squares
+        of the differences of displacement between theory and rows [length^2]
+    compliance
+        of the rig [1/stress]
+    displacement_noise
+        standard deviation of these differences [length], at least that of the last digits
+    """
+
+    log_friction: float
+    sum_of_squares: float
+    compliance: float
+    displacement_noise: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,9 +216,7 @@ class _Search:
     load_of_cycle: Array
     rig_compliance: float | None
 
-    def rig_fit(
-        self, log_friction: float, share_of_cycle: Array, scale: float
-    ) -> tuple[float, float, float]:
+    def rig_fit(self, log_friction: float, alignment: _Alignment) -> tuple[float, float, float]:
         """Fit a rig to theory's loop of Q over U and the rows of a measured one: U = r U_theory + C
         r Q + U0, with Q of the scene. Returns the sum of squared residuals of U [length^2], the
         rig's compliance C [1/stress] and origin U0 [length].
@@ -170,42 +225,71 @@ class _Search:
         ----------
         log_friction
             ln of the scene's friction coefficient f
-        share_of_cycle
-            (n,) share of the scene's cycle that is over at each row
-        scale
-            r, the file's Q over the scene's
+        alignment
+            `share_of_cycle` (n,) that is over at each row, and `scale` r, the file's Q over the
+            scene's
 
         # notation: Q tangential load, U relative tangential displacement
         """
         displacement = theory_displacement(self.scene, math.exp(log_friction))
-        load = scale * self.load_of_cycle
-        return fit_rig(self.loop, displacement, share_of_cycle, load, scale, self.rig_compliance)
+        load = alignment.scale * self.load_of_cycle
+        return fit_rig(
+            self.loop,
+            displacement,
+            alignment.share_of_cycle,
+            load,
+            alignment.scale,
+            self.rig_compliance,
+        )
 
-    def sum_of_squares(self, log_friction: float, share_of_cycle: Array, scale: float) -> float:
+    def sum_of_squares(self, log_friction: float, alignment: _Alignment) -> float:
         """Sum of squared residuals of U of the rows with this ln f of the scene [length^2]."""
-        return self.rig_fit(log_friction, share_of_cycle, scale)[0]
+        return self.rig_fit(log_friction, alignment)[0]
+
+    def trial_fits(self, sliding_friction: float, alignment: _Alignment) -> _TrialFits:
+        """Sums of squares for 60 trial values of f of the scene, at even steps of ln f. They go
+        from just above `sliding_friction`, at which the contact just slides as a whole, to 40 times
+        as much.
+        """
+        log_frictions = np.log(sliding_friction) + np.linspace(
+            1e-6, math.log(_LARGEST_FRICTION_RATIO), _N_TRIALS
+        )
+        sums_of_squares = [
+            self.sum_of_squares(log_friction, alignment) for log_friction in log_frictions.tolist()
+        ]
+        return _TrialFits(log_frictions, np.array(sums_of_squares))
+
+    def best_fit(self, trials: _TrialFits, alignment: _Alignment) -> _BestFit:
+        """The fit to the rows of a measured loop with the least sum of squares: of a bounded search
+        between the neighbours of the best trial, or this trial itself.
+
+        Its `displacement_noise` is the standard deviation of the residuals of U, at least what the
+        digits of the rows leave.
+        """
+        log_friction = min(
+            self.best_log_friction(trials.neighbours_of_best, alignment),
+            trials.best_log_friction,
+            key=lambda log_trial: self.sum_of_squares(log_trial, alignment),
+        )
+        sum_of_squares, compliance, _ = self.rig_fit(log_friction, alignment)
+        degrees_of_freedom = len(self.loop.time) - 3 - (self.rig_compliance is None)
+        noise = max(
+            math.sqrt(sum_of_squares / degrees_of_freedom), self.loop.resolution[0] / math.sqrt(12)
+        )
+        return _BestFit(log_friction, sum_of_squares, compliance, noise)
 
     def best_log_friction(
-        self, log_friction_bounds: tuple[float, float], share_of_cycle: Array, scale: float
+        self, log_friction_bounds: tuple[float, float], alignment: _Alignment
     ) -> float:
         """ln of the scene's friction coefficient f, between two bounds, at which the sum of squared
-        differences of U (displacement) between theory and measured rows is least.
-
-        Parameters
-        ----------
-        share_of_cycle
-            (n,) share of the scene's cycle that is over at each row
-        scale
-            r, the file's Q over the scene's
-
-        # notation: Q tangential load
+        differences of U (displacement) between theory and measured rows is least. `alignment`
+        states where the rows lie on the scene's cycle.
         """
         from scipy.optimize import minimize_scalar
 
         minimum = minimize_scalar(
-            self.sum_of_squares,
+            lambda log_friction: self.sum_of_squares(log_friction, alignment),
             bounds=log_friction_bounds,
-            args=(share_of_cycle, scale),
             method="bounded",
             options={"xatol": 1e-7},
         )
@@ -232,10 +316,7 @@ class _Search:
 
         def excess(log_friction: float) -> float:
             """Sum of squares minus the limit."""
-            sum_of_squares = self.sum_of_squares(
-                log_friction, alignment.share_of_cycle, alignment.scale
-            )
-            return sum_of_squares - limit
+            return self.sum_of_squares(log_friction, alignment) - limit
 
         return float(brentq(excess, best_log_friction, nearest_trial, xtol=1e-7))
 
@@ -317,59 +398,100 @@ def _best_alignment(
 
     # notation: Q tangential load
     """
-    from scipy.optimize import minimize
-
     if not np.ptp(load_of_cycle) > 0:
         raise InputError("the scene's Q stands still: there is no loop")
-    amplitude = np.ptp(load_of_cycle) / 2
-    n_rows = len(loop.load)
+    amplitude = float(np.ptp(load_of_cycle) / 2)
 
-    def alignment_at(frequency: float, phase: float) -> _Alignment:
-        """Where the measured rows lie on the scene's cycle, for a given frequency of the cycle and
-        its phase (share of a cycle at time 0). Scale and offset of Q are those that fit the
-        measured Q best. `load_of_cycle` is Q of the scene at the shares of its cycle,
-        `SHARES_OF_CYCLE`; `loop` holds time and Q of the n rows.
-
-        The misfit is a force per thickness here, not yet over the amplitude: the root mean square
-        of the measured Q minus this fit. Where the scale is not positive, ten times the range of Q
-        is added to it, so that another alignment is taken.
-
-        # notation: Q tangential load
-        """
-        share_of_cycle = np.mod(frequency * loop.time + phase, 1.0)
-        scene_load = np.interp(share_of_cycle, SHARES_OF_CYCLE, load_of_cycle)
-        columns = np.column_stack([scene_load, np.ones(n_rows)])
-        scale, offset = np.linalg.lstsq(columns, loop.load, rcond=None)[0].tolist()
-        residuals = loop.load - scale * scene_load - offset
-        misfit = float(np.sqrt(residuals @ residuals / n_rows))
-        # A negative scale fits a sine as well as a positive one does half a cycle later: only the
-        # positive one counts.
-        if scale <= 0:
-            misfit += 10 * float(np.ptp(loop.load))
-        return _Alignment(share_of_cycle, scale, offset, float(1 / frequency), misfit)
+    def misfit(frequency_and_phase: tuple[float, float] | Array) -> float:
+        """Root mean square of Q of the rows minus the best fit of the scene's Q."""
+        frequency, phase = frequency_and_phase
+        return _alignment_at(loop, load_of_cycle, frequency, phase).misfit
 
     # frequencies of the cycle, and that at which the spectrum of Q is highest
     frequencies, first_frequency = _trial_frequencies(loop, least_cycles)
     trials = [(frequency, phase) for frequency in frequencies for phase in np.arange(24) / 24]
-    best_trial = min(trials, key=lambda trial: alignment_at(*trial).misfit)
+    best_trial = min(trials, key=misfit)
+    frequency, phase = _refined_frequency_and_phase(
+        misfit, best_trial, first_frequency, loop.time[-1], 1e-12 * amplitude
+    )
+    alignment = _alignment_at(loop, load_of_cycle, frequency, phase)
+    # from a force to a share of the amplitude
+    return alignment._replace(misfit=alignment.misfit / (abs(alignment.scale) * amplitude))
+
+
+def _alignment_at(
+    loop: MeasuredLoop, load_of_cycle: Array, frequency: float, phase: float
+) -> _Alignment:
+    """Where the rows of a measured loop lie on the scene's cycle, for a given frequency of the
+    cycle and its phase (share of a cycle at time 0). Scale and offset of Q are those that fit the
+    measured Q best. `load_of_cycle` is Q of the scene at the shares of its cycle,
+    `SHARES_OF_CYCLE`; `loop` holds time and Q of the n rows.
+
+    The misfit is a force per thickness here, not yet over the amplitude: the root mean square of
+    the measured Q minus this fit. Where the scale is not positive, ten times the range of Q is
+    added to it, so that another alignment is taken.
+
+    # notation: Q tangential load
+    """
+    n_rows = len(loop.load)
+    share_of_cycle = np.mod(frequency * loop.time + phase, 1.0)
+    scene_load = np.interp(share_of_cycle, SHARES_OF_CYCLE, load_of_cycle)
+    columns = np.column_stack([scene_load, np.ones(n_rows)])
+    scale, offset = np.linalg.lstsq(columns, loop.load, rcond=None)[0].tolist()
+    residuals = loop.load - scale * scene_load - offset
+    misfit = float(np.sqrt(residuals @ residuals / n_rows))
+    # A negative scale fits a sine as well as a positive one does half a cycle later: only the
+    # positive one counts.
+    if scale <= 0:
+        misfit += 10 * float(np.ptp(loop.load))
+    return _Alignment(share_of_cycle, scale, offset, float(1 / frequency), misfit)
+
+
+def _refined_frequency_and_phase(
+    misfit: Callable[[tuple[float, float] | Array], float],
+    best_trial: tuple[float, float],
+    first_frequency: float,
+    last_time: float,
+    misfit_tolerance: float,
+) -> tuple[float, float]:
+    """Frequency of the cycle and its phase (share of a cycle at time 0) with the least misfit
+    between Q of measured rows and Q of the scene, near those of the best trial. The method is that
+    of Nelder and Mead.
+
+    Parameters
+    ----------
+    misfit
+        (frequency, phase) -> root mean square difference of Q [force per thickness]
+    best_trial
+        frequency and phase to begin with
+    first_frequency
+        frequency at which the spectrum of the measured Q is highest: the scale of the steps
+    last_time
+        time of the last row; the first one is at 0
+    misfit_tolerance
+        change of the misfit below which the search ends
+
+    # notation: Q tangential load
+    """
+    from scipy.optimize import minimize
+
     # This first step of the search moves the last row by a tenth of a cycle; in a record shorter
     # than a cycle, by less.
-    frequency_step = 0.3 / max(loop.time[-1] * first_frequency, 1.0) * first_frequency * 0.3
+    frequency_step = 0.3 / max(last_time * first_frequency, 1.0) * first_frequency * 0.3
     simplex_steps = np.array([[0.0, 0.0], [frequency_step, 0.0], [0.0, 0.02]])
     minimum = minimize(
-        lambda frequency_and_phase: alignment_at(*frequency_and_phase).misfit,
+        misfit,
         best_trial,
         method="Nelder-Mead",
         options={
             "initial_simplex": np.array(best_trial) + simplex_steps,
             "xatol": 1e-9 * first_frequency,
-            "fatol": 1e-12 * amplitude,
+            "fatol": misfit_tolerance,
             "maxiter": 800,
         },
     )
-    alignment = alignment_at(*minimum.x)
-    # from a force to a share of the amplitude
-    return alignment._replace(misfit=alignment.misfit / (abs(alignment.scale) * amplitude))
+    frequency, phase = minimum.x
+    return frequency, phase
 
 
 def _trial_frequencies(loop: MeasuredLoop, least_cycles: float) -> tuple[list[float], float]:
@@ -434,16 +556,14 @@ def _friction_changes_by_load_noise(
     noise_of_load, place_error, scale_error = _noise_of_load(
         search.loop, alignment.share_of_cycle, alignment.scale, search.load_of_cycle
     )
-    late_share = np.mod(alignment.share_of_cycle + 1.96 * place_error, 1.0)
-    larger_scale = alignment.scale * (1 + 1.96 * scale_error)
-    log_friction_if_late = search.best_log_friction(
-        log_friction_bounds, late_share, alignment.scale
+    late_alignment = alignment._replace(
+        share_of_cycle=np.mod(alignment.share_of_cycle + 1.96 * place_error, 1.0)
     )
-    log_friction_if_larger = search.best_log_friction(
-        log_friction_bounds, alignment.share_of_cycle, larger_scale
-    )
+    larger_alignment = alignment._replace(scale=alignment.scale * (1 + 1.96 * scale_error))
+    log_friction_if_late = search.best_log_friction(log_friction_bounds, late_alignment)
+    log_friction_if_larger = search.best_log_friction(log_friction_bounds, larger_alignment)
     change_if_late = alignment.scale * math.exp(log_friction_if_late) - friction
-    change_if_larger = larger_scale * math.exp(log_friction_if_larger) - friction
+    change_if_larger = larger_alignment.scale * math.exp(log_friction_if_larger) - friction
     return noise_of_load, (change_if_late, change_if_larger)
 
 
