@@ -403,6 +403,30 @@ class LoopsOverFriction:
         rows_that_count = is_in_middle if np.count_nonzero(is_in_middle) > 8 else None
         return rows.fitted_rig(scale * displacement_at_rows, rows_that_count)
 
+    def displacement_and_load_of_loop(self, friction: float, terms: Array) -> tuple[Array, Array]:
+        """U and Q of theory's loop at instants of a cycle, (m,) each [length, force / thickness];
+        the last instant is the first of the next cycle. U is r U_theory + C Q + U0, where r is the
+        range of Q of the loop over that of the scene. U_theory belongs to the friction coefficient
+        f/r.
+
+        Parameters
+        ----------
+        friction
+            f of the loop
+        terms
+            (4,) highest Q, lowest Q, and compliance C and origin U0 of the rig
+
+        # notation: Q tangential load, U relative tangential displacement
+        """
+        highest_load, lowest_load, compliance, origin = terms.tolist()
+        scale = self.load_scale(highest_load, lowest_load)  # r
+        # self.load (m,): Q of the scene
+        load_of_loop = lowest_load + scale * (self.load - self.load.min())
+        displacement_of_loop = (
+            scale * self.displacement(friction / scale) + compliance * load_of_loop + origin
+        )
+        return displacement_of_loop, load_of_loop
+
     def nearest_points(
         self, rows: LoopRows, friction: float, terms: Array, noise: RowNoise
     ) -> NearestPoints:
@@ -434,26 +458,18 @@ class LoopsOverFriction:
         # notation: C compliance of the rig, f coefficient of friction, P normal load, Q tangential
         #           load, U relative tangential displacement, U0 its origin
         """
-        # Theory's loop: U and Q (m,) at instants of a cycle, the first one repeated at the end.
-        # self.load (m,): Q of the scene; self.displacement: U (m,) of the scene with another f
-        highest_load, lowest_load, compliance, origin = terms.tolist()
-        scale = self.load_scale(highest_load, lowest_load)  # r
-        load_of_loop = lowest_load + scale * (self.load - self.load.min())
-        displacement_of_loop = (
-            scale * self.displacement(friction / scale) + compliance * load_of_loop + origin
-        )
-        n_instants = len(self.load) - 1
-        # of each row: place, distance, components of the unit normal along U and Q
-        values_of_nearest = np.empty((4, len(rows.load)))
-        values_of_nearest[1] = math.inf
-
         # Rows and loop in sigmas, (2, n) and (2, m): U, then Q.
         row_points = np.array([rows.displacement / noise.displacement, rows.load / noise.load])
+        displacement_of_loop, load_of_loop = self.displacement_and_load_of_loop(friction, terms)
         loop_points = np.array(
             [displacement_of_loop / noise.displacement, load_of_loop / noise.load]
         )
 
-        # Nearest points on all pieces of the loop where a row of the branch may lie.
+        # Nearest points on all pieces of the loop where a row of the branch may lie. Of each row:
+        # place, distance, components of the unit normal along U and Q.
+        n_instants = len(self.load) - 1
+        values_of_nearest = np.empty((4, len(rows.load)))
+        values_of_nearest[1] = math.inf
         for is_branch_rising in (True, False):
             indices_of_branch = np.flatnonzero(rows.branches.is_rising == is_branch_rising)
             # instants of the branch itself, and of pieces of the other one beside it
@@ -489,17 +505,47 @@ class LoopsOverFriction:
         noise
             sigma, standard deviation of the noise of U and of Q
 
-        # notation: C compliance of the rig, f friction coefficient, r factor of the file's Q over
-        #           the scene's, tau place in the cycle, U0 origin of U; loop U = r U(tau; f/r) + C
-        #           Q + U0, Q tangential load, U relative tangential displacement
+        # notation: C compliance of the rig, f friction coefficient, Q tangential load, U relative
+        #           tangential displacement, U0 origin of U
         """
-        highest_load, lowest_load, compliance, _ = terms.tolist()
-        # r: range of Q of these turning points over that of the scene
-        scale = self.load_scale(highest_load, lowest_load)
         # place, distance and unit normal (displacement_part, load_part) of each row
         nearest_points = self.nearest_points(rows, friction, terms, noise)
-        # place of the nearest point in the scene's cycle, as a number of instants
+        # place of the nearest point in the scene's cycle, as a number of instants. The point moves
+        # along the loop too; the distance, measured across the loop, does not change by that.
         place = np.mod(nearest_points.place, len(self.load) - 1)
+        displacement_derivatives, load_derivatives = self._derivatives_at_places(
+            place, friction, terms
+        )
+        # a signed distance falls by what the nearest point moves along the unit normal
+        derivatives = (
+            -nearest_points.displacement_part[:, None]
+            * displacement_derivatives
+            / noise.displacement
+            - nearest_points.load_part[:, None] * load_derivatives / noise.load
+        )
+        return nearest_points.distance, derivatives
+
+    def _derivatives_at_places(
+        self, place: Array, friction: float, terms: Array
+    ) -> tuple[Array, Array]:
+        """Derivatives of U and of Q of theory's loop by ln f, highest Q, lowest Q, C and U0, (n, 5)
+        each, at fixed places of the scene's cycle. The loop is U = r U_theory + C Q + U0, where r
+        is its range of Q over that of the scene. U_theory belongs to f/r.
+
+        Parameters
+        ----------
+        place
+            (n,) places in the cycle: index of an instant, with a fraction
+        friction
+            f of the loop
+        terms
+            (4,) highest Q, lowest Q, and C and U0 of the rig
+
+        # notation: C compliance of the rig, f friction coefficient, Q tangential load, U relative
+        #           tangential displacement, U0 origin of U
+        """
+        highest_load, lowest_load, compliance, _ = terms.tolist()
+        scale = self.load_scale(highest_load, lowest_load)  # r
         instants = np.arange(len(self.load))
         # self.load (m,): Q of the scene at the instants
         load_above_lowest = np.interp(place, instants, self.load - self.load.min())
@@ -507,8 +553,7 @@ class LoopsOverFriction:
         displacement_at_place = np.interp(place, instants, self.displacement(friction / scale))
         displacement_by_log = self.displacement_by_log_friction(friction / scale)
         displacement_by_log_at_place = scale * np.interp(place, instants, displacement_by_log)
-        # Derivatives of U and Q of the nearest point. It moves along the loop too; the distance,
-        # measured across the loop, does not change by that. U depends on r by r U(tau; f/r).
+        # U depends on r, and so on the range of Q, by r U_theory(f/r)
         displacement_by_range = (
             displacement_at_place - displacement_by_log_at_place / scale
         ) / self.range_of_load
@@ -524,14 +569,7 @@ class LoopsOverFriction:
         load_derivatives = np.zeros_like(displacement_derivatives)
         load_derivatives[:, 1] = fraction_of_range
         load_derivatives[:, 2] = 1 - fraction_of_range
-        # a signed distance falls by what the nearest point moves along the unit normal
-        derivatives = (
-            -nearest_points.displacement_part[:, None]
-            * displacement_derivatives
-            / noise.displacement
-            - nearest_points.load_part[:, None] * load_derivatives / noise.load
-        )
-        return nearest_points.distance, derivatives
+        return displacement_derivatives, load_derivatives
 
 
 def _cubic_weights(x: float) -> tuple[Array, Array]:
@@ -641,6 +679,40 @@ def _index_of_nearest_corner(points: Array, corners: Array) -> Indices:
 
 
 # ------------------------------------------------------------------------------------------ the fit
+@dataclass(frozen=True, eq=False)
+class _FitParameters:
+    """The five parameters of a loop of tangential load Q over displacement U, and which of them a
+    fit changes: ln f, highest Q, lowest Q, compliance C of the rig and origin U0 of U. f is the
+    friction coefficient.
+
+    Attributes
+    ----------
+    start
+        (5,) their values at the begin of the fit
+    is_fitted
+        (5,) whether the fit changes each
+    typical_sizes
+        (n_fitted,) unit in which a step of each fitted parameter is counted
+    log_friction_bounds
+        least and largest ln f on the way of the fit
+    """
+
+    start: Array
+    is_fitted: NDArray[np.bool_]
+    typical_sizes: Array
+    log_friction_bounds: tuple[float, float]
+
+    def after_steps(self, steps: Array) -> tuple[float, Array]:
+        """f, and highest Q, lowest Q, C and U0 (4,), after `steps` (n_fitted,) from the start in
+        typical sizes. ln f stays within its bounds.
+        """
+        parameters = self.start.copy()
+        parameters[self.is_fitted] += steps * self.typical_sizes
+        lowest_log, highest_log = self.log_friction_bounds
+        log_friction = min(max(parameters[0], lowest_log), highest_log)
+        return math.exp(log_friction), parameters[1:]
+
+
 @dataclass(frozen=True, eq=False)
 class _Search:
     """Least squares of the distances of rows from a model, and of its turning points from those of
@@ -772,41 +844,88 @@ class _Search:
         from scipy.optimize import least_squares
 
         # ln f, then the four terms
-        is_free = np.array([fits_friction, True, True, self.rows.compliance is None, True])
-        typical_sizes = np.array([1.0, *self.rows.term_sizes])[is_free]
-        start_parameters = np.array([math.log(friction), *start_terms])
-        # bounds of ln f: 0.2 below that of gross sliding, and at 40 times it
-        lowest_log = math.log(self.sliding_friction) - _LOG_BELOW_SLIDING
-        highest_log = math.log(self.sliding_friction * _LARGEST_FRICTION_RATIO)
-
-        def friction_and_terms(steps: Array) -> tuple[float, Array]:
-            """f and the terms (4,) after `steps` of the free parameters, in their typical sizes."""
-            log_friction_and_terms = start_parameters.copy()
-            log_friction_and_terms[is_free] += steps * typical_sizes
-            log_friction = min(max(log_friction_and_terms[0], lowest_log), highest_log)
-            return math.exp(log_friction), log_friction_and_terms[1:]
+        is_fitted = np.array([fits_friction, True, True, self.rows.compliance is None, True])
+        parameters = _FitParameters(
+            start=np.array([math.log(friction), *start_terms]),
+            is_fitted=is_fitted,
+            typical_sizes=np.array([1.0, *self.rows.term_sizes])[is_fitted],
+            log_friction_bounds=self.log_friction_bounds,
+        )
 
         # scipy calls for residuals and for derivatives separately: both are cached for these steps
         @functools.lru_cache(maxsize=2)
         def residuals_and_derivatives(step_bytes: bytes) -> tuple[Array, Array]:
-            """Residuals over sigma (n + 2,), and derivatives by steps of the free parameters."""
-            trial_friction, trial_terms = friction_and_terms(np.frombuffer(step_bytes))
+            """Residuals over sigma (n + 2,), and derivatives by steps of the fitted parameters."""
+            trial_friction, trial_terms = parameters.after_steps(np.frombuffer(step_bytes))
             residuals, derivatives = self._residuals_with_derivatives(
                 trial_friction, trial_terms, self.model
             )
-            return residuals, derivatives[:, is_free] * typical_sizes
+            return residuals, derivatives[:, is_fitted] * parameters.typical_sizes
 
         minimum = least_squares(
             lambda steps: residuals_and_derivatives(steps.tobytes())[0],
-            np.zeros(len(typical_sizes)),
+            np.zeros(len(parameters.typical_sizes)),
             jac=lambda steps: residuals_and_derivatives(steps.tobytes())[1],
             method="lm",
             xtol=1e-11,
             ftol=1e-11,
         )
-        best_friction, best_terms = friction_and_terms(minimum.x)
+        best_friction, best_terms = parameters.after_steps(minimum.x)
         # scipy's cost is half the sum of squares
         return 2 * float(minimum.cost), best_friction, best_terms
+
+    @property
+    def log_friction_bounds(self) -> tuple[float, float]:
+        """Least and largest ln f on the way of a fit: 0.2 below that of gross sliding, and that of
+        40 times f of gross sliding. f is the friction coefficient.
+        """
+        return (
+            math.log(self.sliding_friction) - _LOG_BELOW_SLIDING,
+            math.log(self.sliding_friction * _LARGEST_FRICTION_RATIO),
+        )
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """Number of rows minus the number of fitted parameters: f, highest Q, lowest Q, origin of
+        the displacement, and compliance of the rig where it is not stated.
+        """
+        return len(self.rows.displacement) - 4 - (self.rows.compliance is None)
+
+    def friction_interval(
+        self, friction: float, terms: Array, least_sum: float, widening: float
+    ) -> tuple[float, float | None]:
+        """Ends of the 95 % interval of the friction coefficient f. The lower one is at least f of
+        gross sliding; the upper one is None where the sum of squares stays below its limit up to 40
+        times that f. The squares are distances of measured rows from theory's loop.
+
+        Parameters
+        ----------
+        friction, terms
+            f of the best fit; its highest Q, lowest Q, rig compliance C and origin U0, (4,)
+        least_sum
+            sum of squares of the best fit
+        widening
+            factor of the interval where neighbouring rows lie on one side of the loop, 1 or more
+
+        # notation: Q tangential load
+        """
+        # _CHI_SQUARED: 3.841, of one degree of freedom in 95 %
+        largest_sum = least_sum + _CHI_SQUARED * widening**2 * max(
+            least_sum / self.degrees_of_freedom, 1.0
+        )
+        log_friction = math.log(friction)
+        # ln f, None where the sum stays below the largest one
+        log_lower_end = self.interval_end(
+            log_friction, terms, math.log(self.sliding_friction * (1 + 1e-9)), largest_sum
+        )
+        log_upper_end = self.interval_end(
+            log_friction,
+            terms,
+            math.log(self.sliding_friction * _LARGEST_FRICTION_RATIO),
+            largest_sum,
+        )
+        lower_end = self.sliding_friction if log_lower_end is None else math.exp(log_lower_end)
+        return lower_end, None if log_upper_end is None else math.exp(log_upper_end)
 
     def search_with_rows_at_turns_moved(self, friction: float, terms: Array) -> _Search:
         """A search for the best fit in which rows beside a turning point are moved to the other
@@ -934,69 +1053,27 @@ def fit_loop(
     highest_load = rows.branches.highest_turn.load
     lowest_load = rows.branches.lowest_turn.load
     sliding_friction = model.friction_at_gross_sliding(highest_load, lowest_load)
-    # noise of the last digits, at least 1e-9 of the largest U or Q; row_noise: standard deviation
-    # that neighbouring rows show
-    least_noise = RowNoise(
-        *(
-            max(digit_step / math.sqrt(12), _LEAST_NOISE * float(np.max(np.abs(row_values))))
-            for digit_step, row_values in zip(
-                resolution, (rows.displacement, rows.load), strict=True
-            )
-        )
-    )
-    noise = RowNoise(
-        max(row_noise(rows.displacement), least_noise.displacement),
-        max(rows.branches.load_noise, least_noise.load),
-    )
-    search = _Search(rows, model, noise, sliding_friction)
+    least_noise = _noise_of_last_digits(rows, resolution)
+    first_noise = _noise_of_neighbouring_rows(rows, least_noise)
+    search = _Search(rows, model, first_noise, sliding_friction)
 
     # trial values of f begin just above gross sliding; terms: highest Q, lowest Q, C and U0
     friction, terms = search.first_fit(model.first_frictions(highest_load, lowest_load))
-    degrees_of_freedom = len(rows.displacement) - 4 - (rows.compliance is None)
-    for _ in range(_MOST_REWEIGHTINGS):
-        # least squares with the noise so far, until it changes by less than 5 %
-        _, friction, terms = search.best_fit(friction, terms)
-        # rows beside a turning point go to the other branch where that is far nearer
-        search = search.search_with_rows_at_turns_moved(friction, terms)
-        sum_of_squares = float(np.sum(search.residuals(friction, terms)[:-2] ** 2))
-        # noise that the fit leaves, over the noise it was weighted with
-        noise_ratio = math.sqrt(sum_of_squares / degrees_of_freedom)
-        noise = RowNoise(
-            max(noise_ratio * search.noise.displacement, least_noise.displacement),
-            max(noise_ratio * search.noise.load, least_noise.load),
-        )
-        noise_changes = np.array(noise) / np.array(search.noise) - 1
-        search = replace(search, noise=noise)
-        if np.max(np.abs(noise_changes)) < 0.05:
-            break
-
-    # best fit, and the sum of squares that its interval admits
+    search, friction, terms = _search_with_noise_of_fit(search, friction, terms, least_noise)
     least_sum, friction, terms = search.best_fit(friction, terms)
     friction = max(friction, sliding_friction * (1 + 1e-9))
+
+    # how the distances of neighbouring rows go together, which widens the interval of f
     distances = search.residuals(friction, terms)[:-2]
-    # correlation of neighbouring rows, and the systematic part of their distances
     misfit = misfit_of(distances, search.noise.displacement)
-    # widening: factor of an interval where neighbouring rows lie on one side of the loop;
-    # _CHI_SQUARED: 3.841, of one degree of freedom in 95 %
-    largest_sum = least_sum + _CHI_SQUARED * misfit.widening**2 * max(
-        least_sum / degrees_of_freedom, 1.0
-    )
-    log_friction = math.log(friction)
-    # ln f, None where the sum stays below the largest one
-    log_lower_end = search.interval_end(
-        log_friction, terms, math.log(sliding_friction * (1 + 1e-9)), largest_sum
-    )
-    log_upper_end = search.interval_end(
-        log_friction, terms, math.log(sliding_friction * _LARGEST_FRICTION_RATIO), largest_sum
+    lowest_friction, highest_friction = search.friction_interval(
+        friction, terms, least_sum, misfit.widening
     )
     sampling_error = friction * error_of_theory
-    lower_end = sliding_friction if log_lower_end is None else math.exp(log_lower_end)
     return LoopFit(
         friction=friction,
-        lowest_friction=max(sliding_friction, lower_end - sampling_error),
-        highest_friction=None
-        if log_upper_end is None
-        else math.exp(log_upper_end) + sampling_error,
+        lowest_friction=max(sliding_friction, lowest_friction - sampling_error),
+        highest_friction=None if highest_friction is None else highest_friction + sampling_error,
         highest_load=float(terms[0]),
         lowest_load=float(terms[1]),
         compliance=float(terms[2]),
@@ -1005,3 +1082,75 @@ def fit_loop(
         load_noise=search.noise.load,
         misfit=misfit,
     )
+
+
+def _noise_of_last_digits(rows: LoopRows, resolution: tuple[float, float]) -> RowNoise:
+    """Least standard deviations of the noise of U and Q in the rows of a measured loop: those of
+    rounding to the last digit, and at least 1e-9 of the largest value.
+
+    `resolution` holds the smallest differences of U [length] and of Q [force / thickness] that the
+    digits show. A value rounded to such steps has the standard deviation step/sqrt(12).
+
+    # notation: Q tangential load, U relative tangential displacement
+    """
+    displacement_step, load_step = resolution
+    return RowNoise(
+        max(
+            displacement_step / math.sqrt(12),
+            _LEAST_NOISE * float(np.max(np.abs(rows.displacement))),
+        ),
+        max(load_step / math.sqrt(12), _LEAST_NOISE * float(np.max(np.abs(rows.load)))),
+    )
+
+
+def _noise_of_neighbouring_rows(rows: LoopRows, least_noise: RowNoise) -> RowNoise:
+    """Standard deviations of the noise of U and Q that neighbouring rows of a measured loop show,
+    each at least that of `least_noise`.
+
+    # notation: Q tangential load, U relative tangential displacement
+    """
+    return RowNoise(
+        max(row_noise(rows.displacement), least_noise.displacement),
+        max(rows.branches.load_noise, least_noise.load),
+    )
+
+
+def _search_with_noise_of_fit(
+    search: _Search, friction: float, terms: Array, least_noise: RowNoise
+) -> tuple[_Search, float, Array]:
+    """Fit theory's loop to measured rows again and again, each time weighted with the noise that
+    the fit before left. Eight fits at most; they end where the noise changes by less than 5 %.
+
+    Rows beside a turning point go to the other branch where that is far nearer.
+
+    Parameters
+    ----------
+    search
+        fits the loop, with the noise that neighbouring rows show
+    friction, terms
+        f, and highest Q, lowest Q, compliance C of the rig and origin U0 (4,), of the first fit
+    least_noise
+        standard deviations of U and Q below which no estimate goes
+
+    Returns
+    -------
+    search, friction, terms
+        the search with the last noise, and f and terms of the last fit
+
+    # notation: f coefficient of friction, Q tangential load, U relative tangential displacement
+    """
+    for _ in range(_MOST_REWEIGHTINGS):
+        _, friction, terms = search.best_fit(friction, terms)
+        search = search.search_with_rows_at_turns_moved(friction, terms)
+        sum_of_squares = float(np.sum(search.residuals(friction, terms)[:-2] ** 2))
+        # noise that the fit leaves, over the noise it was weighted with
+        noise_ratio = math.sqrt(sum_of_squares / search.degrees_of_freedom)
+        noise = RowNoise(
+            max(noise_ratio * search.noise.displacement, least_noise.displacement),
+            max(noise_ratio * search.noise.load, least_noise.load),
+        )
+        noise_changes = np.array(noise) / np.array(search.noise) - 1
+        search = replace(search, noise=noise)
+        if np.max(np.abs(noise_changes)) < 0.05:
+            break
+    return search, friction, terms
