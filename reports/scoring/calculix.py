@@ -22,7 +22,15 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from reports.scoring.calculix_files import DatFile, DatTable, FrdBlock, FrdFile, read_dat, read_frd
+from reports.scoring.calculix_files import (
+    DatFile,
+    DatTable,
+    FrdBlock,
+    FrdFile,
+    PairForce,
+    read_dat,
+    read_frd,
+)
 from reports.scoring.mapping import Mapping, converted_values, stated_times
 from reports.scoring.surface import (
     SAME_PLACE_SHARE,
@@ -175,57 +183,93 @@ def read_results(path: Path, mapping: Mapping) -> SurfaceResult:
             " increment did not converge)"
         )
     mesh = CalculixMesh(file)
-    block_name = file.blocks[0].name
-    component_by_quantity = _COMPONENT_BY_QUANTITY[block_name]  # quantity -> name of its component
-    noun = "stress" if block_name == "STRESS" else "contact values"
-    # the last block of each time, with notes on times without one
-    blocks, notes = _one_block_a_time(file, list(component_by_quantity.values()), noun)
-    # rows of the face's nodes in the mesh; by quantity, factor to the scene's unit and sign
-    if block_name == "STRESS":
-        face_rows, factors, face_notes = _face_by_stress(mesh, mapping)
-        notes = [*face_notes, *notes]
+    has_stress_only = file.blocks[0].name == "STRESS"
+    components = list(_COMPONENT_BY_QUANTITY[file.blocks[0].name].values())
+    noun = "stress" if has_stress_only else "contact values"
+    blocks, notes = _one_block_a_time(file, components, noun)
+    if has_stress_only:
+        face = _face_by_stress(mesh, mapping)
+        notes = [*face.notes, *notes]
     else:
-        # Nodes with a value that is not 0 count as touching, and so would those with a NaN.
-        for block in file.blocks:
-            if not np.isfinite(block.values).all():
-                raise InputError(
-                    f"{path}: line {block.line}: block CONTACT holds numbers that are not finite"
-                )
-        face_rows, factors, face_notes = _face_by_contact(mesh, blocks, mapping)
-        notes += face_notes
+        _require_finite_values(file)
+        face = _face_by_contact(mesh, blocks, mapping)
+        notes += face.notes
     if not file.has_end_mark:
         notes.append(
             "the file has no end (9999): the run goes on or was stopped, and later instants are"
             " missing"
         )
 
-    # values at the nodes of one plane z = const, (n_times, n_points); depth: extent of the mesh
-    # along z
-    rows, depth, plane_notes = one_plane(mesh.points, face_rows)
-    fields: dict[str, Array] = {}
-    for quantity, component in component_by_quantity.items():
-        values = np.array([mesh.values_at_nodes(block, component)[rows] for block in blocks])
-        fields[quantity] = factors[quantity] * values
-
-    # loads, where a .dat file states them
-    printed_path = path.with_suffix(".dat")
-    printed_file = None
-    if printed_path.exists() and printed_path.stat().st_size:
-        printed_file = read_dat(printed_path)
-    face_values = _FaceValues(
-        mesh.points[rows, 0], depth, fields, np.array([block.time for block in blocks])
-    )
+    face_values, plane_notes = _values_on_face(mesh, blocks, face)
+    printed_file = _printed_file_beside(path)
     return _result_of_face(
         path, mapping, file.version, face_values, printed_file, [*notes, *plane_notes]
     )
 
 
-def _face_by_stress(
-    mesh: CalculixMesh, mapping: Mapping
-) -> tuple[Integers, dict[_Quantity, float], list[str]]:
-    """The lower body's face, where a file has stress and no contact values. Returned: the rows of
-    its nodes in the mesh; by quantity, the factors that turn SYY and SXY into pressure and shear in
-    the scene's units, p = -SYY and q = SXY (outward normal +y); and a note on it.
+def _values_on_face(
+    mesh: CalculixMesh, blocks: Sequence[FrdBlock], face: _Face
+) -> tuple[_FaceValues, list[str]]:
+    """Tractions (and slip, from contact values) at the nodes of a contact face, in the scene's
+    units and signs, at the times of the result blocks; and notes. Of a mesh with depth the nodes of
+    one plane z = const are taken, in the order of x.
+
+    `blocks` hold values at nodes, a block for each time. `face` states its nodes and the factor of
+    each quantity.
+    """
+    rows, depth, plane_notes = one_plane(mesh.points, face.rows)
+    fields: dict[str, Array] = {}
+    for quantity, component in _COMPONENT_BY_QUANTITY[blocks[0].name].items():
+        values = np.array([mesh.values_at_nodes(block, component)[rows] for block in blocks])
+        fields[quantity] = face.factors[quantity] * values
+    times = np.array([block.time for block in blocks])
+    return _FaceValues(mesh.points[rows, 0], depth, fields, times), plane_notes
+
+
+def _require_finite_values(file: FrdFile) -> None:
+    """InputError where a CONTACT block of a .frd file holds a number that is not finite. Nodes with
+    a value that is not 0 count as touching, and so would those with a NaN.
+    """
+    for block in file.blocks:
+        if not np.isfinite(block.values).all():
+            raise InputError(
+                f"{file.path}: line {block.line}: block CONTACT holds numbers that are not finite"
+            )
+
+
+def _printed_file_beside(path: Path) -> DatFile | None:
+    """The printed tables and resultants of the .dat file of the same name beside a .frd file; None
+    where there is no such file, or an empty one.
+    """
+    printed_path = path.with_suffix(".dat")
+    if printed_path.exists() and printed_path.stat().st_size:
+        return read_dat(printed_path)
+    return None
+
+
+class _Face(NamedTuple):
+    """The face of a body on which contact tractions stand.
+
+    Attributes
+    ----------
+    rows
+        rows of its nodes in the arrays of the mesh
+    factors
+        by quantity (pressure, shear, slip), factor from the file's values to the scene's unit and
+        this program's sign
+    notes
+        sentences for the reader of the result: which face it is, and what is coarse or left out
+    """
+
+    rows: Integers
+    factors: dict[_Quantity, float]
+    notes: list[str]
+
+
+def _face_by_stress(mesh: CalculixMesh, mapping: Mapping) -> _Face:
+    """The lower body's face, where a file has stress and no contact values. Its record holds the
+    rows of its nodes in the mesh; by quantity, the factors that turn SYY and SXY into pressure and
+    shear in the scene's units, p = -SYY and q = SXY (outward normal +y); and a note on it.
 
     The face lies at y = `mapping.y_offset` [the scene's length]. InputError where no node does.
 
@@ -250,14 +294,12 @@ def _face_by_stress(
         " its face, outward normal +y; stress extrapolated to the nodes is coarser than the contact"
         " values"
     )
-    return np.flatnonzero(is_on_face), factors, [note]
+    return _Face(np.flatnonzero(is_on_face), factors, [note])
 
 
-def _face_by_contact(
-    mesh: CalculixMesh, blocks: Sequence[FrdBlock], mapping: Mapping
-) -> tuple[Integers, dict[_Quantity, float], list[str]]:
-    """The slave face of a result of CalculiX, by its contact values. Returned: the rows of its
-    nodes in the mesh; by quantity, the factors that turn the values of `blocks` into pressure,
+def _face_by_contact(mesh: CalculixMesh, blocks: Sequence[FrdBlock], mapping: Mapping) -> _Face:
+    """The slave face of a result of CalculiX, by its contact values. Its record holds the rows of
+    its nodes in the mesh; by quantity, the factors that turn the values of `blocks` into pressure,
     shear and slip in the scene's units with this program's signs; and notes.
 
     `blocks` hold the numbers of nodes and their values, a block for each time. `mapping` states
@@ -283,7 +325,7 @@ def _face_by_contact(
     }
     note = f"contact values stand at the slave face, that of the {body} body"
     # _SLIP_NOTE: that the slip holds the elastic slip of the stick stiffness
-    return face_rows, factors, [note, _SLIP_NOTE, *face_notes]
+    return _Face(face_rows, factors, [note, _SLIP_NOTE, *face_notes])
 
 
 def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
@@ -298,39 +340,127 @@ def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
         contact stress in it; no .frd beside it; a node or element that is not there.
     """
     printed_file = read_dat(path)
-    # tables by time; ids: (n_rows, 1) numbers of nodes, or (n_rows, 2) of elements and their faces
+    tables = _contact_tables(printed_file)
+    mesh = _mesh_beside(path)
+    points = _printed_points(mesh, tables)
+    notes = list(points.notes)
+
+    # (n_times, n_points); columns of a table: pressure and shear, or opening and slip
+    values_by_quantity: dict[_Quantity, Array] = {
+        "pressure": _values_at_points(tables.stress, 0, points.ids),
+        "shear": _values_at_points(tables.stress, 1, points.ids),
+    }
+    if tables.slip:
+        values_by_quantity["slip"] = _values_at_points(tables.slip, 1, points.ids)
+        # that the slip holds the elastic slip of the stick stiffness
+        notes.append(_SLIP_NOTE)
+    fields: dict[str, Array] = {
+        quantity: _factor_with_sign(mapping, quantity, points.body) * values
+        for quantity, values in values_by_quantity.items()
+    }
+    depth = float(np.ptp(mesh.points[:, 2]))
+    times = np.array([table.time for table in tables.stress])
+    face_values = _FaceValues(points.x, depth, fields, times)
+    return _result_of_face(path, mapping, "CalculiX", face_values, printed_file, notes)
+
+
+class _ContactTables(NamedTuple):
+    """Tables of contact values that CalculiX printed into a .dat file.
+
+    Attributes
+    ----------
+    path
+        the file
+    stress
+        the last table of pressure and shear of each time
+    slip
+        the tables of opening and slip at the same times; none where some time has no such table
+    """
+
+    path: Path
+    stress: list[DatTable]
+    slip: list[DatTable]
+
+    @property
+    def all_ids(self) -> Integers:
+        """Numbers of what any row of contact stress belongs to, each once: (n, 1) nodes, or (n, 2)
+        elements and their faces. InputError where the file holds both.
+        """
+        ids_of_tables = [table.ids for table in self.stress if len(table.ids)]
+        if len({ids.shape[1] for ids in ids_of_tables}) > 1:
+            raise InputError(
+                f"{self.path}: contact stress of nodes and of element faces in one file; print one"
+                " contact pair (mapping's surface)"
+            )
+        return np.unique(np.concatenate(ids_of_tables), axis=0)
+
+
+def _contact_tables(file: DatFile) -> _ContactTables:
+    """The tables of contact stress in a .dat file, one for each time, and those of slip where there
+    is one for each of these times. InputError where no contact stress is printed.
+    """
     stress_table_by_time = {
-        table.time: table for table in printed_file.tables if table.quantity == "contact stress"
+        table.time: table for table in file.tables if table.quantity == "contact stress"
     }
     slip_table_by_time = {
         table.time: table
-        for table in printed_file.tables
+        for table in file.tables
         if table.quantity == "relative contact displacement"
     }
-    filled_tables = [table for table in stress_table_by_time.values() if len(table.ids)]
-    if not filled_tables:
+    if not any(len(table.ids) for table in stress_table_by_time.values()):
         raise InputError(
-            f"{path}: no contact stress is printed in it (*CONTACT PRINT with CSTR in the deck)"
+            f"{file.path}: no contact stress is printed in it (*CONTACT PRINT with CSTR in the"
+            " deck)"
         )
+    slip_tables = []
+    if set(slip_table_by_time) >= set(stress_table_by_time):
+        slip_tables = [slip_table_by_time[time] for time in stress_table_by_time]
+    return _ContactTables(file.path, list(stress_table_by_time.values()), slip_tables)
+
+
+def _mesh_beside(path: Path) -> CalculixMesh:
+    """The mesh in the .frd file of the same name beside a .dat file; InputError where there is
+    none.
+    """
     mesh_path = path.with_suffix(".frd")
     if not mesh_path.exists():
         raise InputError(
             f"{path}: a .dat file states no places, and there is no {mesh_path.name} beside it to"
             " take them from; copy it there"
         )
-    mesh = CalculixMesh(read_frd(mesh_path, ()))
-    if len({table.ids.shape[1] for table in filled_tables}) > 1:
-        raise InputError(
-            f"{path}: contact stress of nodes and of element faces in one file; print one contact"
-            " pair (mapping's surface)"
-        )
+    return CalculixMesh(read_frd(mesh_path, ()))
 
-    # places at which values are printed: nodes, or elements and their faces
-    all_ids = np.unique(np.concatenate([table.ids for table in filled_tables]), axis=0)
+
+class _PrintedPoints(NamedTuple):
+    """Points of one plane z = const at which CalculiX printed contact values, ascending in x.
+
+    Attributes
+    ----------
+    x
+        (n_points,) [length of the file]
+    ids
+        for each point the number of its node, or the numbers of its element and face
+    body
+        the body whose face it is, "upper" or "lower"
+    notes
+        sentences for the reader of the result: which face it is, and what stands at its points
+    """
+
+    x: Array
+    ids: list[tuple[int, ...]]
+    body: str
+    notes: list[str]
+
+
+def _printed_points(mesh: CalculixMesh, tables: _ContactTables) -> _PrintedPoints:
+    """Where the rows of printed contact stress lie: at nodes of the mesh, or at the middles of its
+    element faces. Points of one plane z = const are kept, in the order of x. InputError where the
+    mesh lacks a node or an element, or the points are of both bodies.
+    """
+    all_ids = tables.all_ids
     # coordinates (n, 3), and how far the material lies above each point
     all_points, material_heights = _points_of_ids(mesh, all_ids)
-    body = _body_of_face(path, material_heights)
-    # rows of `all_points` that lie in one plane z = const, ascending in x
+    body = _body_of_face(tables.path, material_heights)
     rows, _, plane_notes = one_plane(all_points, np.arange(len(all_ids)))
     notes = [f"contact values stand at the slave face, that of the {body} body"]
     if all_ids.shape[1] > 1:
@@ -338,31 +468,18 @@ def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
             "CalculiX prints integration points of faces without place or weight: the plain mean of"
             " each face stands at its middle"
         )
-    notes += plane_notes
-
     ids_of_points = [tuple(numbers) for numbers in all_ids[rows].tolist()]
+    return _PrintedPoints(all_points[rows, 0], ids_of_points, body, [*notes, *plane_notes])
 
-    def field_of(tables: Sequence[DatTable], column: int, quantity: _Quantity) -> Array:
-        """One column of the tables, (n_times, n_points), in the scene's unit and sign."""
-        means = [_means_at_points(table, column, ids_of_points) for table in tables]
-        return _factor_with_sign(mapping, quantity, body) * np.array(means)
 
-    stress_tables = list(stress_table_by_time.values())
-    fields = {
-        "pressure": field_of(stress_tables, 0, "pressure"),
-        "shear": field_of(stress_tables, 1, "shear"),
-    }
-    if set(slip_table_by_time) >= set(stress_table_by_time):
-        fields["slip"] = field_of(
-            [slip_table_by_time[time] for time in stress_table_by_time], 1, "slip"
-        )
-        # that the slip holds the elastic slip of the stick stiffness
-        notes.append(_SLIP_NOTE)
-    depth = float(np.ptp(mesh.points[:, 2]))
-    face_values = _FaceValues(
-        all_points[rows, 0], depth, fields, np.array(list(stress_table_by_time))
-    )
-    return _result_of_face(path, mapping, "CalculiX", face_values, printed_file, notes)
+def _values_at_points(
+    tables: Sequence[DatTable], column: int, ids_of_points: Sequence[tuple[int, ...]]
+) -> Array:
+    """One column of printed tables at the points of a contact face, (n_times, n_points), in the
+    unit and with the sign of the file; 0 at points without a row. Each point is named by the number
+    of its node, or by the numbers of its element and face.
+    """
+    return np.array([_means_at_points(table, column, ids_of_points) for table in tables])
 
 
 def _factor_with_sign(mapping: Mapping, quantity: _Quantity, body: str) -> float:
@@ -554,6 +671,45 @@ def _result_of_face(
     )
 
 
+def _forces_of_one_pair(file: DatFile, mapping: Mapping) -> list[PairForce]:
+    """The resultants of one contact pair in a .dat file, in the order of the file: each with the
+    names of both faces, its time, the force (3,) on the slave face and that face's mean normal
+    (3,). InputError where there are several contact pairs, of which the mapping names none.
+    """
+    pair_forces = [
+        pair_force
+        for pair_force in file.pairs
+        if mapping.surface in (None, pair_force.slave, pair_force.master)
+    ]
+    if len({(pair_force.slave, pair_force.master) for pair_force in pair_forces}) > 1:
+        names = ", ".join(sorted({pair_force.slave for pair_force in pair_forces}))
+        raise InputError(
+            f"{file.path}: several contact pairs (slave faces {names}); name one by surface of a"
+            " mapping"
+        )
+    return pair_forces
+
+
+def _forces_on_lower_body(pair_forces: Sequence[PairForce], times: Array) -> list[Array]:
+    """Force (3,) of a contact pair on the lower body at each of the times for which a .dat file
+    states it. The slave face is the lower body's where its normal points up.
+
+    The last force of each time counts. Both files round the time, so that it may differ by 1e-5.
+    CalculiX writes 0 and NaN for node-to-surface pairs, touching or not: they state no load.
+    """
+    finite_forces = [
+        pair_force for pair_force in reversed(pair_forces) if np.isfinite(pair_force.normal).all()
+    ]
+    forces_on_lower = []
+    for time in times:
+        for pair_force in finite_forces:
+            if np.isclose(pair_force.time, time, rtol=1e-5, atol=0.0):
+                slave_is_lower = pair_force.normal[1] > 0
+                forces_on_lower.append(pair_force.force if slave_is_lower else -pair_force.force)
+                break
+    return forces_on_lower
+
+
 def _pair_loads(
     file: DatFile, mapping: Mapping, times: Array, depth: float
 ) -> tuple[dict[str, Array], list[str]]:
@@ -561,35 +717,18 @@ def _pair_loads(
     contact pair in a .dat file; and notes. No loads where the file lacks the force of some time;
     InputError for several contact pairs of which the mapping names none.
 
-    P and Q are the force of the upper body on the lower one, P positive in compression. The file
-    states the force on the slave face, which is the lower body's where its normal points up.
-    `depth` is the extent of the mesh along z, 0 for a plane mesh; it is the thickness where the
-    mapping states none.
+    P and Q are the force of the upper body on the lower one, P positive in compression. `depth` is
+    the extent of the mesh along z, 0 for a plane mesh; it is the thickness where the mapping states
+    none.
     """
-    # each pair: names of its faces, a time, force (3,) on the slave face, and its mean normal (3,)
-    pairs = [pair for pair in file.pairs if mapping.surface in (None, pair.slave, pair.master)]
-    if len({(pair.slave, pair.master) for pair in pairs}) > 1:
-        names = ", ".join(sorted({pair.slave for pair in pairs}))
-        raise InputError(
-            f"{file.path}: several contact pairs (slave faces {names}); name one by surface of a"
-            " mapping"
-        )
-    # The last force of each time counts; both files round the time, so that it may differ by 1e-5.
-    # CalculiX writes 0 and NaN for node-to-surface pairs, touching or not: they state no load.
-    finite_pairs = [pair for pair in reversed(pairs) if np.isfinite(pair.normal).all()]
-    forces_on_lower = []
-    for time in times:
-        for pair in finite_pairs:
-            if np.isclose(pair.time, time, rtol=1e-5, atol=0.0):
-                slave_is_lower = pair.normal[1] > 0
-                forces_on_lower.append(pair.force if slave_is_lower else -pair.force)
-                break
+    pair_forces = _forces_of_one_pair(file, mapping)
+    forces_on_lower = _forces_on_lower_body(pair_forces, times)
     if len(forces_on_lower) < len(times):
         note = (
             f"{file.path.name} states the pair's resultant at {len(forces_on_lower)} of"
             f" {len(times)} times: not used"
         )
-        return {}, [note] if pairs else []
+        return {}, [note] if pair_forces else []
 
     force_on_lower = np.array(forces_on_lower)
     thickness_source = "mapping"
