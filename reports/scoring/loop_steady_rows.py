@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from reports.scoring.loop_area import polygon_area
 from reports.scoring.loop_branches import Branches, find_branches, row_noise
-from reports.scoring.loop_fit import LoopRows, LoopsOverFriction, RowNoise, fit_loop
+from reports.scoring.loop_fit import LoopFit, LoopRows, LoopsOverFriction, RowNoise, fit_loop
 from reports.scoring.loop_fitted import FittedLoop, sentences_on_scale
 from reports.scoring.loop_masing import MasingLoop, MeasuredRows, MemoryCurve, memory_curve
 from reports.scoring.loop_masing_fit import BestLoop, MasingFit, best_loop, fit_with_interval
@@ -232,6 +232,32 @@ def _steadiest_rows(
 
 
 # ------------------------------------------------------------------ rows that may be a steady loop
+@dataclass(frozen=True)
+class _ChangesOfLoop:
+    """How a loop of tangential load Q over displacement U changes over its rows, as tests show it.
+    By default it does not.
+
+    Attributes
+    ----------
+    with_time
+        change per cycle of f, of Q's middle and range, and of the rig's compliance
+    of_first_half_cycle
+        difference between the first half-cycle and the others
+    every_second_cycle
+        difference between every second cycle and the others
+    of_size
+        growth of U and Q per cycle, over themselves
+    of_log_friction
+        by how much ln f of the last row differs from the fitted one, for the change of size
+    """
+
+    with_time: ExplainedChange = NO_CHANGE
+    of_first_half_cycle: ExplainedChange = NO_CHANGE
+    every_second_cycle: ExplainedChange = NO_CHANGE
+    of_size: ExplainedChange = NO_CHANGE
+    of_log_friction: float = 0.0
+
+
 @dataclass(frozen=True, eq=False)
 class _Candidate:
     """Rows without a run-in, the loop that fits them, and tests of whether they are steady.
@@ -250,13 +276,8 @@ class _Candidate:
         which rows were left out, in words; "" where none were
     had_run_in
         whether more than the rows before the first turning point were left out
-    change_with_time, change_of_first_half_cycle, change_every_second_cycle
-        how the loop changes with time [cycles], between its first half-cycle and the others, and
-        between every second cycle and the others
-    change_of_size
-        how U and Q grow with time, over themselves
-    log_friction_change
-        by how much ln f of the last row differs for it from the fitted one
+    changes
+        how the loop changes over the rows, and with which chance by scatter alone
     sigma_over_opening
         standard deviation of the noise of U, over the loop's mean opening in U
     """
@@ -267,11 +288,7 @@ class _Candidate:
     best_loop: BestLoop
     run_in_sentence: str
     had_run_in: bool
-    change_with_time: ExplainedChange
-    change_of_first_half_cycle: ExplainedChange
-    change_every_second_cycle: ExplainedChange
-    change_of_size: ExplainedChange
-    log_friction_change: float
+    changes: _ChangesOfLoop
     sigma_over_opening: float
 
     @property
@@ -281,9 +298,9 @@ class _Candidate:
         more than 2 %.
         """
         chances = (
-            self.change_with_time.chance,
-            self.change_of_first_half_cycle.chance,
-            self.change_of_size.chance,
+            self.changes.with_time.chance,
+            self.changes.of_first_half_cycle.chance,
+            self.changes.of_size.chance,
         )
         return min(chances) > _LARGEST_CHANCE_TO_LEAVE_OUT
 
@@ -293,7 +310,7 @@ class _Candidate:
         time explains; the larger of both, over the loop's mean opening in U.
         """
         # explained_rms: in sigma of the noise of U
-        share_by_change = self.change_with_time.explained_rms * self.sigma_over_opening
+        share_by_change = self.changes.with_time.explained_rms * self.sigma_over_opening
         return max(self.share_of_opening, share_by_change)
 
     @property
@@ -305,8 +322,8 @@ class _Candidate:
             return 0.0
         # change: its `chance` is that with which scatter alone explains the rise
         rise, change = self.best_loop.rise_along_slide()
-        is_certain = change.chance < _LARGEST_CHANCE_OF_CHANGE
-        return rise if is_certain and rise > _LEAST_RISE_WITHOUT_PLATEAU else 0.0
+        is_not_by_chance = change.chance < _LARGEST_CHANCE_OF_CHANGE
+        return rise if is_not_by_chance and rise > _LEAST_RISE_WITHOUT_PLATEAU else 0.0
 
     def is_certain(self, change: ExplainedChange) -> bool:
         """Whether a change of the loop is not by chance (below 0.1 %), and more than theory may
@@ -352,34 +369,6 @@ def _tested_candidate(
         resolution=loop.resolution,
     )
     fitted_loop = best_loop(rows_to_fit, curve)
-    change_with_time = NO_CHANGE
-    change_of_first_half_cycle = NO_CHANGE
-    change_every_second_cycle = NO_CHANGE
-    change_of_size = NO_CHANGE
-    log_friction_change = 0.0
-    # too few cycles show no change with time
-    if branches.n_cycles >= _FEWEST_CYCLES:
-        # (n,), in cycles; NO_CHANGE holds for fewer than 2.4 cycles
-        phase = np.maximum.accumulate(branches.phase)
-        # of the first turning point behind the first row; a first half-cycle of less than a tenth
-        # of a cycle is taken together with the next one
-        phase_of_turn = _phase_of_first_turn(phase)
-        if phase_of_turn - phase[0] < _SHORTEST_FIRST_HALF_CYCLE:
-            phase_of_turn += 0.5
-        is_in_first_half_cycle = phase < phase_of_turn
-        # how the loop changes with a variable of the rows, and the chance of scatter to show as
-        # much
-        change_with_time = fitted_loop.change_with(phase)
-        change_of_first_half_cycle = fitted_loop.change_with(is_in_first_half_cycle.astype(float))
-        # waves with a period of two cycles
-        alternating_changes = [
-            fitted_loop.change_with(wave(np.pi * phase)) for wave in (np.cos, np.sin)
-        ]
-        change_every_second_cycle = min(alternating_changes, key=lambda change: change.chance)
-        change_of_size = fitted_loop.change_of_size_with(phase)
-        # of ln f, if all rows were as large as the last ones; added_values: growth of U and of Q
-        log_friction_change = fitted_loop.log_friction_change(change_of_size.added_values, phase)
-
     # part of the rows' distances that is no scatter, over the mean opening of the loop in U
     # (its area over the range of Q)
     share_of_opening = _share_of_opening(loop, fitted_loop.misfit, branches.phase)
@@ -393,13 +382,40 @@ def _tested_candidate(
         branches=branches,
         best_loop=fitted_loop,
         run_in_sentence=remaining_rows.sentence,
-        had_run_in=remaining_rows.half_cycles > 0,
-        change_with_time=change_with_time,
-        change_of_first_half_cycle=change_of_first_half_cycle,
-        change_every_second_cycle=change_every_second_cycle,
-        change_of_size=change_of_size,
-        log_friction_change=log_friction_change,
+        had_run_in=remaining_rows.n_half_cycles > 0,
+        changes=_changes_of_loop(fitted_loop, branches),
         sigma_over_opening=sigma_over_opening,
+    )
+
+
+def _changes_of_loop(fitted_loop: BestLoop, branches: Branches) -> _ChangesOfLoop:
+    """How a fitted loop of tangential load Q over displacement U changes over its rows: with time,
+    between its first half-cycle and the others, between every second cycle and the others, and in
+    size. With each comes the chance of scatter alone to show as much. No change is taken for rows
+    of fewer than 2.4 cycles.
+
+    `branches.phase` (n,) are the cycles that have passed at each row. A first half-cycle of less
+    than a tenth of a cycle is taken together with the next one.
+    """
+    if branches.n_cycles < _FEWEST_CYCLES:
+        return _ChangesOfLoop()
+    phase = np.maximum.accumulate(branches.phase)  # (n,), noise taken out
+    phase_of_turn = _phase_of_first_turn(phase)  # first turning point behind the first row
+    if phase_of_turn - phase[0] < _SHORTEST_FIRST_HALF_CYCLE:
+        phase_of_turn += 0.5
+    is_in_first_half_cycle = phase < phase_of_turn
+    # waves with a period of two cycles
+    alternating_changes = [
+        fitted_loop.change_with(wave(np.pi * phase)) for wave in (np.cos, np.sin)
+    ]
+    change_of_size = fitted_loop.change_of_size_with(phase)
+    return _ChangesOfLoop(
+        with_time=fitted_loop.change_with(phase),
+        of_first_half_cycle=fitted_loop.change_with(is_in_first_half_cycle.astype(float)),
+        every_second_cycle=min(alternating_changes, key=lambda change: change.chance),
+        of_size=change_of_size,
+        # of ln f, if all rows were as large as the last ones; added_values: growth of U and of Q
+        of_log_friction=fitted_loop.log_friction_change(change_of_size.added_values, phase),
     )
 
 
@@ -430,13 +446,13 @@ def _require_loop_of_theory(candidate: _Candidate, loop: MeasuredLoop, scene: Sc
         limit = _LARGEST_SHARE_OF_OPENING_WITHOUT_SCATTER
     reason = ""
     # certain: not by chance, and more than theory may miss
-    if candidate.is_certain(candidate.change_every_second_cycle):
+    if candidate.is_certain(candidate.changes.every_second_cycle):
         reason = "its period is another: every second cycle is alike"
-    elif candidate.is_certain(candidate.change_with_time) or candidate.is_certain(
-        candidate.change_of_size
+    elif candidate.is_certain(candidate.changes.with_time) or candidate.is_certain(
+        candidate.changes.of_size
     ):
         # of U and of Q in per cent, over all cycles
-        growth = 100 * candidate.change_of_size.added_values * candidate.branches.n_cycles
+        growth = 100 * candidate.changes.of_size.added_values * candidate.branches.n_cycles
         reason = (
             f"its cycles change to the end: U grows by {growth[0]:+.2g} % and Q by"
             f" {growth[1]:+.2g} % over {candidate.branches.n_cycles:.2g} cycles"
@@ -467,16 +483,16 @@ def _fit_with_interval_for_change(fit: FittedLoop, candidate: _Candidate) -> Fit
     last row. The fit stays as it is where the loop does not change in size and no run-in was left
     out. The ends are `lowest_friction` and `highest_friction`, None without an upper end.
 
-    `candidate` holds the tests of the rows' steadiness: `change_of_size.chance` with which scatter
+    `candidate` holds the tests of the rows' steadiness: `changes.of_size.chance` with which scatter
     alone shows such a growth of U and Q, and the change of ln f that goes with it.
 
     # notation: f coefficient of friction, Q tangential load, U relative tangential displacement
     """
     # scatter alone shows such a growth with a chance of more than 5 %
-    if candidate.change_of_size.chance > _LARGEST_CHANCE_TO_WIDEN and not candidate.had_run_in:
+    if candidate.changes.of_size.chance > _LARGEST_CHANCE_TO_WIDEN and not candidate.had_run_in:
         return fit
     # change of ln f: a change by more than a factor e counts as one by e
-    log_change = candidate.log_friction_change
+    log_change = candidate.changes.of_log_friction
     friction_change = fit.friction * math.expm1(min(abs(log_change), 1.0))
     distance_to_lower_end = math.hypot(fit.friction - fit.lowest_friction, friction_change)
     highest_friction = None
@@ -498,13 +514,13 @@ def _fit_with_interval_for_change(fit: FittedLoop, candidate: _Candidate) -> Fit
 @dataclass(frozen=True, eq=False)
 class _RowsWithoutRunIn:
     """Rows that may be of one steady loop: those from the index `first_row` of `all_rows` on. The
-    rows before it hold so many `half_cycles` behind the first turning point; `sentence` states
-    which were left out.
+    rows before it hold `n_half_cycles` half-cycles behind the first turning point; `sentence`
+    states which were left out.
     """
 
     all_rows: MeasuredLoop
     first_row: int
-    half_cycles: int
+    n_half_cycles: int
     sentence: str
 
     @property
@@ -523,7 +539,7 @@ class _RowsWithoutRunIn:
         """The word "grow" or "shrink" where the remaining cycles of a measured loop may still do so
         at the rate of all cycles: then the rows that were left out are no run-in. Else "".
         """
-        if not self.half_cycles:
+        if not self.n_half_cycles:
             return ""
         loop = self.all_rows
         # by the trend of the size of U and Q over all rows, and over the later ones
@@ -540,21 +556,21 @@ def _rows_without_run_in(loop: MeasuredLoop) -> Iterator[_RowsWithoutRunIn]:
     phase = np.maximum.accumulate(_branches_by_height(loop).phase)  # cycles that have passed
     if phase[-1] - phase[0] < _FEWEST_CYCLES_WITH_RUN_IN:
         # the rows from `first_row` on, and a sentence on those left out
-        yield _RowsWithoutRunIn(loop, first_row=0, half_cycles=0, sentence="")
+        yield _RowsWithoutRunIn(loop, first_row=0, n_half_cycles=0, sentence="")
     # at the first turning point behind the first row
     phase_of_turn = _phase_of_first_turn(phase)
     # numbers of half-cycles from 0 to 16
-    for half_cycles in _HALF_CYCLES_OF_RUN_IN:
-        first_row = int(np.argmax(phase >= phase_of_turn + half_cycles / 2))
+    for n_half_cycles in _HALF_CYCLES_OF_RUN_IN:
+        first_row = int(np.argmax(phase >= phase_of_turn + n_half_cycles / 2))
         if phase[-1] - phase[first_row] < _FEWEST_CYCLES or not first_row:
             return
         sentence = f"Rows 1 to {first_row} are left out: run-in, unlike the later cycles"
-        if not half_cycles:
+        if not n_half_cycles:
             sentence = (
                 f"Rows 1 to {first_row}, before the first turning point, are left out: they may be"
                 " of the initial loading"
             )
-        yield _RowsWithoutRunIn(loop, first_row, half_cycles, sentence)
+        yield _RowsWithoutRunIn(loop, first_row, n_half_cycles, sentence)
 
 
 def _phase_of_first_turn(phase: Array) -> float:
@@ -665,65 +681,31 @@ def _fit_at_constant_load(
         memory curve of half-plane theory: U over half the change of Q since a turning point, from
         which every branch of the loop follows
     """
-    loop = candidate.rows
-    branches = candidate.branches
     # error of a fitted f, over f, by theory: 1e-6, and 2e-9 where the contact slides as a whole
     error_of_theory = _RELATIVE_ERROR_OF_MEMORY_CURVE
     if candidate.best_loop.is_gross:
         error_of_theory = _RELATIVE_ERROR_OF_SLIDING
     # parameters of the loop with their errors, and the interval of f
     fit = fit_with_interval(candidate.best_loop, error_of_theory)
-    share_of_time = (loop.time - loop.time[0]) / float(np.ptp(loop.time))
-    # fit.drift: of U over the whole record, [length]
-    rows_without_drift = replace(
-        loop, displacement=loop.displacement - fit.drift * (share_of_time - 0.5)
-    )
     # Q of the scene through a cycle; factor of the file's Q over it
     load_of_cycle = cycle_loads(scene)[1]
     scale = (fit.highest_load - fit.lowest_load) / float(np.ptp(load_of_cycle))
-    which_rows = " that are left" if candidate.run_in_sentence else ""
     sentences = [
-        (
-            f"The rows{which_rows} cover {branches.n_cycles:.4g} cycles between"
-            f" Q = {fit.lowest_load:.6g} and {fit.highest_load:.6g}; P is constant, so that the"
-            " form of Q and U over time counts for nothing"
-        ),
+        *_sentences_on_rows(candidate, fit),
         *sentences_on_scale(scale),
+        *_sentences_on_run_in_and_drift(candidate, fit),
     ]
-    if candidate.run_in_sentence:
-        sentences.append(candidate.run_in_sentence)
-    range_of_displacement = float(np.ptp(loop.displacement))
-    drift_uncertainty = 1.96 * fit.drift_error
-    # stated from 0.1 % of the range of U on
-    if abs(fit.drift) > max(drift_uncertainty, _LEAST_DRIFT_STATED * range_of_displacement):
-        drift_of_cycle = fit.drift / range_of_displacement / branches.n_cycles
-        sentences.append(
-            f"U drifts by {100 * drift_of_cycle:+.2g} % of its range in a cycle: taken out"
-        )
-
-    # where on the scene's cycle each row lies: place_on_loop is 0 to 1 on the rising branch, 1 to 2
-    # on the falling one
-    place_on_loop = fit.distances.place_on_loop
     if fit.is_gross:
-        half_range = (fit.highest_load - fit.lowest_load) / 2
-        sentences.append(
-            # units(scene)[1]: unit of length
-            f"The contact slides as a whole by {fit.slide:.3g} {units(scene)[1]} at each end of the"
-            f" loop: f is Q/P there, with Q = {half_range:.6g} from the middle"
-        )
-        # a computed loop that slides begins at the highest Q
-        share_of_cycle = np.mod(place_on_loop / 2 + 0.5, 1.0)
-    else:
-        share_of_cycle = _share_by_load(loop.load, place_on_loop < 1, fit, load_of_cycle)
-    return rows_without_drift, FittedLoop(
+        sentences.append(_sentence_on_slide(fit, scene))
+    return _rows_without_drift(candidate.rows, fit.drift), FittedLoop(
         scene=scene,
         friction=fit.friction,
         lowest_friction=fit.lowest_friction,
         highest_friction=fit.highest_friction,
         compliance=fit.compliance,
-        share_of_cycle=share_of_cycle,
-        phase=branches.phase,
-        n_cycles=branches.n_cycles,
+        share_of_cycle=_share_by_place(candidate.rows.load, fit, load_of_cycle),
+        phase=candidate.branches.phase,
+        n_cycles=candidate.branches.n_cycles,
         scale=scale,
         offset=fit.lowest_load - scale * float(load_of_cycle.min()),
         displacement_noise=fit.sigma.displacement,
@@ -734,6 +716,86 @@ def _fit_at_constant_load(
         masing_fit=fit,
         is_gross=fit.is_gross,
     )
+
+
+def _rows_without_drift(loop: MeasuredLoop, drift: float) -> MeasuredLoop:
+    """The rows of a measured loop with the linear drift of U taken out, so that U in the middle of
+    the record's time stays as it is. `drift` is the change of U over the whole record [length].
+
+    # notation: U relative tangential displacement
+    """
+    share_of_time = (loop.time - loop.time[0]) / float(np.ptp(loop.time))
+    return replace(loop, displacement=loop.displacement - drift * (share_of_time - 0.5))
+
+
+def _sentences_on_rows(candidate: _Candidate, fit: MasingFit) -> list[str]:
+    """A sentence for the reader of a fit at constant normal load P: how many cycles the rows cover,
+    and between which values of the tangential load Q. It says "that are left" where rows of a
+    run-in were left out.
+    """
+    which_rows = " that are left" if candidate.run_in_sentence else ""
+    return [
+        f"The rows{which_rows} cover {candidate.branches.n_cycles:.4g} cycles between"
+        f" Q = {fit.lowest_load:.6g} and {fit.highest_load:.6g}; P is constant, so that the form of"
+        " Q and U over time counts for nothing"
+    ]
+
+
+def _sentences_on_run_in_and_drift(candidate: _Candidate, fit: MasingFit) -> list[str]:
+    """Sentences for the reader of a fitted loop: which rows were left out as a run-in, and by how
+    much U drifts in a cycle. There is none on the drift where it is within its uncertainty, or
+    below 0.1 % of the range of U over the record.
+
+    `fit.drift` and `fit.drift_error` are the drift over the record and its standard error [length].
+
+    # notation: U relative tangential displacement
+    """
+    sentences = [candidate.run_in_sentence] if candidate.run_in_sentence else []
+    range_of_displacement = float(np.ptp(candidate.rows.displacement))
+    drift_uncertainty = 1.96 * fit.drift_error
+    if abs(fit.drift) > max(drift_uncertainty, _LEAST_DRIFT_STATED * range_of_displacement):
+        drift_of_cycle = fit.drift / range_of_displacement / candidate.branches.n_cycles
+        sentences.append(
+            f"U drifts by {100 * drift_of_cycle:+.2g} % of its range in a cycle: taken out"
+        )
+    return sentences
+
+
+def _sentence_on_slide(fit: MasingFit, scene: Scene) -> str:
+    """A sentence for the reader of a fitted loop whose contact slides as a whole at its ends: how
+    far it slides there, and that f is Q/P of this plateau. Q is counted from the middle of the
+    loop.
+
+    # notation: f coefficient of friction, P normal load, Q tangential load
+    """
+    half_range = (fit.highest_load - fit.lowest_load) / 2
+    # units(scene)[1]: unit of length
+    return (
+        f"The contact slides as a whole by {fit.slide:.3g} {units(scene)[1]} at each end of the"
+        f" loop: f is Q/P there, with Q = {half_range:.6g} from the middle"
+    )
+
+
+def _share_by_place(row_loads: Array, fit: MasingFit, load_of_cycle: Array) -> Array:
+    """Share of the scene's cycle that is over at each row of a fitted loop, (n,). Where the contact
+    slides as a whole it follows from the row's place along the loop; else from the row's tangential
+    load Q, on the branch that the place states.
+
+    Parameters
+    ----------
+    row_loads
+        (n,) Q of the rows
+    fit
+        the fitted loop; `distances.place_on_loop` (n,) is 0 to 1 on the rising branch, and 1 to 2
+        on the falling one
+    load_of_cycle
+        (n_instants,) Q of the scene through a cycle
+    """
+    place_on_loop = fit.distances.place_on_loop
+    if fit.is_gross:
+        # a computed loop that slides begins at the highest Q
+        return np.asarray(np.mod(place_on_loop / 2 + 0.5, 1.0))
+    return _share_by_load(row_loads, place_on_loop < 1, fit, load_of_cycle)
 
 
 def _fit_where_load_varies(
@@ -750,22 +812,11 @@ def _fit_where_load_varies(
         loop.displacement, loop.load, loop.time, loop.resolution[1], loop.source
     )
     rows = LoopRows(loop.displacement, loop.load, branches, rig_compliance)
-    # Q of the scene through a cycle, and at three times as many instants
-    load_of_cycle = cycle_loads(scene)[1]
-    load_at_fine_instants = cycle_loads(scene, FINE_SHARES_OF_CYCLE)[1]
-    # theory's U through a cycle, for any f
-    loops_of_theory = LoopsOverFriction(
-        load_at_fine_instants,
-        friction_at_gross_sliding(scene),
-        lambda friction: theory_displacement(scene, friction, FINE_SHARES_OF_CYCLE),
-    )
+    loops_of_theory = _loops_of_theory(scene)
     # error of theory: 1e-5 of f
     fit = fit_loop(rows, loops_of_theory, loop.resolution, _RELATIVE_ERROR_OF_THEORY)
-    sigma = RowNoise(fit.displacement_noise, fit.load_noise)
-    # nearest point of the loop to each row; place: as a number of instants; fit.terms: highest Q,
-    # lowest Q, C and origin of U
-    nearest_points = loops_of_theory.nearest_points(rows, fit.friction, fit.terms, sigma)
-    # factor of the file's Q over the scene's
+    # Q of the scene through a cycle; factor of the file's Q over it
+    load_of_cycle = cycle_loads(scene)[1]
     scale = (fit.highest_load - fit.lowest_load) / float(np.ptp(load_of_cycle))
     sentences = [
         (
@@ -781,7 +832,7 @@ def _fit_where_load_varies(
         lowest_friction=fit.lowest_friction,
         highest_friction=fit.highest_friction,
         compliance=fit.compliance,
-        share_of_cycle=np.mod(nearest_points.place / (len(load_at_fine_instants) - 1), 1.0),
+        share_of_cycle=_share_by_nearest_point(rows, loops_of_theory, fit),
         phase=branches.phase,
         n_cycles=branches.n_cycles,
         scale=scale,
@@ -791,6 +842,41 @@ def _fit_where_load_varies(
         sentences=tuple(sentences),
         misfit=fit.misfit,
     )
+
+
+def _loops_of_theory(scene: Scene) -> LoopsOverFriction:
+    """Half-plane theory's loops of a scene for any friction coefficient f: its tangential load Q
+    and its relative tangential displacement U through the steady cycle, at fine instants
+    (`FINE_SHARES_OF_CYCLE`).
+    """
+    return LoopsOverFriction(
+        cycle_loads(scene, FINE_SHARES_OF_CYCLE)[1],
+        friction_at_gross_sliding(scene),
+        lambda friction: theory_displacement(scene, friction, FINE_SHARES_OF_CYCLE),
+    )
+
+
+def _share_by_nearest_point(
+    rows: LoopRows, loops_of_theory: LoopsOverFriction, fit: LoopFit
+) -> Array:
+    """Share of the scene's cycle that is over at each row, (n,): that at the point of theory's loop
+    which is nearest to the row.
+
+    Parameters
+    ----------
+    rows
+        U and Q of the n rows, and the branch of each
+    loops_of_theory
+        U and Q of the scene at instants of the cycle, for any f
+    fit
+        f that fits best, with turning points of Q, rig and noise (sigma) of U and Q
+
+    # notation: f coefficient of friction, Q tangential load, U relative tangential displacement
+    """
+    sigma = RowNoise(fit.displacement_noise, fit.load_noise)
+    # place: as a number of instants; fit.terms: highest Q, lowest Q, C and U0 of the rig
+    place = loops_of_theory.nearest_points(rows, fit.friction, fit.terms, sigma).place
+    return np.asarray(np.mod(place / (len(loops_of_theory.load) - 1), 1.0))
 
 
 def _share_by_load(
