@@ -152,151 +152,233 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
     path
         load path to take in place of that of the scene; None: that of the scene
 
-    # notation: p, q, eps, alpha samples (n,) of P, Q, bulk strain and tilt along the path
-
     Raises
     ------
     InputError
         For a profile that bends down somewhere, a contact that leaves the profile, a tilt or a
         moment that no contact carries.
     """
-    # A path has segments of P and Q, each with bulk stresses, tilt and moment if there are any.
     path = path or scene.load.path()
-    segments = (*path.initial_loading, *path.cycle)
-    loading_count = len(path.initial_loading)
-
-    # A = 2/E*; strain_per_stress: bulk strain by a unit stress in the lower and the upper body.
     profile = convex_profile(scene.profile)
-    compliance = 2 / composite_modulus(scene.material)
-    datum_length = scene.profile.datum_length
     friction = scene.friction.coefficient
-    strain_per_stress = strain_per_stress_of(scene.material)
-
-    # Samples of P, Q, eps, alpha, (4, n) of each segment; the contact gives the tilt under a
-    # moment.
-    contact_under_moment = None
-    if path.moment_is_given:
-        contact_under_moment = _contact_of_any_load(profile, compliance, datum_length)
-    samples_of_segments = [
-        _load_samples_of_segment(segment, contact_under_moment, strain_per_stress)
-        for segment in segments
-    ]
-    load_sizes = LoadSizes.of_samples(
-        np.concatenate(samples_of_segments, axis=1), profile, compliance, friction
-    )
-
-    # Loads that only press leave nothing locked in: the relations need to hold from the first
-    # segment on that shears.
-    first_shearing_segment = _first_shearing_segment(
-        samples_of_segments[:loading_count], load_sizes
-    )
-    last_sample = samples_of_segments[-1][:, -1:]
-    p, q, eps, alpha = np.concatenate(
-        samples_of_segments[first_shearing_segment:] or [last_sample], axis=1
-    )
-    largest_load = float(np.max(p))
-    neglected_loads: dict[str, float] = {}
-
-    # At constant P the stick zones of a parabola are nested where contacts are not.
-    is_parabola = profile.radius is not None
-    # _ROUND_OFF_SHARE: 1e-11 of the largest P.
-    may_slip_opposite_ways = bool(
-        is_parabola and friction > 0 and np.ptp(p) <= _ROUND_OFF_SHARE * largest_load
-    )
-
-    # Round-off sizes: smaller changes of strain and shear count as none.
-    strain_changes = np.ptp(eps) > load_sizes.strain_roundoff
-    has_shear_force = np.max(np.abs(q)) > load_sizes.shear_roundoff
-    is_strain_alone = bool(may_slip_opposite_ways and strain_changes and not has_shear_force)
-    first_strain = float(eps[0])
-    equivalent_shear = q
-    if is_strain_alone:
-        # A load in proportion to the bulk strain, of half f P at most, takes the place of Q.
-        if np.any(q):
-            neglected_loads["tangential load"] = float(np.max(np.abs(q))) / (
-                friction * largest_load
-            )
-        largest_change = float(np.max(np.abs(eps - first_strain)))
-        equivalent_shear = (eps - first_strain) * (friction * largest_load / 2 / largest_change)
+    # P, Q, eps and alpha along the path from where it first shears the contact
+    sampled_path = _SampledPath.of_path(path, scene)
+    samples = sampled_path.samples
+    shear = _ShearOfCurve.of_samples(samples, profile, friction, sampled_path.load_sizes)
 
     # Do alpha = alpha_0 + kappa P and eps = eps_0 + kappa Q hold? `slope` is kappa.
-    relation = _AffineRelation.fitted_to_samples(p, equivalent_shear, eps, alpha, load_sizes)
+    relation = _AffineRelation.fitted_to_samples(
+        samples, shear.load_in_curve, sampled_path.load_sizes
+    )
     if not relation.holds:
         return None
-    neglected_loads |= relation.neglected_loads
 
     # Contact intervals under tilts alpha_0 + kappa P up to the largest P of the samples.
     intervals = NestedIntervals(
-        profile, compliance, relation.tilt_without_load, relation.slope, largest_load
+        profile,
+        2 / composite_modulus(scene.material),  # A = 2/E*
+        relation.tilt_without_load,
+        relation.slope,
+        float(np.max(samples[0])),
     )
-    contact = _contact_with_one_curve(
-        intervals,
-        datum_length,
-        friction,
-        largest_shear=float(np.max(np.abs(equivalent_shear))),
-        is_strain_alone=is_strain_alone,
-        may_slip_opposite_ways=may_slip_opposite_ways,
-    )
+    contact = _contact_with_one_curve(intervals, scene.profile.datum_length, friction, shear)
     if contact is None:
         return None
-
     # The path of the curve has P and Q only; if strain alone shears, a load stands for Q once P is
     # applied.
-    n_segments_with_q = first_shearing_segment if is_strain_alone else len(segments)
-    segments_of_curve: list[LoadSegment] = [
-        replace(segment, bulk=None, tilt_and_moment=None)
-        for segment in segments[:n_segments_with_q]
-    ]
-    for segment in segments[n_segments_with_q:]:
-        segment_of_curve = _segment_with_strain_for_shear(
-            segment, strain_per_stress, first_strain, relation.slope
-        )
-        if segment_of_curve is None:
-            return None
-        segments_of_curve.append(segment_of_curve)
-
-    # The initial loading, then the cycle.
-    path_of_curve = LoadPath(
-        tuple(segments_of_curve[:loading_count]), tuple(segments_of_curve[loading_count:])
+    path_of_curve = _path_of_curve(
+        path,
+        sampled_path.first_shearing_segment if shear.is_strain_alone else None,
+        strain_per_stress_of(scene.material),
+        shear.first_strain,
+        relation.slope,
     )
+    if path_of_curve is None:
+        return None
     return OneCurve(
         contact=contact,
         path=path_of_curve,
         bulk=path.companion("bulk"),
         tilt_and_moment=path.companion("tilt_and_moment"),
         moment_is_given=path.moment_is_given,
-        neglected_loads=neglected_loads,
+        neglected_loads=shear.neglected_loads | relation.neglected_loads,
     )
 
 
-def _contact_of_any_load(
-    profile: ConvexProfile, compliance: float, datum_length: float
-) -> TiltedProfile:
-    """Contact of a convex profile under any load, without a prescribed tilt. It gives the tilt that
-    belongs to a load and a moment.
+class _SampledPath(NamedTuple):
+    """Samples of P, Q, bulk strain and tilt along a load path, from where it first shears the
+    contact.
+
+    Before that it only presses, which leaves nothing locked in.
+
+    Attributes
+    ----------
+    samples
+        (4, n) P, Q [force per thickness], bulk strain and tilt [rad], NaN where the tilt is not
+        known; the last state of the path alone where no segment shears
+    first_shearing_segment
+        number of the first segment that shears, by Q or by a change of bulk strain
+    load_sizes
+        sizes of Q, strain and tilt along the whole path that count, and those that are round-off
+    """
+
+    samples: Array
+    first_shearing_segment: int
+    load_sizes: LoadSizes
+
+    @classmethod
+    def of_path(cls, path: LoadPath, scene: Scene) -> _SampledPath:
+        """Samples of a load path under which the profile of a scene is pressed; the path may differ
+        from that of the scene.
+        """
+        samples_of_segments = _samples_of_segments(
+            (*path.initial_loading, *path.cycle),
+            strain_per_stress_of(scene.material),
+            _contact_under_moment(scene, path),
+        )
+        load_sizes = LoadSizes.of_samples(
+            np.concatenate(samples_of_segments, axis=1),
+            convex_profile(scene.profile),
+            2 / composite_modulus(scene.material),  # A = 2/E*
+            scene.friction.coefficient,
+        )
+        first_shearing_segment = _first_shearing_segment(
+            samples_of_segments[: len(path.initial_loading)], load_sizes
+        )
+        shearing_samples = samples_of_segments[first_shearing_segment:]
+        if not shearing_samples:
+            shearing_samples = [samples_of_segments[-1][:, -1:]]
+        return cls(np.concatenate(shearing_samples, axis=1), first_shearing_segment, load_sizes)
+
+
+class _ShearOfCurve(NamedTuple):
+    """What shears a contact along a load path: Q, or bulk strain alone at constant P.
+
+    Attributes
+    ----------
+    load_in_curve
+        (n,) load of the memory curve at samples of the path: Q; where bulk strain alone shears, a
+        load in proportion to its change, of half f P at most [force per thickness]
+    is_strain_alone
+        whether bulk strain alone shears
+    first_strain
+        bulk strain at the first sample, where the load in proportion to its change is 0
+    may_slip_opposite_ways
+        whether the profile is a parabola, f > 0 and P constant: under large bulk strain both ends
+        of such a contact slip in opposite senses, and its stick zones are nested where contacts are
+        not
+    neglected_loads
+        "tangential load": the largest |Q| over f P, where it is round-off beside the bulk strain;
+        else empty
+    """
+
+    load_in_curve: Array
+    is_strain_alone: bool
+    first_strain: float
+    may_slip_opposite_ways: bool
+    neglected_loads: dict[str, float]
+
+    @classmethod
+    def of_samples(
+        cls, samples: Array, profile: ConvexProfile, friction: float, load_sizes: LoadSizes
+    ) -> _ShearOfCurve:
+        """What shears a contact, from samples (4, n) of P, Q, bulk strain eps and tilt along its
+        load path.
+
+        `profile` has the radius of a parabola, None for another one. `friction` is f. `load_sizes`
+        has the sizes up to which a change of strain or shear is round-off, and counts as none.
+
+        # notation: p, q, eps samples (n,) of P, Q and bulk strain
+        """
+        p, q, eps, _ = samples
+        largest_load = float(np.max(p))
+        is_parabola = profile.radius is not None
+        # _ROUND_OFF_SHARE: 1e-11 of the largest P
+        may_slip_opposite_ways = bool(
+            is_parabola and friction > 0 and np.ptp(p) <= _ROUND_OFF_SHARE * largest_load
+        )
+        strain_changes = np.ptp(eps) > load_sizes.strain_roundoff
+        has_shear_force = np.max(np.abs(q)) > load_sizes.shear_roundoff
+        is_strain_alone = bool(may_slip_opposite_ways and strain_changes and not has_shear_force)
+        first_strain = float(eps[0])
+        load_in_curve = q
+        neglected_loads = {}
+        if is_strain_alone:
+            if np.any(q):
+                neglected_loads["tangential load"] = float(np.max(np.abs(q))) / (
+                    friction * largest_load
+                )
+            largest_change = float(np.max(np.abs(eps - first_strain)))
+            load_in_curve = (eps - first_strain) * (friction * largest_load / 2 / largest_change)
+        return cls(
+            load_in_curve, is_strain_alone, first_strain, may_slip_opposite_ways, neglected_loads
+        )
+
+
+def _path_of_curve(
+    path: LoadPath,
+    first_segment_by_strain: int | None,
+    strain_per_stress: tuple[float, float],
+    strain_without_load: float,
+    slope: float,
+) -> LoadPath | None:
+    """Load path of a memory curve: P and Q alone, without bulk stress and tilt. From a certain
+    segment on a load in proportion to the bulk strain eps may stand for Q.
+
+    None where bulk stress in one of those is neither linear nor a sum of harmonics in time.
 
     Parameters
     ----------
-    profile
-        gap between the unloaded faces
-    compliance
-        A = 2/E* [1/stress]
-    datum_length
-        distance at which displacements count as 0 [length]
+    path
+        load path with bulk stress and tilt: initial loading and cycle
+    first_segment_by_strain
+        number of the first segment in which that load stands for Q; None where Q is the load in all
+    strain_per_stress
+        eps by a unit bulk stress of the lower and of the upper body [1/stress]
+    strain_without_load
+        eps at which that load is 0
+    slope
+        of eps over the load that stands for Q
     """
-    intervals = NestedIntervals(
-        profile, compliance, tilt_without_load=0.0, tilt_per_load=0.0, largest_load=math.inf
+    segments = (*path.initial_loading, *path.cycle)
+    n_segments_with_q = len(segments)
+    if first_segment_by_strain is not None:
+        n_segments_with_q = first_segment_by_strain
+    segments_of_curve: list[LoadSegment] = [
+        replace(segment, bulk=None, tilt_and_moment=None)
+        for segment in segments[:n_segments_with_q]
+    ]
+    for segment in segments[n_segments_with_q:]:
+        segment_of_curve = _segment_with_strain_for_shear(
+            segment, strain_per_stress, strain_without_load, slope
+        )
+        if segment_of_curve is None:
+            return None
+        segments_of_curve.append(segment_of_curve)
+    n_loading_segments = len(path.initial_loading)
+    return LoadPath(
+        tuple(segments_of_curve[:n_loading_segments]), tuple(segments_of_curve[n_loading_segments:])
     )
-    return TiltedProfile(intervals, datum_length)
+
+
+def _contact_under_moment(scene: Scene, path: LoadPath) -> TiltedProfile | None:
+    """Contact of a scene that gives the tilt under a load and a moment; None where the load path
+    prescribes the tilt in place of the moment.
+    """
+    if not path.moment_is_given:
+        return None
+    intervals = NestedIntervals(
+        convex_profile(scene.profile),
+        2 / composite_modulus(scene.material),  # A = 2/E*
+        tilt_without_load=0.0,
+        tilt_per_load=0.0,
+        largest_load=math.inf,
+    )
+    return TiltedProfile(intervals, scene.profile.datum_length)
 
 
 def _contact_with_one_curve(
-    intervals: NestedIntervals,
-    datum_length: float,
-    friction: float,
-    largest_shear: float,
-    is_strain_alone: bool,
-    may_slip_opposite_ways: bool,
+    intervals: NestedIntervals, datum_length: float, friction: float, shear: _ShearOfCurve
 ) -> TiltedProfile | None:
     """The contact whose frictional state is one memory curve: that of nested contact intervals, or
     a parabola whose two ends slip in opposite senses; None where neither exists.
@@ -312,19 +394,18 @@ def _contact_with_one_curve(
         distance at which displacements count as 0 [length]
     friction
         f, coefficient of friction
-    largest_shear
-        the largest |Q|, or of the load in its place [force per thickness]
-    is_strain_alone
-        whether bulk strain alone shears the contact
-    may_slip_opposite_ways
-        whether the profile is a parabola, f > 0, and P constant
+    shear
+        what shears the contact, Q or bulk strain alone; whether its ends may slip opposite ways
     """
     contact = TiltedProfile(intervals, datum_length)
-    if not is_strain_alone and contact.is_nested(intervals.largest_load):
+    if not shear.is_strain_alone and contact.is_nested(intervals.largest_load):
         return contact
-    if not may_slip_opposite_ways:
+    if not shear.may_slip_opposite_ways:
         return None
-    return _opposite_slip_contact(intervals, datum_length, friction, largest_shear, is_strain_alone)
+    largest_shear = float(np.max(np.abs(shear.load_in_curve)))
+    return _opposite_slip_contact(
+        intervals, datum_length, friction, largest_shear, shear.is_strain_alone
+    )
 
 
 def _first_shearing_segment(samples_of_loading: list[Array], load_sizes: LoadSizes) -> int:
@@ -363,10 +444,10 @@ class _AffineRelation(NamedTuple):
 
     @classmethod
     def fitted_to_samples(
-        cls, p: Array, q: Array, eps: Array, alpha: Array, load_sizes: LoadSizes
+        cls, samples: Array, load_in_curve: Array, load_sizes: LoadSizes
     ) -> _AffineRelation:
         """The slope kappa of alpha = alpha_0 + kappa P and eps = eps_0 + kappa Q [1/(force per
-        thickness)], fitted to samples (n,) of a load path, and whether both hold to round-off.
+        thickness)], fitted to n samples of a load path, and whether both hold to round-off.
 
         kappa is that of eps over Q where Q changes, else of alpha over P. A deviation from the
         lines that is round-off beside what moves an edge of contact, but above the round-off of the
@@ -374,16 +455,19 @@ class _AffineRelation(NamedTuple):
 
         Parameters
         ----------
-        p, q
-            P and Q [force per thickness]
-        eps
-            bulk strain of the lower surface relative to the upper one
-        alpha
-            tilt [rad]; NaN where it is not known
+        samples
+            (4, n) P, Q, bulk strain eps of the lower surface relative to the upper one, and tilt
+            alpha [rad], NaN where it is not known; Q is not used
+        load_in_curve
+            (n,) Q, or the load that stands for it [force per thickness]
         load_sizes
             sizes below which a change of shear, strain or tilt is round-off; `slipping_strain`
             makes an edge of contact slip, `lifting_tilt` makes it lift
+
+        # notation: p, q values of P and of the load in place of Q
         """
+        p, _, eps, alpha = samples
+        q = load_in_curve
         is_tilt_known = np.isfinite(alpha)
         p_with_tilt = p[is_tilt_known]
         known_tilt = alpha[is_tilt_known]
@@ -529,24 +613,10 @@ def cycle_samples(scene: Scene) -> Array:
     A tilt that is not prescribed follows from the moment.
     """
     path = scene.load.path()
-    # The contact gives the tilt where the path prescribes the moment.
-    contact_under_moment = None
-    if path.moment_is_given:
-        contact_under_moment = _contact_of_any_load(
-            convex_profile(scene.profile),
-            2 / composite_modulus(scene.material),
-            scene.profile.datum_length,
-        )
-    # Bulk strain by a unit of bulk stress in the lower and in the upper body.
-    strain_per_stress = strain_per_stress_of(scene.material)
-    # P, Q, bulk strain and tilt of each segment, (4, n), one after another.
-    return np.concatenate(
-        [
-            _load_samples_of_segment(segment, contact_under_moment, strain_per_stress)
-            for segment in path.cycle
-        ],
-        axis=1,
+    samples_of_segments = _samples_of_segments(
+        path.cycle, strain_per_stress_of(scene.material), _contact_under_moment(scene, path)
     )
+    return np.concatenate(samples_of_segments, axis=1)
 
 
 def steady_curve(scene: Scene) -> OneCurve | None:
@@ -560,23 +630,35 @@ def steady_curve(scene: Scene) -> OneCurve | None:
     locked in the permanent stick zone depends on it.
     """
     path = scene.load.path()
-    # Bulk strain by a unit of bulk stress in the lower and in the upper body.
-    strain_per_stress = strain_per_stress_of(scene.material)
     if not path.cycle:
         return None
+    # bulk strain by a unit of bulk stress in the lower and in the upper body
+    strain_per_stress = strain_per_stress_of(scene.material)
+    # Q and bulk strain over the cycle, and their line
+    _, tangential_loads, bulk_strains = _samples_without_tilt(path.cycle, strain_per_stress)
+    strain_per_load = _least_squares_slope(tangential_loads, bulk_strains)
+    loading = _pressing_then_shearing(path, strain_per_load, strain_per_stress[0])
+    return one_curve(scene, LoadPath(loading, path.cycle, path.moment_is_given))
 
-    # Q and bulk strain over the cycle; tilt and moment are not needed for their relation.
-    _, tangential_loads, bulk_strains, _ = np.concatenate(
-        [
-            _load_samples_of_segment(
-                replace(segment, tilt_and_moment=None), None, strain_per_stress
-            )
-            for segment in path.cycle
-        ],
-        axis=1,
-    )
 
-    # First press to P within half of the time before the cycle, then shear to Q.
+def _pressing_then_shearing(
+    path: LoadPath, strain_per_load: float, strain_per_lower_stress: float
+) -> tuple[StraightSegment, StraightSegment]:
+    """Initial loading that presses to the first P of a path's cycle without Q, then shears to its
+    first Q at constant P; two straight segments, each over half of the time before the cycle.
+
+    Tilt or moment grows with P, and is constant while Q grows. Bulk stress is constant while P
+    grows; then that of the lower body grows to its first value in the cycle.
+
+    Parameters
+    ----------
+    path
+        load path; bulk stresses, tilt and moment are those where its cycle begins
+    strain_per_load
+        slope of the line of bulk strain over Q in the cycle [1/(force per thickness)]
+    strain_per_lower_stress
+        bulk strain by a unit of bulk stress in the lower body [1/stress]
+    """
     path_start = path.start
     cycle_start = path.cycle_start
     middle_time = (path_start + cycle_start) / 2
@@ -584,26 +666,16 @@ def steady_curve(scene: Scene) -> OneCurve | None:
     normal_load, tangential_load = map(float, first_segment.loads(cycle_start))
     pressing_segment = StraightSegment(path_start, middle_time, (0.0, 0.0), (normal_load, 0.0))
     shearing_segment = StraightSegment(
-        middle_time,
-        cycle_start,
-        (normal_load, 0.0),
-        (normal_load, tangential_load),
+        middle_time, cycle_start, (normal_load, 0.0), (normal_load, tangential_load)
     )
-
-    # bulk: stresses of the lower and the upper body as a segment over the same time; None for none.
     if first_segment.bulk is not None:
-        stress_of_lower_body, stress_of_upper_body = map(
-            float, first_segment.bulk.loads(cycle_start)
-        )
         # While P alone grows, bulk strain has the value of Q = 0 on its line over Q in the cycle.
         # The bulk stress of the lower body is set for that; that of the upper body is constant.
+        lower_stress, upper_stress = map(float, first_segment.bulk.loads(cycle_start))
         lower_stress_before = (
-            stress_of_lower_body
-            - _least_squares_slope(tangential_loads, bulk_strains)
-            * tangential_load
-            / strain_per_stress[0]
+            lower_stress - strain_per_load * tangential_load / strain_per_lower_stress
         )
-        stresses_before = (lower_stress_before, stress_of_upper_body)
+        stresses_before = (lower_stress_before, upper_stress)
         pressing_segment = replace(
             pressing_segment,
             bulk=StraightSegment(path_start, middle_time, stresses_before, stresses_before),
@@ -611,14 +683,10 @@ def steady_curve(scene: Scene) -> OneCurve | None:
         shearing_segment = replace(
             shearing_segment,
             bulk=StraightSegment(
-                middle_time,
-                cycle_start,
-                stresses_before,
-                (stress_of_lower_body, stress_of_upper_body),
+                middle_time, cycle_start, stresses_before, (lower_stress, upper_stress)
             ),
         )
     if first_segment.tilt_and_moment is not None:
-        # Tilt or moment grows with P, and is constant while Q grows.
         tilt, moment = map(float, first_segment.tilt_and_moment.loads(cycle_start))
         pressing_segment = replace(
             pressing_segment,
@@ -630,9 +698,7 @@ def steady_curve(scene: Scene) -> OneCurve | None:
                 middle_time, cycle_start, (tilt, moment), (tilt, moment)
             ),
         )
-    return one_curve(
-        scene, LoadPath((pressing_segment, shearing_segment), path.cycle, path.moment_is_given)
-    )
+    return pressing_segment, shearing_segment
 
 
 def _segment_with_strain_for_shear(
@@ -680,25 +746,34 @@ def _segment_with_strain_for_shear(
     if not isinstance(bulk, HarmonicSegment):
         return None
 
-    # A segment of bulk stresses stores that of the lower body where others have P, that of the
-    # upper body where they have Q.
+    # constant P; mean and harmonics of the load that stands for Q
+    return HarmonicSegment(
+        segment.start,
+        segment.end,
+        (normal_load, load_of(bulk.mean)),
+        (),
+        _harmonics_of_strain(bulk, strain_per_stress, slope),
+    )
+
+
+def _harmonics_of_strain(
+    bulk: HarmonicSegment, strain_per_stress: tuple[float, float], slope: float
+) -> tuple[tuple[float, float], ...]:
+    """Amplitude [force per thickness] and phase [rad] of each harmonic of the load that stands for
+    bulk strain: the strain over `slope`.
+
+    `bulk` stores the bulk stress of the lower body where other segments have P, that of the upper
+    body where they have Q. `strain_per_stress` is the bulk strain by a unit of each [1/stress].
+    """
     harmonics_of_bodies = (bulk.normal, bulk.tangential)
-    # Complex amplitudes of the harmonics of both bodies, then of the load.
+    # complex amplitudes of the harmonics of both bodies
     phasors = np.zeros((2, max(map(len, harmonics_of_bodies))), dtype=complex)
     for phasors_of_body, harmonics in zip(phasors, harmonics_of_bodies, strict=True):
         phasors_of_body[: len(harmonics)] = [
             amplitude * cmath.exp(-1j * phase) for amplitude, phase in harmonics
         ]
     load_phasors = (np.array(strain_per_stress) @ phasors / slope).tolist()
-
-    # Constant P; mean and harmonics (amplitude, phase) of the load that stands for Q.
-    return HarmonicSegment(
-        segment.start,
-        segment.end,
-        (normal_load, load_of(bulk.mean)),
-        (),
-        tuple((abs(phasor), -cmath.phase(phasor)) for phasor in load_phasors),
-    )
+    return tuple((abs(phasor), -cmath.phase(phasor)) for phasor in load_phasors)
 
 
 class Eccentricity(NamedTuple):
@@ -751,36 +826,30 @@ def eccentricity(scene: Scene) -> Eccentricity | None:
     if not path.has_bulk_or_tilt or all(segment.bulk is None for segment in segments):
         return None
 
-    # Bulk strain by a unit of bulk stress in the lower and in the upper body.
-    strain_per_stress = strain_per_stress_of(scene.material)
-    p, q, eps, _ = np.concatenate(
-        [
-            _load_samples_of_segment(
-                replace(segment, tilt_and_moment=None), None, strain_per_stress
-            )
-            for segment in segments
-        ],
-        axis=1,
-    )
-
-    # Half-width a at the largest P.
-    modulus = composite_modulus(scene.material)
-    largest_load = float(np.max(p))
-    # Contact half-width of a symmetric profile, or of any convex one, without tilt.
-    if profile.symmetric:
-        half_width = float(contact_of(profile, scene.material).half_width(largest_load))
-    else:
-        _, contact_half_width = convex_profile(profile).contact_centre_and_half_width(
-            2 / modulus * largest_load, 0.0
-        )
-        half_width = float(contact_half_width)
+    p, q, eps = _samples_without_tilt(segments, strain_per_stress_of(scene.material))
+    half_width = _half_width_without_tilt(scene, float(np.max(p)))
     strain_amplitude = float(np.ptp(eps)) / 2
     shear_amplitude = float(np.ptp(q)) / 2
     stick_eccentricity = math.nan
     if isinstance(profile, Hertz) and friction > 0:
         stick_eccentricity = strain_amplitude * profile.radius / (friction * half_width)
+    modulus = composite_modulus(scene.material)  # E*
     largest_moderate_strain = 2 * shear_amplitude / (math.pi * modulus * half_width)
     return Eccentricity(stick_eccentricity, strain_amplitude, largest_moderate_strain)
+
+
+def _half_width_without_tilt(scene: Scene, normal_load: float) -> float:
+    """Half-width of the contact of a scene's profile, symmetric or any convex one, under the load P
+    without tilt [length].
+    """
+    profile = scene.profile
+    if profile.symmetric:
+        return float(contact_of(profile, scene.material).half_width(normal_load))
+    compliance = 2 / composite_modulus(scene.material)  # A = 2/E*
+    _, half_width = convex_profile(profile).contact_centre_and_half_width(
+        compliance * normal_load, 0.0
+    )
+    return float(half_width)
 
 
 def followed_path(scene: Scene) -> LoadPath:
@@ -936,6 +1005,38 @@ def _presses_only(samples: Array, sizes: LoadSizes) -> bool:
     return bool(np.max(np.abs(q)) <= sizes.shear_roundoff and np.ptp(eps) <= sizes.strain_roundoff)
 
 
+def _samples_of_segments(
+    segments: Sequence[LoadSegment],
+    strain_per_stress: tuple[float, float],
+    contact_under_moment: TiltedProfile | None,
+) -> list[Array]:
+    """P, Q [force per thickness], bulk strain and tilt [rad] at instants of each segment of a load
+    path, (4, n) each; all turning points are among the instants.
+
+    `strain_per_stress` is the bulk strain by a unit of bulk stress in the lower and in the upper
+    body [1/stress]. `contact_under_moment` gives the tilt where the path prescribes the moment;
+    None where it prescribes the tilt.
+    """
+    return [
+        _load_samples_of_segment(segment, contact_under_moment, strain_per_stress)
+        for segment in segments
+    ]
+
+
+def _samples_without_tilt(
+    segments: Sequence[LoadSegment], strain_per_stress: tuple[float, float]
+) -> Array:
+    """P, Q [force per thickness] and bulk strain at instants of all segments of a load path, rows
+    of (3, n), in order of time; turning points are among the instants, tilt and moment are ignored.
+
+    `strain_per_stress` is the bulk strain by a unit of bulk stress in the lower and in the upper
+    body [1/stress].
+    """
+    segments_without_tilt = [replace(segment, tilt_and_moment=None) for segment in segments]
+    samples = _samples_of_segments(segments_without_tilt, strain_per_stress, None)
+    return np.asarray(np.concatenate(samples, axis=1)[:3])
+
+
 def _load_samples_of_segment(
     segment: LoadSegment,
     contact_under_moment: TiltedProfile | None,
@@ -957,20 +1058,7 @@ def _load_samples_of_segment(
 
     # notation: p, q values of P and Q
     """
-    pairs_of_loads = [
-        pair for pair in (segment, segment.bulk, segment.tilt_and_moment) if pair is not None
-    ]
-    # Straight segments need both ends and the middle, curved ones 40 instants and more.
-    n_instants = 3
-    if not all(pair.is_straight for pair in pairs_of_loads):
-        most_turning_points = max(pair.most_turning_points for pair in pairs_of_loads)
-        n_instants = _INSTANTS_OF_CURVED_SEGMENT + 2 * most_turning_points
-    even_times = segment.start + (segment.end - segment.start) * np.linspace(0, 1, n_instants)
-    # Turning points of P, Q and bulk strain too: the extreme loads and strains are among them.
-    turning_times = segment.turning_points(NORMAL_LOAD) + segment.turning_points(TANGENTIAL_LOAD)
-    if segment.bulk is not None:
-        turning_times += segment.bulk.turning_points(Combination(*strain_per_stress))
-    time = np.unique(np.append(even_times, turning_times))
+    time = _times_of_samples(segment, strain_per_stress)
     # Loads at these times; tilt and moment, one of them prescribed; bulk stresses of both bodies.
     p, q = segment.loads(time)
     stress_of_lower_body, stress_of_upper_body = _companion_loads(segment.bulk, time)
@@ -984,6 +1072,32 @@ def _load_samples_of_segment(
         + upper_strain_per_stress * stress_of_upper_body
     )
     return np.stack([p, q, eps, tilt])
+
+
+def _times_of_samples(segment: LoadSegment, strain_per_stress: tuple[float, float]) -> Array:
+    """Ascending times (n,) in a segment of the load path at which its loads are sampled: both ends
+    and the middle of a straight one, 40 and more of a curved one.
+
+    Turning points of P, Q and bulk strain are among them, so that the extreme loads and strains are
+    sampled. The segment is straight if its bulk stresses, `bulk`, and its tilt and moment are, too.
+    `strain_per_stress` is the bulk strain by a unit bulk stress of the lower and of the upper body
+    [1/stress].
+    """
+    pairs_of_loads = [
+        pair for pair in (segment, segment.bulk, segment.tilt_and_moment) if pair is not None
+    ]
+    n_times = 3
+    if not all(pair.is_straight for pair in pairs_of_loads):
+        most_turning_points = max(pair.most_turning_points for pair in pairs_of_loads)
+        # _INSTANTS_OF_CURVED_SEGMENT: 40
+        n_times = _INSTANTS_OF_CURVED_SEGMENT + 2 * most_turning_points
+    even_times = segment.start + (segment.end - segment.start) * np.linspace(0, 1, n_times)
+    # turning_points(c): times at which a weighted sum c of the two loads of a segment turns;
+    # NORMAL_LOAD, TANGENTIAL_LOAD: its first and its second load alone
+    turning_times = segment.turning_points(NORMAL_LOAD) + segment.turning_points(TANGENTIAL_LOAD)
+    if segment.bulk is not None:
+        turning_times += segment.bulk.turning_points(Combination(*strain_per_stress))
+    return np.unique(np.append(even_times, turning_times))
 
 
 def _companion_loads(companion: LoadSegment | None, time: Array) -> tuple[Array, Array]:
