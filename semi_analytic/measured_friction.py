@@ -31,6 +31,7 @@ from scenes import (
     EllipseLoad,
     InadmissibleLoadError,
     InputError,
+    LoadPath,
     Materials,
     Profile,
     Scene,
@@ -193,39 +194,45 @@ def friction_from(
     >>> [round(root, 4) for root in friction_from(work, scene=scene).roots.tolist()]
     [1.0, 1.0411]
     """
-    if scene is None:
-        profile_and_material = {"profile": profile, "material": material}
-        load_values = (
+    if scene is not None:
+        # what a scene holds already
+        arguments_beside_scene = (
+            profile,
+            material,
             mean_normal_load,
             normal_amplitude,
-            mean_tangential_load,
             tangential_amplitude,
-            phase_in_radians(phase_degrees, phase_radians),
+            phase_degrees,
+            phase_radians,
         )
-        loads = dict(zip(_LOAD_NAMES, load_values, strict=True))
-        missing_names = [
-            name for name, value in (profile_and_material | loads).items() if value is None
-        ]
-        if missing_names:
-            raise InputError(
-                f"friction_from: {', '.join(missing_names)} is missing; or give a scene"
-            )
-        return _friction_of_ellipses(dissipation, profile_and_material, loads)
-    # what a scene holds already
-    arguments_beside_scene = (
-        profile,
-        material,
+        has_mean_tangential_load = np.any(np.asarray(mean_tangential_load) != 0)
+        if has_mean_tangential_load or any(value is not None for value in arguments_beside_scene):
+            raise InputError("friction_from: a scene comes without profile, material and loads")
+        return _friction_of_scene(dissipation, scene)
+
+    profile_and_material = {"profile": profile, "material": material}
+    load_values = (
         mean_normal_load,
         normal_amplitude,
+        mean_tangential_load,
         tangential_amplitude,
-        phase_degrees,
-        phase_radians,
+        phase_in_radians(phase_degrees, phase_radians),
     )
-    has_mean_tangential_load = np.any(np.asarray(mean_tangential_load) != 0)
-    if has_mean_tangential_load or any(value is not None for value in arguments_beside_scene):
-        raise InputError("friction_from: a scene comes without profile, material and loads")
+    loads = dict(zip(_LOAD_NAMES, load_values, strict=True))
+    missing_names = [
+        name for name, value in (profile_and_material | loads).items() if value is None
+    ]
+    if missing_names:
+        raise InputError(f"friction_from: {', '.join(missing_names)} is missing; or give a scene")
+    return _friction_of_ellipses(dissipation, profile_and_material, loads)
 
-    # a scene alone: elliptic loads by batches, other loads by `solve`
+
+def _friction_of_scene(dissipation: ArrayLike, scene: Scene) -> FrictionBatch:
+    """Every coefficient of friction at which the steady cycle of a scene dissipates the measured W
+    `dissipation` [energy per thickness]: elliptic loads by batches, other loads by `solve`.
+
+    InputError for a scene with bulk stress, tilt or an unsymmetric profile.
+    """
     scene = validated(scene, Scene)
     if scene.unsymmetric:
         raise InputError(
@@ -233,6 +240,7 @@ def friction_from(
             " `solve` takes others"
         )
     if isinstance(scene.load, EllipseLoad):
+        # _LOAD_NAMES: mean and amplitude of P, mean and amplitude of Q, lag of Q.
         loads = {name: getattr(scene.load, name) for name in _LOAD_NAMES}
         profile_and_material = {"profile": scene.profile, "material": scene.material}
         return _friction_of_ellipses(dissipation, profile_and_material, loads)
@@ -358,8 +366,7 @@ def _friction_of_path(target: ArrayLike, scene: Scene) -> FrictionBatch:
     loads other than an ellipse [energy per thickness].
 
     W, the friction work of a cycle, is found by `solve` at each coefficient tried. They begin at
-    f_min, the largest |Q|/P of the path, by 513 samples of each load segment. Where no f within
-    1e-4 above it is admissible, no f is.
+    f_min, the largest |Q|/P of the path. Where no f within 1e-4 above it is admissible, no f is.
     """
 
     def work_at(friction: float) -> float:
@@ -367,43 +374,53 @@ def _friction_of_path(target: ArrayLike, scene: Scene) -> FrictionBatch:
         scene_at_friction = scene.vary(friction=friction)
         return solve(scene_at_friction, x=0.0, fields="dissipation", cycles="steady").dissipation
 
-    # the loads (P and Q) of each segment at its samples
-    path = scene.load.path()
+    def work(friction: Array, _member: NDArray[np.intp]) -> Array:
+        """W at coefficients (k,), (k,); the scene is the only member of its batch."""
+        return np.array([work_at(coefficient) for coefficient in friction.tolist()])
+
+    normal_load, tangential_load = _sampled_loads(scene.load.path())
+    with np.errstate(divide="ignore", invalid="ignore"):
+        largest_load_ratio = float(np.nanmax(np.abs(tangential_load) / normal_load))
+    least_friction = _least_admissible_friction(work_at, largest_load_ratio)
+    # range of Q over range of P, 0 where P is constant
+    load_amplitude_ratio = 0.0
+    if float(np.ptp(normal_load)) > 1e-9 * float(np.max(np.abs(normal_load))):
+        load_amplitude_ratio = float(np.ptp(tangential_load) / np.ptp(normal_load))
+    return _friction_batch(
+        target, work, np.array([least_friction]), np.array([load_amplitude_ratio]), (), ()
+    )
+
+
+def _sampled_loads(path: LoadPath) -> tuple[Array, Array]:
+    """P and Q along a load path, (n,) each [force per thickness], at 513 samples of each segment of
+    its initial loading and of its cycle.
+    """
     loads_of_segments = [
         segment.loads(sampled_times(segment, 513))
         for segment in (*path.initial_loading, *path.cycle)
     ]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        least_friction = max(
-            float(np.nanmax(np.abs(tangential_load) / normal_load))
-            for normal_load, tangential_load in loads_of_segments
-        )
-    # Between the samples of a curved path |Q|/P may be a little larger.
+    normal_load, tangential_load = zip(*loads_of_segments, strict=True)
+    return np.concatenate(normal_load), np.concatenate(tangential_load)
+
+
+def _least_admissible_friction(
+    work_at: Callable[[float], float], largest_load_ratio: float
+) -> float:
+    """The least of a few coefficients f at which the contact does not slide grossly: the largest
+    |Q|/P of the samples of a load path, or up to 1e-4 of itself more; inf if it slides at all of
+    them.
+
+    Between the samples of a curved path |Q|/P may be a little larger than the largest sample.
+    `work_at` gives the friction work of a cycle at one f, and raises InadmissibleLoadError where
+    the contact slides.
+    """
     for relative_excess in (0.0, *10.0 ** np.arange(-12, -3)):
         try:
-            work_at(least_friction * (1 + relative_excess))
+            work_at(largest_load_ratio * (1 + relative_excess))
         except InadmissibleLoadError:
             continue
-        least_friction *= 1 + float(relative_excess)
-        break
-    else:
-        least_friction = math.inf
-    normal_load = np.concatenate([loads_of_segment[0] for loads_of_segment in loads_of_segments])
-    tangential_load = np.concatenate(
-        [loads_of_segment[1] for loads_of_segment in loads_of_segments]
-    )
-    load_varies = float(np.ptp(normal_load)) > 1e-9 * float(np.max(np.abs(normal_load)))
-    # range of Q over range of P, 0 where P is constant
-    load_amplitude_ratio = (
-        float(np.ptp(tangential_load) / np.ptp(normal_load)) if load_varies else 0.0
-    )
-
-    def work(friction: Array, _member: NDArray[np.intp]) -> Array:
-        return np.array([work_at(coefficient) for coefficient in friction.tolist()])
-
-    return _friction_batch(
-        target, work, np.array([least_friction]), np.array([load_amplitude_ratio]), (), ()
-    )
+        return largest_load_ratio * (1 + float(relative_excess))
+    return math.inf
 
 
 class _WorkCurve(NamedTuple):
@@ -429,96 +446,171 @@ Work = Callable[[Array, NDArray[np.intp]], Array]
 """Friction work W (k,) by coefficients of friction (k,) and the indices (k,) of members at them."""
 
 
+class _Targets(NamedTuple):
+    """Measured friction works W of a batch, and the member of the batch that each belongs to.
+
+    Attributes
+    ----------
+    works
+        (n,) W of a cycle [energy per thickness]; may be invalid: not finite, or not above 0
+    member
+        (n,) index of the member of the batch
+    shape
+        shape of the n targets as the caller gave them, broadcast with the batch
+    """
+
+    works: Array
+    member: NDArray[np.intp]
+    shape: tuple[int, ...]
+
+    @classmethod
+    def of_measured(cls, dissipation: ArrayLike, shape: tuple[int, ...]) -> _Targets:
+        """The targets of a measured dissipation W, which broadcasts with a batch of some `shape`.
+
+        InputError where it does not broadcast, or has values that are no real numbers.
+        """
+        measured_works = real_numbers(dissipation, "dissipation")
+        try:
+            full_shape = np.broadcast_shapes(measured_works.shape, shape)
+        except ValueError as fault:
+            raise InputError(
+                "friction_from: the dissipation must be numbers that broadcast with the loads:"
+                f" {fault}"
+            ) from fault
+        member = np.arange(math.prod(shape)).reshape(shape)
+        return cls(
+            works=np.broadcast_to(measured_works, full_shape).ravel(),
+            member=np.broadcast_to(member, full_shape).ravel(),
+            shape=full_shape,
+        )
+
+
 def _friction_batch(
-    target: ArrayLike,
+    measured_dissipation: ArrayLike,
     work: Work,
     least_friction_of_member: Array,
     load_amplitude_ratio: Array,
     shape: tuple[int, ...],
     notes: tuple[str, ...],
 ) -> FrictionBatch:
-    """Every coefficient of friction at which the friction work W of a cycle is the measured
-    `target`, with the reason where there is none. `curve.works` are W at the samples, `is_solvable`
-    tells whether W is known at all of them, `largest_f` is the largest f sampled.
+    """Every coefficient of friction at which the friction work W of a cycle is the measured one,
+    with the reason where there is none.
 
-    W(f) of each member of a batch is sampled, and its turning points are added. Between samples on
-    either side of the target the roots are then found by iteration. There are n targets after
-    broadcasting.
+    W(f) of each of m members of a batch is sampled, and its turning points are added. Between
+    samples on either side of the measured W the roots are then found by iteration. There are n
+    measured W after broadcasting.
 
     Parameters
     ----------
+    measured_dissipation
+        W of a cycle [energy per thickness], which broadcasts with the batch
     work
         function that gives W by coefficients and the indices of members
     least_friction_of_member, load_amplitude_ratio
         (m,) f_min, below which the member slides grossly, and Q1/P1, 0 where P is constant
     shape
-        shape of the batch, m members in all; it broadcasts with `target`
+        shape of the batch, m members in all
     notes
         what a reader of the result must not miss
     """
-    target_works = real_numbers(target, "dissipation")
-    try:
-        full_shape = np.broadcast_shapes(target_works.shape, shape)
-    except ValueError as fault:
-        raise InputError(
-            f"friction_from: the dissipation must be numbers that broadcast with the loads: {fault}"
-        ) from fault
+    targets = _Targets.of_measured(measured_dissipation, shape)
     # W over ln f, (samples, m): first samples, then turning points among them
     curve = _sampled_work(work, least_friction_of_member, load_amplitude_ratio)
     curve = _with_turning_points(curve, work)
-    n_members = len(least_friction_of_member)
-    # the member of each target, both (n,)
-    member = np.broadcast_to(np.arange(n_members).reshape(shape), full_shape).ravel()
-    flat_targets = np.broadcast_to(target_works, full_shape).ravel()
-    # (n, roots) ascending, their number, and whether a search failed
-    roots, n_roots, is_unsettled = _roots_of(curve, work, member, flat_targets)
-    is_work_known = np.isfinite(curve.works)
+    roots = _roots_of(curve, work, targets)
+    limits = _limits_of(curve, least_friction_of_member, targets)
+    reason = _reasons_without_root(targets, roots, limits)
+    has_root = reason == NoFriction.NONE
+    root_rows = np.where(has_root[:, None], roots.rows, np.nan)
+    sentences = _sentences_of_reasons(reason, targets, limits)
 
-    # the least and the most W that each member dissipates at any f
-    least_work = np.min(np.where(is_work_known, curve.works, np.inf), axis=0)[member]
-    most_work = np.max(np.where(is_work_known, curve.works, -np.inf), axis=0)[member]
-    is_solvable = curve.is_solvable[member]
-    # The first condition that holds is the reason.
-    conditions = {
-        NoFriction.INVALID: ~(np.isfinite(flat_targets) & (flat_targets > 0)),
-        NoFriction.LOADS: ~is_solvable,
-        NoFriction.UNSETTLED: is_unsettled,
-        NoFriction.TOO_MUCH: (n_roots == 0) & (flat_targets > most_work),
-        NoFriction.TOO_LITTLE: n_roots == 0,
-    }
-    reason = np.select([*conditions.values()], [*conditions], NoFriction.NONE).astype(np.int8)
-    roots[reason != NoFriction.NONE] = np.nan
-
-    # a sentence for each target without a root
-    sentences = tuple(
-        _SENTENCE_OF_REASON[NoFriction(reason[number])].format(
-            target=flat_targets[number],
-            least=least_work[number],
-            most=most_work[number],
-            f_min=least_friction_of_member[member[number]],
-            top=curve.largest_f[member[number]],
+    # results in the broadcast shape; no limits for loads that no f admits
+    def in_full_shape(limit_values: Array) -> Array:
+        """Values of the n targets (n,), NaN where no f admits the loads, in the broadcast shape."""
+        return read_only_copy(
+            np.where(limits.is_solvable, limit_values, np.nan).reshape(targets.shape)
         )
-        for number in np.flatnonzero(reason)[:10]
-    )
 
-    # results in the broadcast shape
-    count = np.where(reason == NoFriction.NONE, n_roots, 0)
-    limits_of_members = (
-        np.where(is_solvable, limit_values, np.nan).reshape(full_shape)
-        for limit_values in (least_friction_of_member[member], least_work, most_work)
-    )
-    least_friction, least_work, most_work = (
-        read_only_copy(limit_values) for limit_values in limits_of_members
-    )
     return FrictionBatch(
-        roots=read_only_copy(roots.reshape(*full_shape, -1)),
-        count=read_only_copy(count.reshape(full_shape), np.int64),
-        reason=read_only_copy(reason.reshape(full_shape), np.int8),
-        least_friction=least_friction,
-        least=least_work,
-        most=most_work,
+        roots=read_only_copy(root_rows.reshape(*targets.shape, -1)),
+        count=read_only_copy(np.where(has_root, roots.n_roots, 0).reshape(targets.shape), np.int64),
+        reason=read_only_copy(reason.reshape(targets.shape), np.int8),
+        least_friction=in_full_shape(limits.least_friction),
+        least=in_full_shape(limits.least_work),
+        most=in_full_shape(limits.most_work),
         sentences=sentences,
         notes=notes,
+    )
+
+
+class _Limits(NamedTuple):
+    """What the loads of each of n targets (measured friction works W) admit, (n,) each.
+
+    Attributes
+    ----------
+    is_solvable
+        whether W of the loads is known at all sampled coefficients f
+    least_friction, largest_f
+        f_min, below which the contact slides grossly; the largest f sampled
+    least_work, most_work
+        least and largest W at any sampled f [energy per thickness]
+    """
+
+    is_solvable: NDArray[np.bool_]
+    least_friction: Array
+    largest_f: Array
+    least_work: Array
+    most_work: Array
+
+
+def _limits_of(curve: _WorkCurve, least_friction_of_member: Array, targets: _Targets) -> _Limits:
+    """Least and largest friction work W that the loads of each of n targets dissipate at any
+    sampled coefficient f, and the range of f.
+
+    `curve` has W over ln f, (k, m), for m members of a batch; `least_friction_of_member` (m,) is
+    f_min; `targets.member` (n,) is the member of each target.
+    """
+    is_work_known = np.isfinite(curve.works)
+    member = targets.member
+    return _Limits(
+        is_solvable=curve.is_solvable[member],
+        least_friction=least_friction_of_member[member],
+        largest_f=curve.largest_f[member],
+        least_work=np.min(np.where(is_work_known, curve.works, np.inf), axis=0)[member],
+        most_work=np.max(np.where(is_work_known, curve.works, -np.inf), axis=0)[member],
+    )
+
+
+def _reasons_without_root(targets: _Targets, roots: _Roots, limits: _Limits) -> NDArray[np.int8]:
+    """Why no coefficient of friction gives the measured friction work of each of n targets, (n,) of
+    `NoFriction` as int8; 0 where there is a root.
+    """
+    # The first condition that holds is the reason.
+    conditions = {
+        NoFriction.INVALID: ~(np.isfinite(targets.works) & (targets.works > 0)),
+        NoFriction.LOADS: ~limits.is_solvable,
+        NoFriction.UNSETTLED: roots.is_unsettled,
+        NoFriction.TOO_MUCH: (roots.n_roots == 0) & (targets.works > limits.most_work),
+        NoFriction.TOO_LITTLE: roots.n_roots == 0,
+    }
+    return np.select([*conditions.values()], [*conditions], NoFriction.NONE).astype(np.int8)
+
+
+def _sentences_of_reasons(
+    reason: NDArray[np.int8], targets: _Targets, limits: _Limits
+) -> tuple[str, ...]:
+    """One sentence for each target without a root, at most ten: why no coefficient of friction
+    gives its measured work. `reason` (n,) is `NoFriction` of each of the n targets.
+    """
+    return tuple(
+        _SENTENCE_OF_REASON[NoFriction(reason[number])].format(
+            target=targets.works[number],
+            least=limits.least_work[number],
+            most=limits.most_work[number],
+            f_min=limits.least_friction[number],
+            top=limits.largest_f[number],
+        )
+        for number in np.flatnonzero(reason)[:10]
     )
 
 
@@ -567,49 +659,23 @@ def _with_turning_points(curve: _WorkCurve, work: Work) -> _WorkCurve:
     indices of members of the batch. `curve` holds ln f and W, (samples, m) each, and whether W of a
     member is known at all its samples.
     """
-    # `scipy.optimize` alone does not load it
-    from scipy.optimize import elementwise  # noqa: PLC0415
-
-    log_f, works, is_solvable, _ = curve
-    work_change = np.diff(works, axis=0)
-    largest_work = np.max(np.where(is_solvable, works, 0.0), axis=0)
-    # _LEAST_RISE: 1e-10, the least change of W, over the largest W, that is no round-off
-    is_above_roundoff = (
-        np.minimum(np.abs(work_change[:-1]), np.abs(work_change[1:])) >= _LEAST_RISE * largest_work
-    )
-    # three samples on which W turns: the first of them, and the member
-    first_sample, member_of_turn = np.nonzero(
-        is_solvable & is_above_roundoff & (work_change[:-1] * work_change[1:] < 0)
-    )
+    first_sample, member = _samples_before_extrema(curve)
     if not len(first_sample):
         return curve
-    # W falls before a minimum; of a maximum -W is minimised.
-    sign_to_minimum = np.where(work_change[first_sample, member_of_turn] < 0, 1.0, -1.0)
-    # iteration over ln f within the three samples
-    minimum_search = elementwise.find_minimum(
-        lambda log_f_at_trial, member, sign: (
-            sign
-            * work(np.exp(log_f_at_trial).ravel(), member.ravel().astype(int)).reshape(
-                log_f_at_trial.shape
-            )
-        ),
-        tuple(log_f[first_sample + k, member_of_turn] for k in (0, 1, 2)),
-        args=(member_of_turn.astype(float), sign_to_minimum),
-    )
+    log_f_of_extremum, work_of_extremum = _extrema_of_work(curve, work, first_sample, member)
+
     # A row for the first extremum of each member, the next for its second, ...
-    row_of_turn = np.arange(len(first_sample)) - np.searchsorted(
-        np.sort(member_of_turn), np.sort(member_of_turn)
+    row_of_extremum = np.arange(len(first_sample)) - np.searchsorted(
+        np.sort(member), np.sort(member)
     )
-    order_by_member = np.argsort(member_of_turn, kind="stable")
-    log_f_at_turn = np.full((int(row_of_turn.max()) + 1, works.shape[1]), np.nan)
-    work_at_turn = log_f_at_turn.copy()
-    # the place and the value of each extremum
-    log_f_at_turn[row_of_turn, member_of_turn[order_by_member]] = minimum_search.x[order_by_member]
-    work_at_turn[row_of_turn, member_of_turn[order_by_member]] = (
-        sign_to_minimum * minimum_search.f_x
-    )[order_by_member]
-    log_f = np.concatenate([log_f, log_f_at_turn])
-    works = np.concatenate([works, work_at_turn])
+    order_by_member = np.argsort(member, kind="stable")
+    log_f_rows = np.full((int(row_of_extremum.max()) + 1, curve.works.shape[1]), np.nan)
+    work_rows = log_f_rows.copy()
+    log_f_rows[row_of_extremum, member[order_by_member]] = log_f_of_extremum[order_by_member]
+    work_rows[row_of_extremum, member[order_by_member]] = work_of_extremum[order_by_member]
+
+    log_f = np.concatenate([curve.log_f, log_f_rows])
+    works = np.concatenate([curve.works, work_rows])
     ascending_order = np.argsort(log_f, axis=0)
     return curve._replace(
         log_f=np.take_along_axis(log_f, ascending_order, 0),
@@ -617,68 +683,153 @@ def _with_turning_points(curve: _WorkCurve, work: Work) -> _WorkCurve:
     )
 
 
-def _roots_of(
-    curve: _WorkCurve, work: Work, member: NDArray[np.intp], target: Array
-) -> tuple[Array, NDArray[np.intp], NDArray[np.bool_]]:
-    """Every coefficient f at which the friction work W of a member is its target: (n, k), ascending
-    and NaN behind the last. Also the number of roots, and whether a search failed, (n,) each.
+def _samples_before_extrema(curve: _WorkCurve) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Where the friction work W over the coefficient f turns within three neighbouring samples: the
+    number of the first of them, and the member of the batch, (e,) each for e extrema.
+
+    `curve` has W at the samples, (k, m) for m members. Members whose W is not known at all samples
+    are left out, as are changes of W below 1e-10 of its largest value, which are round-off.
+    """
+    work_change = np.diff(curve.works, axis=0)
+    largest_work = np.max(np.where(curve.is_solvable, curve.works, 0.0), axis=0)
+    # _LEAST_RISE: 1e-10.
+    is_above_roundoff = (
+        np.minimum(np.abs(work_change[:-1]), np.abs(work_change[1:])) >= _LEAST_RISE * largest_work
+    )
+    turns = work_change[:-1] * work_change[1:] < 0
+    first_sample, member = np.nonzero(curve.is_solvable & is_above_roundoff & turns)
+    return first_sample, member
+
+
+def _extrema_of_work(
+    curve: _WorkCurve, work: Work, first_sample: NDArray[np.intp], member: NDArray[np.intp]
+) -> tuple[Array, Array]:
+    """Extrema of the friction work W over the coefficient f: ln f and W there, (e,) each, by
+    iteration within three samples on which W turns.
+
+    Parameters
+    ----------
+    curve
+        ln f and W at the samples, (k, m) for m members of a batch
+    work
+        function that gives W by coefficients and the indices of members
+    first_sample, member
+        (e,) number of the first of the three samples, and the member
+    """
+    # `scipy.optimize` alone does not load it
+    from scipy.optimize import elementwise  # noqa: PLC0415
+
+    first_change = np.diff(curve.works, axis=0)[first_sample, member]
+    # W falls before a minimum; of a maximum -W is minimised.
+    sign_to_minimum = np.where(first_change < 0, 1.0, -1.0)
+    minimum_search = elementwise.find_minimum(
+        lambda log_f_at_trial, member_of_trial, sign: (
+            sign * _work_by_log_f(work, log_f_at_trial, member_of_trial)
+        ),
+        tuple(curve.log_f[first_sample + k, member] for k in (0, 1, 2)),
+        args=(member.astype(float), sign_to_minimum),
+    )
+    return minimum_search.x, sign_to_minimum * minimum_search.f_x
+
+
+def _work_by_log_f(work: Work, log_f: Array, member: Array) -> Array:
+    """Friction work W at ln f of members of a batch, arrays of one shape of any rank.
+
+    `work` gives W by coefficients and the indices of members, (k,) each. `member` are these indices
+    as floats, as a search of scipy passes them.
+    """
+    return work(np.exp(log_f).ravel(), member.ravel().astype(int)).reshape(log_f.shape)
+
+
+class _Roots(NamedTuple):
+    """Coefficients f at which the friction work W is that of each of n targets.
+
+    Attributes
+    ----------
+    rows
+        (n, k) the f of each target, ascending, NaN behind the last; k is the largest number of
+        them, at least 1
+    n_roots
+        (n,) how many f each target has
+    is_unsettled
+        (n,) whether the search for one of them failed
+    """
+
+    rows: Array
+    n_roots: NDArray[np.intp]
+    is_unsettled: NDArray[np.bool_]
+
+
+def _roots_of(curve: _WorkCurve, work: Work, targets: _Targets) -> _Roots:
+    """Every coefficient f at which the friction work W of a member of a batch is its target, the
+    measured W.
 
     Each pair of neighbouring samples with the target between their W encloses one root.
 
     Parameters
     ----------
     curve
-        samples of W over ln f for each member of the batch, (samples, m), turning points included
+        samples of W over ln f for each of m members, (samples, m), turning points included
     work
         function that gives W by coefficients and the indices of members
-    member, target
-        (n,) index of the member, and its W [energy per thickness]
+    targets
+        n measured W, and the member of each
     """
+    sample_before_root, target_of_root = _samples_before_roots(curve, targets)
+    n_roots = np.bincount(target_of_root, minlength=len(targets.works))
+    rows = np.full((len(targets.works), max(1, int(n_roots.max(initial=0)))), np.nan)
+    is_unsettled = np.zeros(len(targets.works), dtype=bool)
+    if not len(sample_before_root):
+        return _Roots(rows, n_roots, is_unsettled)
+
     # `scipy.optimize` alone does not load it
     from scipy.optimize import elementwise  # noqa: PLC0415
 
-    log_f, works, is_solvable, _ = curve
-    is_valid_target = np.isfinite(target) & (target > 0) & is_solvable[member]
-    is_above_target = works[:, member] > np.where(is_valid_target, target, np.inf)
-    is_work_known = np.isfinite(works[:, member])
+    member_of_root = targets.member[target_of_root]
+    goal_works = targets.works[target_of_root]
+    # iteration over ln f between two samples
+    root_search = elementwise.find_root(
+        lambda log_f_at_trial, member_of_trial, goal_work: (
+            _work_by_log_f(work, log_f_at_trial, member_of_trial) - goal_work
+        ),
+        (
+            curve.log_f[sample_before_root, member_of_root],
+            curve.log_f[sample_before_root + 1, member_of_root],
+        ),
+        args=(member_of_root.astype(float), goal_works),
+    )
+    # each root in the row of its target, in ascending order
+    place_in_row = np.arange(len(target_of_root)) - np.searchsorted(target_of_root, target_of_root)
+    rows[target_of_root, place_in_row] = np.exp(root_search.x)
+    # a residual above 1e-8 of the target: not found
+    is_found = np.abs(root_search.f_x) <= _LARGEST_RESIDUAL * goal_works
+    is_unsettled[target_of_root[~is_found]] = True
+    return _Roots(rows, n_roots, is_unsettled)
+
+
+def _samples_before_roots(
+    curve: _WorkCurve, targets: _Targets
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Where the friction work W of a member passes its target between two neighbouring samples: the
+    number of the sample below in f, and that of the target, (r,) each for r roots. They are sorted
+    by the target, then by f.
+
+    `curve` has W at the samples, (k, m) for m members of a batch. Targets that are not finite, not
+    above 0, or of members whose W is not known at all samples, have none.
+    """
+    target_works = targets.works
+    works_of_targets = curve.works[:, targets.member]
+    is_valid_target = (
+        np.isfinite(target_works) & (target_works > 0) & curve.is_solvable[targets.member]
+    )
+    is_above_target = works_of_targets > np.where(is_valid_target, target_works, np.inf)
+    is_work_known = np.isfinite(works_of_targets)
     encloses_root = (
         (is_above_target[:-1] != is_above_target[1:])
         & is_work_known[:-1]
         & is_work_known[1:]
         & is_valid_target
     )
-    # the sample below each root in f, and the target to which the root belongs
     sample_before_root, target_of_root = np.nonzero(encloses_root)
     order_by_target = np.lexsort((sample_before_root, target_of_root))
-    sample_before_root = sample_before_root[order_by_target]
-    target_of_root = target_of_root[order_by_target]
-    n_roots = np.bincount(target_of_root, minlength=len(target))
-    roots = np.full((len(target), max(1, int(n_roots.max(initial=0)))), np.nan)
-    is_unsettled = np.zeros(len(target), dtype=bool)
-    if len(sample_before_root):
-        member_of_root = member[target_of_root]
-        # iteration over ln f between two samples
-        root_search = elementwise.find_root(
-            lambda log_f_at_trial, member_of_trial, goal_work: (
-                work(np.exp(log_f_at_trial).ravel(), member_of_trial.ravel().astype(int)).reshape(
-                    log_f_at_trial.shape
-                )
-                - goal_work
-            ),
-            (
-                log_f[sample_before_root, member_of_root],
-                log_f[sample_before_root + 1, member_of_root],
-            ),
-            args=(member_of_root.astype(float), target[target_of_root]),
-        )
-        # each root in the row of its target, in ascending order
-        roots[
-            target_of_root,
-            np.arange(len(sample_before_root)) - np.searchsorted(target_of_root, target_of_root),
-        ] = np.exp(root_search.x)
-
-        # a residual above 1e-8 of the target: not found
-        is_unsettled[
-            target_of_root[~(np.abs(root_search.f_x) <= _LARGEST_RESIDUAL * target[target_of_root])]
-        ] = True
-    return roots, n_roots, is_unsettled
+    return sample_before_root[order_by_target], target_of_root[order_by_target]

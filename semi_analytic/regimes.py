@@ -10,16 +10,17 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenes import BodyEffects, InputError, Scene, read_only_copy, scene_of
+from scenes import BodyEffects, InputError, LoadPath, Scene, read_only_copy, scene_of
 from scenes.array_types import Array
 from scenes.arrays import real_numbers
 from semi_analytic.answer_of_rig import rigged_scene, slides_of
 from semi_analytic.body_numbers import checked_effects
-from semi_analytic.driven import actuator_rows
+from semi_analytic.driven import DrivenPath, actuator_rows
 
 
 class Regime(enum.IntEnum):
@@ -96,65 +97,117 @@ def fretting_map(
     [0, 0, 2]
     """
     scene = scene_of(scene)
+    actuator_path = _repeated_path_of_actuators(scene)
+    stroke_factors, load_factors = _factors_of_map(stroke, normal_load)
+    # the normal contact and the compliance of contact, bodies and springs
+    rig = rigged_scene(scene, checked_effects(effects))
+    most_cycles = max(scene.cycles, 2)
+    # instants, P or normal approach, and displacement of the actuator
+    rows = actuator_rows(actuator_path, most_cycles, one_step_at_constant_load=True)
+
+    # follow each scaled path, up to its first steady cycle
+    cycles_of_map = []
+    for stroke_factor, load_factor in zip(
+        stroke_factors.ravel().tolist(), load_factors.ravel().tolist(), strict=True
+    ):
+        scaled_rows = rows._replace(
+            load_or_approach=load_factor * rows.load_or_approach,
+            displacement=stroke_factor * rows.displacement,
+        )
+        steady_cycle = _steady_cycle_of(rig.driven_path_of_rows(scaled_rows))
+        if steady_cycle is None:
+            raise InputError(
+                f"fretting_map: no steady cycle among the first {most_cycles} with stroke ="
+                f" {stroke_factor:.6g}, normal_load = {load_factor:.6g}: raise cycles of the scene"
+            )
+        cycles_of_map.append(steady_cycle)
+    return _map_of_cycles(cycles_of_map, stroke_factors.shape)
+
+
+def _repeated_path_of_actuators(scene: Scene) -> LoadPath:
+    """The motion of the actuators of a rig over time, which must repeat itself: displacement of the
+    tangential actuator, and P or the normal approach.
+
+    InputError where the scene states loads (it has no tangential displacement), or has no cycle.
+    """
     if not scene.load.is_driven:
         raise InputError(
             "fretting_map: the scene states loads; a map needs load.tangential_displacement"
         )
-    # motion of the actuators over time
-    path = scene.load.path_of_actuators()
-    if path.period is None:
+    actuator_path = scene.load.path_of_actuators()
+    if actuator_path.period is None:
         raise InputError("fretting_map: the path does not repeat; state a cycle")
+    return actuator_path
+
+
+def _factors_of_map(stroke: ArrayLike, normal_load: ArrayLike) -> tuple[Array, Array]:
+    """Factors of the stroke and of the normal load as arrays of one shape, which they broadcast to.
+
+    InputError for values that are no real numbers, and for factors that are not above 0.
+    """
     factors = np.broadcast_arrays(
         np.array(real_numbers(stroke, "stroke")), np.array(real_numbers(normal_load, "normal_load"))
     )
     for name, factor in zip(("stroke", "normal_load"), factors, strict=True):
         if not np.all(factor > 0):
             raise InputError(f"fretting_map: {name} has {factor.min():.6g}: factors are above 0")
-    # the normal contact and the compliance of contact, bodies and springs
-    rig = rigged_scene(scene, checked_effects(effects))
-    most_cycles = max(scene.cycles, 2)
-    # instants, P or normal approach, and displacement of the actuator
-    rows = actuator_rows(path, most_cycles, one_step_at_constant_load=True)
-    shape = factors[0].shape
-    regimes = np.empty(shape, dtype=np.int8)
-    dissipation = np.empty(shape)
-    slide_distances = np.empty(shape)
-    largest_forces = np.empty(shape)
+    return factors[0], factors[1]
 
-    # follow each scaled path, up to its first steady cycle
-    for index_in_map in np.ndindex(shape):
-        stroke_factor, load_factor = (float(factor[index_in_map]) for factor in factors)
-        scaled_rows = rows._replace(
-            load_or_approach=load_factor * rows.load_or_approach,
-            displacement=stroke_factor * rows.displacement,
-        )
-        driven_path = rig.driven_path_of_rows(scaled_rows)
-        # None where no cycle is steady
-        cycle_number = driven_path.first_steady_cycle
-        if cycle_number is None:
-            raise InputError(
-                f"fretting_map: no steady cycle among the first {most_cycles} with stroke ="
-                f" {stroke_factor:.6g}, normal_load = {load_factor:.6g}: raise cycles of the scene"
-            )
-        # row at which the cycle begins
-        first_row = driven_path.end_rows[cycle_number]
-        rows_of_cycle = slice(first_row, driven_path.end_rows[cycle_number + 1] + 1)
-        # intervals of gross sliding in the steady cycle
-        slides_of_cycle = slides_of(driven_path, rows_of_cycle)
-        regime = Regime.PARTIAL
-        if slides_of_cycle:
-            regime = Regime.GROSS
-        elif slides_of(driven_path, slice(0, first_row + 1)):
-            regime = Regime.MIXED
-        regimes[index_in_map] = regime
-        dissipation[index_in_map] = driven_path.work(rows_of_cycle)
-        slide_distances[index_in_map] = sum(abs(slide.distance) for slide in slides_of_cycle)
-        largest_forces[index_in_map] = np.max(
-            np.abs(driven_path.followed_path.tangential_load[rows_of_cycle])
-        )
+
+class _SteadyCycle(NamedTuple):
+    """Regime of a contact, and what its steady cycle has: friction work W [energy / thickness], way
+    of gross sliding, forward and back [length], and largest |Q| [force / thickness].
+    """
+
+    regime: Regime
+    dissipation: float
+    slide: float
+    largest_tangential_load: float
+
+
+def _steady_cycle_of(driven_path: DrivenPath) -> _SteadyCycle | None:
+    """The first steady cycle of a path that actuators drive, with the regime of the contact; None
+    where no cycle is steady.
+
+    Gross sliding: the contact slides as a whole in that cycle. Mixed: it does before that cycle
+    only. Else partial slip. A row of the path is an instant at the end of a step.
+    """
+    cycle_number = driven_path.first_steady_cycle
+    if cycle_number is None:
+        return None
+    # row at which the cycle begins
+    first_row = driven_path.end_rows[cycle_number]
+    rows_of_cycle = slice(first_row, driven_path.end_rows[cycle_number + 1] + 1)
+    # intervals of gross sliding in the steady cycle
+    slides_of_cycle = slides_of(driven_path, rows_of_cycle)
+    regime = Regime.PARTIAL
+    if slides_of_cycle:
+        regime = Regime.GROSS
+    elif slides_of(driven_path, slice(0, first_row + 1)):
+        regime = Regime.MIXED
+    tangential_load = driven_path.followed_path.tangential_load[rows_of_cycle]
+    return _SteadyCycle(
+        regime=regime,
+        dissipation=driven_path.work(rows_of_cycle),
+        slide=sum(abs(slide.distance) for slide in slides_of_cycle),
+        largest_tangential_load=np.max(np.abs(tangential_load)),
+    )
+
+
+def _map_of_cycles(steady_cycles: list[_SteadyCycle], shape: tuple[int, ...]) -> FrettingMap:
+    """The fretting map, arrays of one `shape`, from the steady cycles of its members: regime,
+    friction work, way of gross sliding and largest |Q| of each. The last index of the map runs
+    fastest.
+    """
+
+    def array_of(name: str, dtype: type) -> NDArray[Any]:
+        """One value of all steady cycles, by its name, as a read-only array of the map's shape."""
+        values = [getattr(steady_cycle, name) for steady_cycle in steady_cycles]
+        return read_only_copy(np.array(values, dtype=dtype).reshape(shape), dtype)
+
     return FrettingMap(
-        read_only_copy(regimes, np.int8),
-        read_only_copy(dissipation, float),
-        read_only_copy(slide_distances, float),
-        read_only_copy(largest_forces, float),
+        array_of("regime", np.int8),
+        array_of("dissipation", float),
+        array_of("slide", float),
+        array_of("largest_tangential_load", float),
     )
