@@ -448,23 +448,52 @@ def _work_density_of_phases(
             cut_angles[ellipse_of_piece, cut_number + 1],
             node_stride,
         )
-        # w'/f, P - P_c with P_c the load at the stick edge, and P
-        rate, slip_zone_load, load = rate_and_loads_in_phase(
-            PHASE_NAMES[phase_number], ellipses.take(ellipse_of_piece), angle_in_phase
-        )
-        stick_edge_load = np.maximum(load - slip_zone_load, 0.0)
-        # P_x - P_c
-        load_excess = np.maximum(load_at_x[ellipse_of_piece] - stick_edge_load, 0.0)
-        stick_edge_advance = contact.edge_advance(
-            stick_edge_load
-        )  # of the stick edge beyond the least half-width
-        arccosh_ratio = contact.arccosh_ratio(x[ellipse_of_piece], load_excess, stick_edge_advance)
-        density_at_nodes = (
-            weights * rate * contact.pressure(x[ellipse_of_piece], load) * arccosh_ratio
+        density_at_nodes = _weighted_work_rate_at_points(
+            rate_and_loads_in_phase(
+                PHASE_NAMES[phase_number], ellipses.take(ellipse_of_piece), angle_in_phase
+            ),
+            weights,
+            contact,
+            x[ellipse_of_piece],
+            load_at_x[ellipse_of_piece],
         )
         # add the pieces of each ellipse
         np.add.at(density[phase_number], ellipse_of_piece, np.sum(density_at_nodes, axis=1))
     return density
+
+
+def _weighted_work_rate_at_points(
+    rate_and_loads: tuple[Array, Array, Array],
+    weights: Array,
+    contact: Contact,
+    x: Array,
+    load_at_x: Array,
+) -> Array:
+    """Friction work per area and rad at points x times quadrature weights, (n, nodes): weight *
+    w'/f p(x, P) arccosh(|x|/c), which is W(x) pi E*/(2 f^2) when summed over the nodes.
+
+    w = +-Q - f P grows in slip; c is the half-width of stick, P_c the load at which the contact
+    would end there.
+
+    Parameters
+    ----------
+    rate_and_loads
+        w'/f, P - P_c and P at the nodes, (n, nodes) each
+    weights
+        (n, nodes) of a quadrature rule over the angle [rad]
+    contact
+        the normal contact of the profile
+    x, load_at_x
+        (n, 1) place |x|, and the load under which the edge of contact is there
+    """
+    rate, slip_zone_load, load = rate_and_loads
+    stick_edge_load = np.maximum(load - slip_zone_load, 0.0)
+    # P_x - P_c
+    load_excess = np.maximum(load_at_x - stick_edge_load, 0.0)
+    # of the stick edge beyond the least half-width
+    stick_edge_advance = contact.edge_advance(stick_edge_load)
+    arccosh_ratio = contact.arccosh_ratio(x, load_excess, stick_edge_advance)
+    return weights * rate * contact.pressure(x, load) * arccosh_ratio
 
 
 def _ranges_of_slip(ellipses: Ellipses, load_at_x: Array) -> tuple[tuple[int, Array, Array], ...]:
@@ -951,17 +980,46 @@ def _work_over_phases(
     corner of the profile. Each interval of angle is integrated by one of the `rules` and halved
     until its error check is below `converged_share` of W.
     """
-    corner_loads = contact.corner_loads
-    # A corner that is nearly met counts too.
+
+    def work_rate(phase: Indices, ellipse_of_piece: Indices, angle_in_phase: Array) -> Array:
+        """w'/f Lam at angles (nodes, n) in the given phases (n,) of the given ellipses (n,).
+        w = +-Q - f P grows in slip; `kernel` gives Lam, the kernel of the friction work, from P and
+        P - P_c, P_c the load at the stick edge.
+        """
+        rate_of_w, slip_zone_load, load = _rates_and_loads_of_pieces(
+            ellipses, phase, ellipse_of_piece, angle_in_phase
+        )
+        return rate_of_w * kernel(load, np.minimum(slip_zone_load, load))
+
+    # (phases, m) and (m,)
+    works_of_phases, error = _integrals_by_group(
+        ellipses,
+        _pieces_of_phases(ellipses, contact.corner_loads, len(rules)),
+        len(PHASE_NAMES),
+        work_rate,
+        rules,
+        converged_share,
+    )
+    reverse_work, early_forward_work, later_forward_work = works_of_phases
+    return np.stack([early_forward_work + later_forward_work, reverse_work, error])
+
+
+def _pieces_of_phases(ellipses: Ellipses, corner_loads: Array, n_rules: int) -> AnglePieces:
+    """Intervals of angle [rad] of the phases of slip, E-G (reverse), I-J and J-M (forward), of m
+    ellipses; cut where the edge of contact or of stick passes a corner of the profile.
+
+    `corner_loads` (n,) are the loads of these corners. Where there are two rules (`n_rules`), whole
+    phases take the first one, intervals that end at a corner the second one. Ellipses in which
+    nothing slips have no interval.
+    """
+    # A corner that is nearly met counts too; permanent_stick_load: least load at the stick edge.
     is_above_least_load = corner_loads > 0.99 * np.min(
         ellipses.permanent_stick_load, initial=math.inf
     )
     is_below_largest_load = corner_loads < 1.01 * np.max(
         ellipses.mean_load + ellipses.load_amplitude, initial=0.0
     )
-    # permanent_stick_load: the least load at the stick edge
     corners_in_range = corner_loads[is_above_least_load & is_below_largest_load, None]
-    # intervals of each phase: E-G (reverse slip), I-J and J-M (forward)
     pieces_of_phases = []
     # (cuts, m) ascending, for each phase
     for phase_number, cut_angles in enumerate(
@@ -976,37 +1034,37 @@ def _work_over_phases(
         end_angle = cut_angles[cut_number + 1, ellipse_of_piece]
         # The second rule, if there is one, for intervals that end at a corner.
         is_part_of_phase = end_angle - begin_angle < cut_angles[-1, ellipse_of_piece]
-        rule_number = np.minimum(is_part_of_phase, len(rules) - 1)
+        rule_number = np.minimum(is_part_of_phase, n_rules - 1)
         pieces_of_phases.append(
             AnglePieces.of_group(
                 phase_number, ellipse_of_piece, begin_angle, end_angle, rule_number
             )
         )
+    return AnglePieces.joined(pieces_of_phases)
 
-    def work_rate(phase: Indices, ellipse_of_piece: Indices, angle_in_phase: Array) -> Array:
-        """w'/f Lam at angles (nodes, n) in the given phases (n,) of the given ellipses (n,).
-        w = +-Q - f P grows in slip; `kernel` gives Lam, the kernel of the friction work, from P and
-        P - P_c, P_c the load at the stick edge.
-        """
-        # w'/f, P - P_c and P
-        rate_of_w, slip_zone_load, load = np.empty((3, *angle_in_phase.shape))
-        for phase_number, name in enumerate(PHASE_NAMES):
-            # the pieces of one phase, which stand side by side
-            columns = slice(*np.searchsorted(phase, [phase_number, phase_number + 1]))
-            rate_of_w[:, columns], slip_zone_load[:, columns], load[:, columns] = (
-                rate_and_loads_in_phase(
-                    name, ellipses.take(ellipse_of_piece[columns]), angle_in_phase[:, columns]
-                )
-            )
-        return rate_of_w * kernel(load, np.minimum(slip_zone_load, load))
 
-    pieces = AnglePieces.joined(pieces_of_phases)
-    # (phases, m) and (m,)
-    works_of_phases, error = _integrals_by_group(
-        ellipses, pieces, len(PHASE_NAMES), work_rate, rules, converged_share
-    )
-    reverse_work, early_forward_work, later_forward_work = works_of_phases
-    return np.stack([early_forward_work + later_forward_work, reverse_work, error])
+def _rates_and_loads_of_pieces(
+    ellipses: Ellipses, phase: Indices, ellipse_of_piece: Indices, angle_in_phase: Array
+) -> Array:
+    """Rate of w/f = (+-Q - f P)/f per rad, P - P_c and P at angles (nodes, n) of n intervals,
+    (3, nodes, n); P_c is the load at the stick edge.
+
+    `phase` (n,) is the number of each interval's phase of slip, in ascending order, and
+    `ellipse_of_piece` (n,) that of its ellipse. Angles count as in `rate_and_loads_in_phase`: from
+    the begin of E-G and I-J, back from the end of J-M.
+    """
+    rates_and_loads = np.empty((3, *angle_in_phase.shape))
+    for phase_number, name in enumerate(PHASE_NAMES):
+        # the pieces of one phase, which stand side by side
+        columns = slice(*np.searchsorted(phase, [phase_number, phase_number + 1]))
+        ellipses_of_columns = ellipses.take(ellipse_of_piece[columns])
+        for values, values_in_phase in zip(
+            rates_and_loads,
+            rate_and_loads_in_phase(name, ellipses_of_columns, angle_in_phase[:, columns]),
+            strict=True,
+        ):
+            values[:, columns] = values_in_phase
+    return rates_and_loads
 
 
 _COURSE_NAMES = ("P, E-G", "P, I-M", "P_c, E-G", "P_c, I-J", "P_c, J-M")
@@ -1023,35 +1081,21 @@ def _work_over_loads(
     `mean_load` and `load_amplitude`. A course is one of these loads through one phase of slip: E-G
     (reverse), I-J or J-M (forward). Courses are cut at the `corner_loads` (n,) of the profile,
     between which ln a is smooth.
-
-    Angles are t along P = P0 + P1 cos t; along P_c in phase I-J 2 t_I - t, where P_c is P at that
-    time and t_I is the begin of forward slip. In E-G and J-M the angle along P_c counts back from
-    the end of the phase, where P_c is least.
     """
     # ln a counts from that of P0: what is left of any constant is round-off.
     log_at_mean_load = log_half_width(ellipses.mean_load[None])[0]
 
     def weighted_log(course: Indices, ellipse_of_piece: Indices, angle: Array) -> Array:
         """Weight times ln(a/a(P0)) at angles (nodes, n) along the courses (n,) of ellipses (n,), a
-        the contact half-width, P0 the mean load. A course is P or P_c, the load at the stick edge,
-        through a phase of slip.
+        the contact half-width, P0 the mean load.
         """
-        weight, load = np.empty((2, *angle.shape))
-        # _COURSE_NAMES: "P, E-G", "P, I-M", "P_c, E-G", "P_c, I-J", "P_c, J-M"
-        for course_number, name in enumerate(_COURSE_NAMES):
-            # the pieces of one course, which stand side by side
-            columns = slice(*np.searchsorted(course, [course_number, course_number + 1]))
-            weight[:, columns], load[:, columns] = log_weight_and_load(
-                name, ellipses.take(ellipse_of_piece[columns]), angle[:, columns]
-            )
+        weight, load = _log_weights_and_loads_of_pieces(ellipses, course, ellipse_of_piece, angle)
         return weight * (log_half_width(load) - log_at_mean_load[ellipse_of_piece])
 
-    # intervals of angle along the courses, cut at the corners
-    pieces = _pieces_of_courses(ellipses, corner_loads)
     # (courses, m) and (m,); checks are taken relative to 50 P0^2 at least
     works_of_courses, error = _integrals_by_group(
         ellipses,
-        pieces,
+        _pieces_of_courses(ellipses, corner_loads),
         len(_COURSE_NAMES),
         weighted_log,
         _COURSE_RULES,
@@ -1072,18 +1116,93 @@ def _work_over_loads(
     return np.stack([forward_work, reverse_work, error])
 
 
+def _log_weights_and_loads_of_pieces(
+    ellipses: Ellipses, course: Indices, ellipse_of_piece: Indices, angle: Array
+) -> Array:
+    """Weight of ln a per rad in the friction work, and the load, at angles (nodes, n) of n
+    intervals, (2, nodes, n); a is the contact half-width under that load.
+
+    A course is P, or P_c at the stick edge, through a phase of slip. `course` (n,) is its number
+    for each interval, in ascending order, and `ellipse_of_piece` (n,) that of the ellipse. The
+    angle is the variable of `log_weight_and_load`: t along P, for instance.
+    """
+    weights_and_loads = np.empty((2, *angle.shape))
+    # _COURSE_NAMES: "P, E-G", "P, I-M", "P_c, E-G", "P_c, I-J", "P_c, J-M"
+    for course_number, name in enumerate(_COURSE_NAMES):
+        # the pieces of one course, which stand side by side
+        columns = slice(*np.searchsorted(course, [course_number, course_number + 1]))
+        weight, load = log_weight_and_load(
+            name, ellipses.take(ellipse_of_piece[columns]), angle[:, columns]
+        )
+        weights_and_loads[0][:, columns] = weight
+        weights_and_loads[1][:, columns] = load
+    return weights_and_loads
+
+
+class _Course(NamedTuple):
+    """Range of angle [rad] of one course of m ellipses: P, or P_c at the stick edge, through a
+    phase of slip.
+
+    Attributes
+    ----------
+    begin, end
+        (m,) first and last angle
+    inner_cuts
+        angles, (c, m) each, at which the course is cut, if they lie within it
+    is_angle_of_cosine
+        whether the load is P0 + P1 cos(angle), so that it grows from pi to 2 pi; else it grows with
+        the angle
+    """
+
+    begin: Array
+    end: Array
+    inner_cuts: tuple[Array, ...]
+    is_angle_of_cosine: bool
+
+
 def _pieces_of_courses(ellipses: Ellipses, corner_loads: Array) -> AnglePieces:
     """Intervals of angle [rad] for the integrals over P and over P_c, the load at the stick edge;
     cut where P or P_c is one of the `corner_loads` (n,), the loads of the profile's corners.
 
-    # notation: t time in P = P0 + P1 cos t; start the time t_E at which E-G begins; D
-    #           (`slip_angle`) length of E-G and of J-M [rad]; P0, P1 `mean_load`, `load_amplitude`;
-    #           t_I begin of forward slip; `permanent_stick_load` least P_c
-
     Groups of intervals are courses, P or P_c through one phase of slip. In this order: P in E-G
     (reverse slip), P in I-M (forward slip), P_c in E-G, in I-J and in J-M. An interval begins at
-    its lower load, and is also cut at the largest and at the least load. Angles are t along P, 2
-    t_I - t along P_c in I-J, and count back from the end of the phase along P_c in E-G and J-M.
+    its lower load; within it the load is monotonic.
+    """
+    pieces_of_courses = []
+    for course_number, course in enumerate(_courses_of_loads(ellipses, corner_loads)):
+        begin, end, inner_cuts, is_angle_of_cosine = course
+        unsorted_angles = np.concatenate([begin[None], *inner_cuts, end[None]])
+        cut_angles = np.sort(np.clip(unsorted_angles, begin, np.maximum(begin, end)), axis=0)
+        ellipse_of_piece, cut_number = np.nonzero((np.diff(cut_angles, axis=0) > 1e-14).T)
+        begin_angle = cut_angles[cut_number, ellipse_of_piece]
+        end_angle = cut_angles[cut_number + 1, ellipse_of_piece]
+        if is_angle_of_cosine:
+            # The load grows from pi to 2 pi; else the ends change places.
+            load_grows = (begin_angle + end_angle) / (2 * math.pi) % 2 > 1
+            begin_angle, end_angle = np.where(
+                load_grows, [begin_angle, end_angle], [end_angle, begin_angle]
+            )
+        # one of five rules, by the length of the interval, up to 0.1, 0.3, 0.6, 1 rad and more
+        rule_number = np.searchsorted(_COURSE_RULE_LENGTHS, np.abs(end_angle - begin_angle))
+        pieces_of_courses.append(
+            AnglePieces.of_group(
+                course_number, ellipse_of_piece, begin_angle, end_angle, rule_number
+            )
+        )
+    return AnglePieces.joined(pieces_of_courses)
+
+
+def _courses_of_loads(ellipses: Ellipses, corner_loads: Array) -> tuple[_Course, ...]:
+    """The five courses of loads over which the friction work is integrated: P in E-G (reverse slip)
+    and in I-M (forward slip), P_c in E-G, in I-J and in J-M.
+
+    # notation: t time in P = P0 + P1 cos t; P_c load at the stick edge, `permanent_stick_load` its
+    #           least value; start the time t_E at which E-G begins; D (`slip_angle`) length of E-G
+    #           and of J-M; P0, P1 `mean_load`, `load_amplitude`; t_I begin of forward slip
+
+    Cuts are where P or P_c is one of the `corner_loads` (n,), the loads of the profile's corners,
+    and where P is largest or least. Angles are t along P, 2 t_I - t along P_c in I-J, and count
+    back from the end of the phase along P_c in E-G and J-M.
     """
     is_in_range = (corner_loads > 0.99 * np.min(ellipses.permanent_stick_load)) & (
         corner_loads < np.max(ellipses.mean_load + ellipses.load_amplitude)
@@ -1098,52 +1217,28 @@ def _pieces_of_courses(ellipses: Ellipses, corner_loads: Array) -> AnglePieces:
     angle_at_corner = np.arccos(np.clip(cosine_at_corner, -1.0, 1.0))
     # angles at which P_c is the load of a corner, counted back from the end: in E-G and in J-M
     stick_edge_angle_by_v, stick_edge_angle_by_u = _stick_edge_angles(ellipses, corner_loads)
-    # Cut at the largest and the least load too, so that the load is monotonic in an interval.
     zero_angles = np.zeros(len(start))
     angle_of_least_load = np.full((1, len(start)), math.pi)
     angle_of_largest_load = np.full((1, len(start)), full_turn)
-    # begin, end and inner cuts of each course, in the order above
-    courses = (
-        (
-            start,
-            start + ellipses.slip_angle,
-            (
-                angle_at_corner,
-                angle_of_least_load,
-                full_turn - angle_at_corner,
-                angle_of_largest_load,
-            ),
-        ),
-        (
-            start + math.pi,
-            start + full_turn,
-            (full_turn - angle_at_corner, angle_of_largest_load, full_turn + angle_at_corner),
-        ),
-        (zero_angles, ellipses.slip_angle, (stick_edge_angle_by_v,)),
-        (start + ellipses.slip_angle, start + math.pi, (full_turn - angle_at_corner,)),
-        (zero_angles, ellipses.slip_angle, (stick_edge_angle_by_u,)),
+    cuts_of_load_in_e_to_g = (
+        angle_at_corner,
+        angle_of_least_load,
+        full_turn - angle_at_corner,
+        angle_of_largest_load,
     )
-    pieces_of_courses = []
-    for course_number, (begin, end, inner_cuts) in enumerate(courses):
-        unsorted_angles = np.concatenate([begin[None], *inner_cuts, end[None]])
-        cut_angles = np.sort(np.clip(unsorted_angles, begin, np.maximum(begin, end)), axis=0)
-        ellipse_of_piece, cut_number = np.nonzero((np.diff(cut_angles, axis=0) > 1e-14).T)
-        begin_angle = cut_angles[cut_number, ellipse_of_piece]
-        end_angle = cut_angles[cut_number + 1, ellipse_of_piece]
-        if course_number in (0, 1, 3):
-            # P grows from pi to 2 pi
-            load_grows = (begin_angle + end_angle) / full_turn % 2 > 1
-            begin_angle, end_angle = np.where(
-                load_grows, [begin_angle, end_angle], [end_angle, begin_angle]
-            )
-        # one of five rules, by the length of the interval, up to 0.1, 0.3, 0.6, 1 rad and more
-        rule_number = np.searchsorted(_COURSE_RULE_LENGTHS, np.abs(end_angle - begin_angle))
-        pieces_of_courses.append(
-            AnglePieces.of_group(
-                course_number, ellipse_of_piece, begin_angle, end_angle, rule_number
-            )
-        )
-    return AnglePieces.joined(pieces_of_courses)
+    cuts_of_load_in_i_to_m = (
+        full_turn - angle_at_corner,
+        angle_of_largest_load,
+        full_turn + angle_at_corner,
+    )
+    end_of_e_to_g = start + ellipses.slip_angle
+    return (
+        _Course(start, end_of_e_to_g, cuts_of_load_in_e_to_g, True),
+        _Course(start + math.pi, start + full_turn, cuts_of_load_in_i_to_m, True),
+        _Course(zero_angles, ellipses.slip_angle, (stick_edge_angle_by_v,), False),
+        _Course(end_of_e_to_g, start + math.pi, (full_turn - angle_at_corner,), True),
+        _Course(zero_angles, ellipses.slip_angle, (stick_edge_angle_by_u,), False),
+    )
 
 
 def log_weight_and_load(name: str, ellipses: Ellipses, angle: Array) -> tuple[Array, Array]:
@@ -1250,7 +1345,7 @@ def _integrals_by_group(
     A group is a phase of slip, or one load, P or P_c at the stick edge, through a phase; its range
     of angles is given cut into intervals, the `pieces`: group, ellipse, begin, end and number of
     the rule. P0 is `mean_load`. Intervals whose error checks are too large are halved and
-    integrated again. After three halvings an error check of 1e-14 P0^2 is enough.
+    integrated again.
 
     Parameters
     ----------
@@ -1267,32 +1362,28 @@ def _integrals_by_group(
     if n_ellipses < _FEW_ELLIPSES:  # one rule: the number of calls costs, not the nodes
         pieces = pieces._replace(rule_number=np.full(len(pieces.rule_number), len(rules) - 1))
         least_work = 0.0
+    squared_mean_load = np.square(ellipses.mean_load)
     works_of_groups = np.zeros((n_groups, n_ellipses))
     error_of_ellipse = np.zeros(n_ellipses)
-    reference_work = np.zeros(n_ellipses)
+    largest_check_allowed = np.zeros(n_ellipses)
     for n_halvings in range(_MOST_HALVINGS + 1):
         # of each interval, (n,): its integral, and the largest of sums that are 0 but for the error
         integrals, largest_checks = _piece_integrals(pieces, integrand, rules)
         ellipse_of_piece = pieces.ellipse
         if not n_halvings:
             work_of_ellipse = np.bincount(ellipse_of_piece, integrals, n_ellipses)
-            reference_work = np.maximum(work_of_ellipse, least_work * np.square(ellipses.mean_load))
-        # not (>): NaN counts as converged
-        is_check_small = ~(largest_checks > converged_share * reference_work[ellipse_of_piece])
-        # of P0^2: _NEGLIGIBLE_CHECK_SHARE = 1e-14
-        is_check_negligible = largest_checks <= _NEGLIGIBLE_CHECK_SHARE * np.square(
-            ellipses.mean_load[ellipse_of_piece]
+            reference_work = np.maximum(work_of_ellipse, least_work * squared_mean_load)
+            largest_check_allowed = converged_share * reference_work
+        has_converged, piece_errors = _convergence_of_pieces(
+            largest_checks,
+            largest_check_allowed[ellipse_of_piece],
+            squared_mean_load[ellipse_of_piece],
+            n_halvings,
         )
-        # after _FEW_HALVINGS = 3 a negligible check is enough
-        has_converged = is_check_small | ((n_halvings >= _FEW_HALVINGS) & is_check_negligible)
         np.add.at(
             works_of_groups,
             (pieces.group[has_converged], ellipse_of_piece[has_converged]),
             integrals[has_converged],
-        )
-        # error over check at most: 0.01, or 4 where the check is only negligible
-        piece_errors = largest_checks * np.where(
-            is_check_small, _ERROR_OVER_SMALL_CHECK, _ERROR_OVER_LARGE_CHECK
         )
         np.add.at(error_of_ellipse, ellipse_of_piece[has_converged], piece_errors[has_converged])
 
@@ -1303,6 +1394,39 @@ def _integrals_by_group(
     # what has not converged after fifteen halvings
     works_of_groups[pieces.group, pieces.ellipse] = np.nan
     return works_of_groups, error_of_ellipse
+
+
+def _convergence_of_pieces(
+    largest_checks: Array, largest_check_allowed: Array, squared_mean_load: Array, n_halvings: int
+) -> tuple[NDArray[np.bool_], Array]:
+    """Whether the integral over each of n intervals of angle has converged, and an upper bound of
+    its error, (n,) each.
+
+    After three halvings an error check of 1e-14 P0^2 is enough, however small W is. The error is at
+    most 0.01 of the check where it is small, and 4 times the check where it is only negligible.
+
+    Parameters
+    ----------
+    largest_checks
+        (n,) the largest of sums over the interval that are 0 but for the error of the rule; NaN
+        counts as converged
+    largest_check_allowed
+        (n,) the share of W below which the check is small
+    squared_mean_load
+        (n,) P0^2 of the ellipse that the interval belongs to
+    n_halvings
+        how many times the intervals have been halved
+    """
+    # not (>): NaN counts as converged
+    is_check_small = ~(largest_checks > largest_check_allowed)
+    # of P0^2: _NEGLIGIBLE_CHECK_SHARE = 1e-14
+    is_check_negligible = largest_checks <= _NEGLIGIBLE_CHECK_SHARE * squared_mean_load
+    # _FEW_HALVINGS = 3
+    has_converged = is_check_small | ((n_halvings >= _FEW_HALVINGS) & is_check_negligible)
+    piece_errors = largest_checks * np.where(
+        is_check_small, _ERROR_OVER_SMALL_CHECK, _ERROR_OVER_LARGE_CHECK
+    )
+    return has_converged, piece_errors
 
 
 def _piece_integrals(
@@ -1353,6 +1477,62 @@ def _log_half_width_of(contact: SymmetricContact) -> Callable[[Array], Array]:
     return lambda load: -scaled_contact.log_datum_ratio(load)
 
 
+class _CornerCoordinate(NamedTuple):
+    """A coordinate along the loads of a profile with corners: the sum of sqrt(P - P_b) over them.
+
+    From the load P_b of each corner it grows by v = sqrt(P - P_b), up to the load of the next
+    corner. In v the logarithm of the contact half-width is smooth.
+
+    Attributes
+    ----------
+    corner_loads
+        (n,) ascending loads: 0, those under which the contact ends at a corner, and the largest
+    corner_coordinates
+        (n,) the coordinate at these loads
+    """
+
+    corner_loads: Array
+    corner_coordinates: Array
+
+    @classmethod
+    def of_contact(
+        cls, contact: SymmetricContact, first_octave: int, last_octave: int
+    ) -> _CornerCoordinate:
+        """The coordinate for loads up to 2^last_octave, or up to where the profile ends; corners
+        count from the load 2^first_octave on.
+
+        `contact` is the normal contact P(a) of the profile; its `extent` is the half-width where
+        the profile ends, infinite where it does not.
+        """
+        largest_load = 2.0**last_octave
+        if contact.extent != math.inf:
+            largest_load = min(largest_load, float(contact.load(contact.extent)))
+        is_in_range = (contact.corner_loads > 2.0**first_octave) & (
+            contact.corner_loads < largest_load
+        )
+        corner_loads = np.array([0.0, *contact.corner_loads[is_in_range], largest_load])
+        return cls(corner_loads, np.append(0.0, np.cumsum(np.sqrt(np.diff(corner_loads)))))
+
+    def number_of_corner_below(self, coordinates: Array) -> Indices:
+        """Number of the corner from which v is measured at each coordinate."""
+        return np.searchsorted(self.corner_coordinates[1:-1], coordinates, side="right")
+
+    def load_at(self, coordinates: Array) -> Array:
+        """The load P = P_b + v^2 at coordinates of any shape."""
+        corner_number = self.number_of_corner_below(coordinates)
+        v = coordinates - self.corner_coordinates[corner_number]
+        return self.corner_loads[corner_number] + np.square(v)
+
+    def ends_of_first_ranges(self, first_octave: int) -> Array:
+        """Ascending coordinates between which polynomials are first tried: the corners, and below
+        the first corner ranges that halve the coordinate, down to that of the load 2^first_octave.
+        """
+        first_corner = self.corner_coordinates[1]
+        n_octaves = max(math.ceil(math.log2(first_corner) - first_octave / 2), 1)
+        octave_coordinates = first_corner * 2.0 ** np.arange(-n_octaves, 0)
+        return np.append(octave_coordinates, self.corner_coordinates[1:])
+
+
 class LogHalfWidth:
     """L(P) = ln a, a the contact half-width of any profile, by polynomials in v = sqrt(P - P_b)
     above the load P_b of each corner of the profile; from P = 0 on in octaves of v.
@@ -1366,55 +1546,31 @@ class LogHalfWidth:
     def __init__(self, contact: SymmetricContact, first_octave: int, last_octave: int) -> None:
         """Polynomials of L = ln(half-width) for loads from 2^first_octave, or a little less, to
         2^last_octave, or to where the profile ends; below them L is constant. `contact` is the
-        normal contact P(a) of the profile; its `extent` is the half-width where the profile ends,
-        `corner_loads` the loads under which the contact ends at a corner of the profile.
+        normal contact P(a) of the profile.
 
-        The polynomials are set up along one coordinate, the sum of sqrt(P - P_b) over the corners.
-        From the load P_b of each corner it grows by v = sqrt(P - P_b), in which L is smooth, up to
-        the load of the next corner.
+        The polynomials are set up along one coordinate, the sum of sqrt(P - P_b) over the loads P_b
+        at which the contact ends at a corner of the profile. In v = sqrt(P - P_b) L is smooth.
         """
-        profile_corner_loads = contact.corner_loads
-        largest_load = 2.0**last_octave
-        if contact.extent != math.inf:
-            largest_load = min(largest_load, float(contact.load(contact.extent)))
-        corner_loads_in_range = profile_corner_loads[
-            (profile_corner_loads > 2.0**first_octave) & (profile_corner_loads < largest_load)
-        ]
-        # 0, the corners and the largest load; and the coordinate of each
-        corner_loads = np.array([0.0, *corner_loads_in_range, largest_load])
-        corner_coordinates = np.append(0.0, np.cumsum(np.sqrt(np.diff(corner_loads))))
+        coordinate = _CornerCoordinate.of_contact(contact, first_octave, last_octave)
         # as a function of the load
         log_half_width = _log_half_width_of(contact)
-
-        def number_of_corner_below(coordinates: Array) -> Indices:
-            """Number of the corner from which v is measured at each coordinate."""
-            return np.searchsorted(corner_coordinates[1:-1], coordinates, side="right")
-
-        def log_at(coordinates: Array) -> Array:
-            """L = ln a at coordinates of any shape."""
-            corner_number = number_of_corner_below(coordinates)
-            v = coordinates - corner_coordinates[corner_number]
-            return log_half_width(corner_loads[corner_number] + np.square(v))
-
-        # below the first corner: ranges that halve the coordinate, down to that of 2^first_octave
-        n_octaves = max(math.ceil(math.log2(corner_coordinates[1]) - first_octave / 2), 1)
-        octave_coordinates = corner_coordinates[1] * 2.0 ** np.arange(-n_octaves, 0)
         # Chebyshev series on ranges that are halved until they are resolved; `edges` are the ends
         # of these ranges. The last argument is the size of values beside which errors are
         # negligible: 1, or more where P(a) is not exact to round-off.
         series = piecewise_series_by_halving(
-            log_at,
-            np.append(octave_coordinates, corner_coordinates[1:]),
+            lambda coordinates: log_half_width(coordinate.load_at(coordinates)),
+            coordinate.ends_of_first_ranges(first_octave),
             max(contact.relative_roundoff / 4e-14, 1.0),
         )
         # for each polynomial: the load of the corner below it, and its coefficients
-        corner_number = number_of_corner_below(series.edges[:-1])
-        self._corner_load = corner_loads[corner_number]
+        corner_number = coordinate.number_of_corner_below(series.edges[:-1])
+        self._corner_load = coordinate.corner_loads[corner_number]
         # evaluated as powers, which is faster
         self._log_half_width = SeriesAsPowers(series.coefficients)
         # v at the two ends of each polynomial
-        self._first_v = series.edges[:-1] - corner_coordinates[corner_number]
-        self._last_v = series.edges[1:] - corner_coordinates[corner_number]
+        corner_coordinate = coordinate.corner_coordinates[corner_number]
+        self._first_v = series.edges[:-1] - corner_coordinate
+        self._last_v = series.edges[1:] - corner_coordinate
         self.series_ends = (self._corner_load + np.square(self._first_v))[1:]
 
     def _values_of_series(self, series_number: Indices, v: Array) -> Array:
@@ -1510,11 +1666,6 @@ def works_by_lam(
     """Friction work W of forward and of reverse slip in the steady cycle of each load ellipse,
     times pi E*/(2 f^2), (m,) each [force^2 per thickness^2].
 
-    # notation: u, v (`forward_amplitude`, `reverse_amplitude`) amplitudes of (Q -+ f P)/f; P0, P1
-    #           mean and amplitude of P; D (`slip_angle`) length of reverse slip E-G and of later
-    #           forward slip J-M [rad], pi - D of earlier forward slip I-J; `sine_of_start`
-    #           sin(t_E), t_E the begin of E-G
-
     For profiles whose kernel of the work is cheap. The kernel is Lam = int_{P_c}^P [ln a(eta) - ln
     a(P_c)] d eta; of a multiple of Lam W comes out times the same factor. Each ellipse gets as few
     nodes as it needs: one of the _LAM_RULES, nine Gauss rules and one for singular ends. Ellipses
@@ -1525,7 +1676,8 @@ def works_by_lam(
     ----------
     quick_kernel
         Lam to round-off of P - P_c; taken where the largest load P - P_c of the slip zones exceeds
-        `deep_share` of P0, and each of u and v exceeds that share of the other
+        `deep_share` of P0, and each of u and v, the amplitudes of (Q -+ f P)/f, exceeds that share
+        of the other
     careful_kernel
         Lam to round-off of itself; taken for all other ellipses
     deep_share
@@ -1533,39 +1685,60 @@ def works_by_lam(
     least_share
         loads below this share of P0 count as that share
     """
-    # (m,) booleans
+    # The same rule and the same kernel: one kind, integrated together. The kind is the number of
+    # the rule times 2, plus 1 for the careful kernel.
     takes_careful_kernel = _takes_careful_kernel(ellipses, deep_share)
-    # The same rule and the same kernel: one kind, integrated together.
-    # number of the rule times 2, plus 1 for the careful kernel
     kind_of_ellipse = 2 * _gauss_rule_numbers(ellipses) + takes_careful_kernel
     order_by_kind = np.argsort(kind_of_ellipse, kind="stable")
     # (9, m) angles and loads of the ellipses, in the order of their kinds
     parameters_by_kind = _phase_parameters(ellipses, least_share).take(order_by_kind, axis=1)
     # rows: reverse slip, later and earlier forward slip, without the constant factors
     sums_by_phase = np.empty((3, len(order_by_kind)))
-    ends_of_kinds = np.cumsum(np.bincount(kind_of_ellipse, minlength=2 * len(_LAM_RULES)))
     # For intermediate values: what is allocated once stays in the cache.
     buffer = np.empty(12 * max(_NODES_AT_ONCE, 64 * len(_LAM_RULES[-1][0])))
-    for kind_number in np.flatnonzero(np.diff(ends_of_kinds, prepend=0)).tolist():
-        # as many as have 16,384 nodes together
-        ellipses_at_once = max(_NODES_AT_ONCE // len(_LAM_RULES[kind_number // 2][0]), 64)
-        for begin in range(
-            ends_of_kinds[kind_number - 1] if kind_number else 0,
-            ends_of_kinds[kind_number],
-            ellipses_at_once,
-        ):
-            columns = slice(begin, min(begin + ellipses_at_once, ends_of_kinds[kind_number]))
-            lam_kernel = careful_kernel if kind_number % 2 else quick_kernel
-            sums_by_phase[:, order_by_kind[columns]] = phase_integrals(
-                parameters_by_kind[:, columns],
-                _LAM_RULES[kind_number // 2],
-                lam_kernel,
-                buffer,
-            )
-    integral_of_reverse_slip, integral_of_later_slip, integral_of_early_slip = 2 * sums_by_phase
+    for kind_number, columns in _blocks_of_kinds(kind_of_ellipse):
+        sums_by_phase[:, order_by_kind[columns]] = phase_integrals(
+            parameters_by_kind[:, columns],
+            _LAM_RULES[kind_number // 2],
+            careful_kernel if kind_number % 2 else quick_kernel,
+            buffer,
+        )
+    return _works_of_sums(ellipses, sums_by_phase)
 
-    # the factors that are constant in a phase, and 2 from the nodes; no earlier forward slip where
-    # the slip zones carry less than 1e-200 of the mean load
+
+def _blocks_of_kinds(kind_of_ellipse: NDArray[np.uint8]) -> Iterator[tuple[int, slice]]:
+    """Blocks of ellipses that are integrated together: number of their kind, and their columns when
+    all m ellipses are sorted by kind.
+
+    A kind is a quadrature rule and a formula for the kernel: `kind_of_ellipse` (m,) is twice the
+    number of the rule, plus 0 or 1 for the formula. A block has as many ellipses as have 16,384
+    nodes together, but at least 64.
+    """
+    ends_of_kinds = np.cumsum(np.bincount(kind_of_ellipse, minlength=2 * len(_LAM_RULES))).tolist()
+    begin_of_kind = 0
+    for kind_number, end_of_kind in enumerate(ends_of_kinds):
+        n_nodes = len(_LAM_RULES[kind_number // 2][0])
+        ellipses_at_once = max(_NODES_AT_ONCE // n_nodes, 64)
+        for begin in range(begin_of_kind, end_of_kind, ellipses_at_once):
+            yield kind_number, slice(begin, min(begin + ellipses_at_once, end_of_kind))
+        begin_of_kind = end_of_kind
+
+
+def _works_of_sums(ellipses: Ellipses, sums_by_phase: Array) -> tuple[Array, Array]:
+    """Friction work W pi E*/(2 f^2) of forward and of reverse slip of m ellipses, (m,) each, from
+    sums over quadrature nodes without the factors that are constant in a phase.
+
+    # notation: u, v (`forward_amplitude`, `reverse_amplitude`) amplitudes of (Q -+ f P)/f; P0, P1
+    #           mean and amplitude of P; D (`slip_angle`) length of reverse slip E-G and of later
+    #           forward slip J-M [rad], pi - D of earlier forward slip I-J; `sine_of_start`
+    #           sin(t_E), t_E the begin of E-G; P_c load at the stick edge
+
+    `sums_by_phase` (3, m) are those of E-G, J-M and I-J. The factors are D v, D u and, in I-J,
+    (pi - D) u over twice the largest P - P_c. There is no earlier forward slip where the slip zones
+    carry less than 1e-200 of P0.
+    """
+    # 2 by the rates at the nodes
+    integral_of_reverse_slip, integral_of_later_slip, integral_of_early_slip = 2 * sums_by_phase
     twice_largest_slip_zone_load = 4 * ellipses.load_amplitude * ellipses.sine_of_start
     integral_of_early_slip *= (
         (math.pi - ellipses.slip_angle)
