@@ -559,11 +559,11 @@ def _mortar_operators(lower_body: CondensedBody, upper_body: CondensedBody) -> M
     """Mortar operators of the two faces in the common frame: they turn nodal displacements into
     weighted means along the normal and the tangent of the middle line.
     """
-    from halfplane_fe.mortar import Side, mortar  # noqa: PLC0415 - for faces that do not match
+    from halfplane_fe.mortar import Face, mortar  # noqa: PLC0415 - for faces that do not match
 
     return mortar(
-        Side(lower_body.x, lower_body.y, lower_body.order),
-        Side(upper_body.x, -upper_body.y, upper_body.order),
+        Face(lower_body.x, lower_body.y, lower_body.order),
+        Face(upper_body.x, -upper_body.y, upper_body.order),
     )
 
 

@@ -1,17 +1,17 @@
-r"""Dual mortar coupling of two contact sides on their common refinement: flat or curved, matching
+r"""Dual mortar coupling of two contact faces on their common refinement: flat or curved, matching
 or not.
 
-Points of the two sides that lie above each other are compared along the normal n and the tangent t
-of the line half-way between the sides, in the mean over the multipliers of the lower side:
+Points of the two faces that lie above each other are compared along the normal n and the tangent t
+of the line half-way between the faces, in the mean over the multipliers of the lower face:
 
     g_j = int psi_j n (X_u + u_u - X_l - u_l) / D_j,    s_j = int psi_j t (u_u - u_l) / D_j,
     D_j = int psi_j = int phi_j
 
-all of it along that line. phi and chi are the shape functions of the two sides, psi the dual basis
-of phi: int psi_j phi_k = D_j on j = k, else 0. Dual multipliers make the lower side's part diagonal
+all of it along that line. phi and chi are the shape functions of the two faces, psi the dual basis
+of phi: int psi_j phi_k = D_j on j = k, else 0. Dual multipliers make the lower face's part diagonal
 where it is flat, so that gap and traction stay nodal and the contact law stays at the node; with
 phi they form a stable pair (Wohlmuth 2000; Popp and others 2012 for quadratic elements, whose D_j
-are positive on a line). Both sides feel the same traction p n, q t: resultants are kept and a
+are positive on a line). Both faces feel the same traction p n, q t: resultants are kept and a
 uniform pressure passes exactly.
 """
 
@@ -30,8 +30,8 @@ _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(5)
 
 
 @dataclass(frozen=True, eq=False)
-class Side:
-    """One contact side in the common frame: a line y(x) of elements of order 1 or 2.
+class Face:
+    """One contact face in the common frame: a line y(x) of elements of order 1 or 2.
 
     Attributes
     ----------
@@ -49,8 +49,8 @@ class Side:
 
 @dataclass(frozen=True, eq=False)
 class Mortar:
-    """Operators of the dual mortar coupling: from displacements of the two sides to gap and slip at
-    the n multipliers, one of each node of the lower side, and from tractions to nodal forces.
+    """Operators of the dual mortar coupling: from displacements of the two faces to gap and slip at
+    the n multipliers, one of each node of the lower face, and from tractions to nodal forces.
 
     Attributes
     ----------
@@ -61,11 +61,11 @@ class Mortar:
     gap
         (n,) weighted initial distance along n [length]
     nearest_x_and_gap
-        x and distance where the sides are nearest to each other, of all points of integration
+        x and distance where the faces are nearest to each other, of all points of integration
         [length]
     lower, upper
         (2, n, 2, m) along the normal (0) or the tangent (1), multiplier, component (x, y), node
-        of that side: the weighted mean of the displacement; transposed, the nodal forces of a
+        of that face: the weighted mean of the displacement; transposed, the nodal forces of a
         multiplier's unit force
     """
 
@@ -77,7 +77,7 @@ class Mortar:
     upper: Array
 
 
-def mortar(lower_face: Side, upper_face: Side) -> Mortar:
+def mortar(lower_face: Face, upper_face: Face) -> Mortar:
     """Dual mortar coupling of two contact faces: operators that give gap and slip at the n nodes of
     the lower face as weighted means of the displacements of both faces.
 
@@ -87,9 +87,10 @@ def mortar(lower_face: Side, upper_face: Side) -> Mortar:
 
         gap_j = int psi_j N (X_u + u_u - X_l - u_l) / w_j,   slip_j = int psi_j T (u_u - u_l) / w_j
 
-    # notation: X places, u displacements, subscripts u, l of the upper and the lower face; in
-    # subscripts of einsum s segments of the common refinement, m Gauss points of each, k, l nodes
-    # of an element; s, m in sizes of arrays are their numbers
+    The integrals are sums over Gauss points of the common refinement of both faces: the segments
+    between the ends of the elements of either face.
+
+    # notation: X places, u displacements, subscripts u, l of the upper and the lower face
 
     Parameters
     ----------
@@ -110,82 +111,164 @@ def mortar(lower_face: Side, upper_face: Side) -> Mortar:
 
     Examples
     --------
-    >>> line = lambda *x: Side(np.array(x), np.zeros(len(x)), order=1)
+    >>> line = lambda *x: Face(np.array(x), np.zeros(len(x)), order=1)
     >>> coupled = mortar(line(0.0, 0.5, 1.0), line(0.0, 0.3, 1.0))
     >>> linear = np.array([0.0, 0.3, 1.0])  # linear functions pass
     >>> (coupled.upper[0, :, 1] @ linear).round(12).tolist()
     [0.0, 0.5, 1.0]
     """
-    side_length = lower_face.x[-1] - lower_face.x[0]
-    if (
-        max(abs(lower_face.x[0] - upper_face.x[0]), abs(lower_face.x[-1] - upper_face.x[-1]))
-        > 1e-9 * side_length
-    ):
-        raise ValueError("the two contact sides do not begin and end together")
-
-    # Common refinement: segments between the ends of the elements of both faces, with Gauss points.
-    segment_ends = np.union1d(lower_face.x[:: lower_face.order], upper_face.x[:: upper_face.order])
-    segment_ends = segment_ends[
-        np.concatenate([[True], np.diff(segment_ends) > 1e-12 * side_length])
-    ]
-    middle = (segment_ends[1:] + segment_ends[:-1])[:, None] / 2
-    half_length = np.diff(segment_ends)[:, None] / 2
-    # _POINTS: five Gauss points from -1 to 1; _WEIGHTS: their weights
-    x = middle + half_length * _POINTS
-
-    # Line half-way between the faces at these points, (s, m): its slope, normal and tangent.
-    lower_at_points = _side_at_points(lower_face, x)
-    upper_at_points = _side_at_points(upper_face, x)
-    slope = (lower_at_points.slope + upper_at_points.slope) / 2  # of the line half-way between
-    length_factor = np.sqrt(1 + slope**2)
-    lengths = half_length * _WEIGHTS * length_factor  # Gauss weights, along that line
-    unit_normal = np.stack([-slope, np.ones_like(x)]) / length_factor
-    unit_tangent = np.stack([unit_normal[1], -unit_normal[0]])
-    distance_along_normal = (upper_at_points.y - lower_at_points.y) * unit_normal[1]
-
-    # Integrals of functions at the points times the dual functions.
-    n_duals = len(lower_face.x)
-    weighted_duals = _weighted_dual_functions(lower_face, lower_at_points, lengths)
-
-    def integrals_with_duals(values: Array) -> Array:
-        """Integrals (n,) of dual functions psi_j times a function given at the points (s, m)."""
-        integrals = np.einsum("skm,sm->sk", weighted_duals, values)
-        sums = np.bincount(lower_at_points.nodes.ravel(), integrals.ravel(), n_duals)
-        return np.asarray(sums, dtype=np.float64)
-
-    dual_integrals = integrals_with_duals(np.ones_like(x))
-
-    def mean_displacement(side: Side, side_at_points: _SideAtPoints) -> Array:
-        """Operator from displacements of the nodes of one face to their means along normal and
-        tangent, weighted by each dual function: (2, n, 2, n_nodes), normal or tangent, dual
-        function, x or y, node of the face.
-        """
-        operator = np.zeros((2, n_duals, 2, len(side.x)))
-        for direction, vector in enumerate((unit_normal, unit_tangent)):
-            for xy, vector_component in enumerate(vector):
-                integrals = np.einsum(
-                    "skm,sm,slm->skl", weighted_duals, vector_component, side_at_points.shapes
-                )
-                np.add.at(
-                    operator[direction, :, xy],
-                    (lower_at_points.nodes[:, :, None], side_at_points.nodes[:, None, :]),
-                    integrals / dual_integrals[lower_at_points.nodes][:, :, None],
-                )
-        return operator
-
-    nearest_point = np.unravel_index(np.argmin(distance_along_normal), distance_along_normal.shape)
+    x, weights = _points_of_refinement(lower_face, upper_face)
+    lower_at_points = _face_at_points(lower_face, x)
+    upper_at_points = _face_at_points(upper_face, x)
+    line = _line_half_way(lower_at_points, upper_at_points, weights)
+    duals = _DualFunctions.of_face(lower_face, lower_at_points, line.lengths)
+    dual_integrals = duals.integrals_with(np.ones_like(x))
+    normal_integrals = [duals.integrals_with(component) for component in line.unit_normal]
+    directions = np.stack([line.unit_normal, line.unit_tangent])
+    nearest_point = np.unravel_index(np.argmin(line.distance), x.shape)
     return Mortar(
         face_lengths=dual_integrals,
-        face_normals=np.stack([integrals_with_duals(component) for component in unit_normal])
-        / dual_integrals,
-        gap=integrals_with_duals(distance_along_normal) / dual_integrals,
-        nearest_x_and_gap=(float(x[nearest_point]), float(distance_along_normal[nearest_point])),
-        lower=mean_displacement(lower_face, lower_at_points),
-        upper=mean_displacement(upper_face, upper_at_points),
+        face_normals=np.stack(normal_integrals) / dual_integrals,
+        gap=duals.integrals_with(line.distance) / dual_integrals,
+        nearest_x_and_gap=(float(x[nearest_point]), float(line.distance[nearest_point])),
+        lower=duals.mean_displacement(lower_at_points, len(lower_face.x), directions),
+        upper=duals.mean_displacement(upper_at_points, len(upper_face.x), directions),
     )
 
 
-def _weighted_dual_functions(side: Side, side_at_points: _SideAtPoints, lengths: Array) -> Array:
+def _points_of_refinement(lower_face: Face, upper_face: Face) -> tuple[Array, Array]:
+    """Gauss points of the common refinement of two contact faces: abscissae x (s, 5) of five points
+    in each of its s segments, and the weight (s, 5) of each in integrals over x [length].
+
+    The segments lie between the ends of the elements of both faces. Raises ValueError if the faces
+    do not begin and end at the same x.
+    """
+    face_length = lower_face.x[-1] - lower_face.x[0]
+    if (
+        max(abs(lower_face.x[0] - upper_face.x[0]), abs(lower_face.x[-1] - upper_face.x[-1]))
+        > 1e-9 * face_length
+    ):
+        raise ValueError("the two contact faces do not begin and end together")
+    segment_ends = np.union1d(lower_face.x[:: lower_face.order], upper_face.x[:: upper_face.order])
+    # ends closer than round-off are one
+    is_new_end = np.concatenate([[True], np.diff(segment_ends) > 1e-12 * face_length])
+    segment_ends = segment_ends[is_new_end]
+    middle = (segment_ends[1:] + segment_ends[:-1])[:, None] / 2
+    half_length = np.diff(segment_ends)[:, None] / 2
+    # _POINTS: five Gauss points from -1 to 1; _WEIGHTS: their weights
+    return middle + half_length * _POINTS, half_length * _WEIGHTS
+
+
+class _LineHalfWay(NamedTuple):
+    """Line half-way between two contact faces, at m points of each of s segments.
+
+    Attributes
+    ----------
+    lengths
+        (s, m) weight of each point in integrals along the line [length]
+    unit_normal, unit_tangent
+        (2, s, m) x and y components of the normal N, out of the lower body, and the tangent T
+    distance
+        (s, m) from the lower face to the upper one along N [length]
+    """
+
+    lengths: Array
+    unit_normal: Array
+    unit_tangent: Array
+    distance: Array
+
+
+def _line_half_way(
+    lower_at_points: _FaceAtPoints, upper_at_points: _FaceAtPoints, weights: Array
+) -> _LineHalfWay:
+    """Line half-way between two contact faces: normal, tangent, and distance of the faces at points
+    that lie above each other.
+
+    `lower_at_points` and `upper_at_points` hold height y and slope dy/dx (s, m) of the faces at
+    these points, `weights` (s, m) the weights of the points in integrals over x [length].
+    """
+    slope = (lower_at_points.slope + upper_at_points.slope) / 2
+    length_factor = np.sqrt(1 + slope**2)  # length along the line over that along x
+    unit_normal = np.stack([-slope, np.ones_like(slope)]) / length_factor
+    return _LineHalfWay(
+        lengths=weights * length_factor,
+        unit_normal=unit_normal,
+        unit_tangent=np.stack([unit_normal[1], -unit_normal[0]]),
+        distance=(upper_at_points.y - lower_at_points.y) * unit_normal[1],
+    )
+
+
+class _DualFunctions(NamedTuple):
+    """Dual shape functions (Lagrange multipliers) of the n nodes of a contact face, at m points of
+    each of s segments.
+
+    Attributes
+    ----------
+    weighted_values
+        (s, k, m) the dual functions of the k nodes of the element that holds the segment, times the
+        weight of each point in integrals along the line half-way between the faces
+    nodes
+        (s, k) numbers of these nodes
+    n_nodes
+        number n of the nodes of the face
+    """
+
+    weighted_values: Array
+    nodes: Indices
+    n_nodes: int
+
+    @classmethod
+    def of_face(cls, face: Face, face_at_points: _FaceAtPoints, lengths: Array) -> _DualFunctions:
+        """Dual functions of the nodes of a face, by its shape functions at the points and the
+        weights `lengths` (s, m) of these in integrals.
+        """
+        weighted_values = _weighted_dual_functions(face, face_at_points, lengths)
+        return cls(weighted_values, face_at_points.nodes, len(face.x))
+
+    def integrals_with(self, values: Array) -> Array:
+        """Integrals (n,) of each dual function times a function given at the points (s, m).
+
+        # notation: in subscripts of einsum s segments, m points, k nodes of an element
+        """
+        integrals = np.einsum("skm,sm->sk", self.weighted_values, values)
+        sums = np.bincount(self.nodes.ravel(), integrals.ravel(), self.n_nodes)
+        return np.asarray(sums, dtype=np.float64)
+
+    def mean_displacement(
+        self, face_at_points: _FaceAtPoints, n_face_nodes: int, directions: Array
+    ) -> Array:
+        """Operator from displacements of the nodes of either face to their means along normal and
+        tangent, weighted by each dual function: (2, n, 2, n_face_nodes), normal or tangent, dual
+        function, x or y, node of that face.
+
+        Parameters
+        ----------
+        face_at_points
+            shape functions and node numbers of that face at the points
+        n_face_nodes
+            number of its nodes
+        directions
+            (2, 2, s, m) unit normal and unit tangent, each by x and y, at the points
+
+        # notation: in subscripts of einsum s segments, m points, k, l nodes of an element
+        """
+        dual_integrals = self.integrals_with(np.ones(directions.shape[2:]))
+        operator = np.zeros((2, self.n_nodes, 2, n_face_nodes))
+        for direction, unit_vector in enumerate(directions):
+            for xy, component in enumerate(unit_vector):
+                # by segment, dual function and node of that face
+                integrals = np.einsum(
+                    "skm,sm,slm->skl", self.weighted_values, component, face_at_points.shapes
+                )
+                np.add.at(
+                    operator[direction, :, xy],
+                    (self.nodes[:, :, None], face_at_points.nodes[:, None, :]),
+                    integrals / dual_integrals[self.nodes][:, :, None],
+                )
+        return operator
+
+
+def _weighted_dual_functions(face: Face, face_at_points: _FaceAtPoints, lengths: Array) -> Array:
     """Dual shape functions of the elements of a contact face at Gauss points, times the weight of
     each point in integrals: (s, k, m) at m points of s segments, of the k nodes of an element.
 
@@ -195,23 +278,23 @@ def _weighted_dual_functions(side: Side, side_at_points: _SideAtPoints, lengths:
 
     Parameters
     ----------
-    side, side_at_points
+    face, face_at_points
         the face with its elements of order 1 or 2, and at the points of each segment the shape
         functions and node numbers of the element that it lies in
     lengths
         (s, m) Gauss weight of each point, along the line half-way between the faces [length]
     """
-    phi = side_at_points.shapes  # (s, k, m)
-    element = side_at_points.nodes[:, 0] // side.order  # number of that of each segment
-    n_elements = (len(side.x) - 1) // side.order
-    mass_matrices = np.zeros((n_elements, side.order + 1, side.order + 1))
+    phi = face_at_points.shapes  # (s, k, m)
+    element = face_at_points.nodes[:, 0] // face.order  # number of that of each segment
+    n_elements = (len(face.x) - 1) // face.order
+    mass_matrices = np.zeros((n_elements, face.order + 1, face.order + 1))
     np.add.at(mass_matrices, element, np.einsum("skm,sm,slm->skl", phi, lengths, phi))
     dual_matrices = mass_matrices.sum(axis=2)[:, :, None] * np.linalg.inv(mass_matrices)
     return np.asarray(np.einsum("skl,slm,sm->skm", dual_matrices[element], phi, lengths))
 
 
-class _SideAtPoints(NamedTuple):
-    """Shape of a side at m points of each of s segments.
+class _FaceAtPoints(NamedTuple):
+    """Shape of a contact face at m points of each of s segments.
 
     Attributes
     ----------
@@ -220,7 +303,7 @@ class _SideAtPoints(NamedTuple):
     shapes
         (s, k, m) their shape functions at the points
     y, slope
-        (s, m) y and dy/dx of the side at the points
+        (s, m) y and dy/dx of the face at the points
     """
 
     nodes: Indices
@@ -229,25 +312,25 @@ class _SideAtPoints(NamedTuple):
     slope: Array
 
 
-def _side_at_points(side: Side, x: Array) -> _SideAtPoints:
+def _face_at_points(face: Face, x: Array) -> _FaceAtPoints:
     """Shape functions, height y and slope dy/dx of a contact face at abscissae `x` (s, m): m points
     of each of s segments, each segment within one element of the face.
 
-    `side` is the face: x and y (n,) of its nodes, ascending in x, and the order 1 or 2 of its
+    `face` is given by x and y (n,) of its nodes, ascending in x, and the order 1 or 2 of its
     elements.
 
     # notation: in subscripts of einsum s segments, k nodes of an element, m points
     """
     # Element of each segment, by the mean of its points, and x (s, k, 1) of its nodes.
-    element_ends = side.x[:: side.order]
+    element_ends = face.x[:: face.order]
     element = np.clip(np.searchsorted(element_ends, x.mean(axis=1)) - 1, 0, len(element_ends) - 2)
-    nodes = element[:, None] * side.order + np.arange(side.order + 1)
-    x_of_nodes = side.x[nodes][:, :, None]
+    nodes = element[:, None] * face.order + np.arange(face.order + 1)
+    x_of_nodes = face.x[nodes][:, :, None]
     shape_functions = np.ones((*nodes.shape, x.shape[1]))
     slopes_of_functions = np.zeros((*nodes.shape, x.shape[1]))
     # Lagrange polynomials and their derivatives, by the product rule for each further factor.
-    for j in range(side.order + 1):
-        for k in range(side.order + 1):
+    for j in range(face.order + 1):
+        for k in range(face.order + 1):
             if k == j:
                 continue
             distance = x_of_nodes[:, j] - x_of_nodes[:, k]
@@ -256,6 +339,6 @@ def _side_at_points(side: Side, x: Array) -> _SideAtPoints:
                 slope_before * (x - x_of_nodes[:, k]) + shape_functions[:, j]
             ) / distance
             shape_functions[:, j] *= (x - x_of_nodes[:, k]) / distance
-    y = np.einsum("sk,skm->sm", side.y[nodes], shape_functions)
-    slope = np.einsum("sk,skm->sm", side.y[nodes], slopes_of_functions)
-    return _SideAtPoints(nodes, shape_functions, y, slope)
+    y = np.einsum("sk,skm->sm", face.y[nodes], shape_functions)
+    slope = np.einsum("sk,skm->sm", face.y[nodes], slopes_of_functions)
+    return _FaceAtPoints(nodes, shape_functions, y, slope)

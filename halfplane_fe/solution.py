@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass, fields, replace
 from functools import cache, partial
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, NamedTuple, get_args, overload
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_args, overload
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -51,7 +51,7 @@ from halfplane_fe.settings import SolverSettings
 from halfplane_fe.solvable import check_loads
 from halfplane_fe.systems import Layer
 from halfplane_fe.task import Task, surface_grading
-from meshes import BodyMesh, MeshSettings
+from meshes import BodyMesh, MeshSettings, SurfaceGrading
 from scenes import (
     ContactSolution,
     ConvergenceError,
@@ -259,13 +259,11 @@ def _solve(
         half-planes plus the smooth compliance that the size of each body adds, instead of meshed
         bodies
     """
-    # Check the scene.
     stopwatch = _Stopwatch()
     check_loads(scene)
     if by_kernels:
         from halfplane_fe.kernel_bodies import (  # noqa: PLC0415 - for bodies by kernels alone
             check_kernels,
-            kernel_pair,
         )
 
         check_kernels(scene)
@@ -277,55 +275,130 @@ def _solve(
     task = Task(scene, mesh, settings, scales)
     stopwatch.end_stage("coarse run")
 
-    # Meshes of both bodies and their compliance. `scales.reach` is the outermost place that the
-    # contact reaches; `grading` returns the element sizes along a face.
-    report(0, None, "meshing and condensing the bodies")
+    # Meshes and compliance of both bodies; then the contact states along the load path.
     work_counts: Counter[str] = Counter(
         {f"coarse {name}": count for name, count in coarse_counts.items()}
     )
+    report(0, None, "meshing and condensing the bodies")
+    pair = _bodies_of_contact(task, work_counts, stopwatch, by_kernels=by_kernels)
+    problem, run = _solve_path(task, pair.faces, pair.datum_length, work_counts, report)
+
+    # The solution in the scene's units; up to where the path was followed if it failed.
+    answer = _answer_of_run(task, pair, problem, run, stopwatch)
+    if run.failure is not None:
+        raise type(run.failure)(str(run.failure), answer) from run.failure
+    _require_room(answer, run, scales)
+    return answer
+
+
+class _BodiesOfContact(NamedTuple):
+    """Both bodies of a contact, meshed and condensed to their contact nodes.
+
+    Attributes
+    ----------
+    condensed_bodies
+        lower and upper body: meshes and compliances
+    faces
+        compliance of both faces together, as meshed and without the error of the mesh
+    datum_length
+        distance from a force at which a half-plane's surface counts as unmoved [length]
+    kernels
+        what the finite size of each body adds to the displacement of its face, in a solve by
+        kernels; else None
+    """
+
+    condensed_bodies: tuple[CondensedBody, CondensedBody]
+    faces: _FaceCompliances
+    datum_length: float
+    kernels: KernelPair | None
+
+
+def _bodies_of_contact(
+    task: Task, work_counts: Counter[str], stopwatch: _Stopwatch, *, by_kernels: bool
+) -> _BodiesOfContact:
+    """Mesh both bodies, condense each to its contact nodes, and couple them to one compliance of
+    the faces.
+
+    Parameters
+    ----------
+    task
+        the scene, its mesh settings, and the scales of a run on a coarse mesh; `scales.reach` is
+        the outermost place that the contact reaches [length]
+    work_counts
+        counts what was done
+    stopwatch
+        takes the time of the stages: mesh, condensation, kernels
+    by_kernels
+        half-planes plus the smooth compliance that the size of each body adds, instead of meshed
+        bodies
+    """
+    scene = task.scene
     # Nearer to a load than the datum length a half-plane's surface is pressed in, beyond it the
     # surface rises. A datum inside the contact makes a compliance that is not positive definite.
-    datum_length = max(scene.profile.datum_length, scales.reach)
+    datum_length = max(scene.profile.datum_length, task.scales.reach)
     meshed_scene = on_half_planes(scene, datum_length) if by_kernels else scene
-    grading = partial(surface_grading, mesh, scales, scene.profile)
-    bodies = meshed_pair(meshed_scene, mesh, grading)
+    # `grading` returns the element sizes along a face
+    grading = partial(surface_grading, task.mesh, task.scales, scene.profile)
+    bodies = meshed_pair(meshed_scene, task.mesh, grading)
     stopwatch.end_stage("mesh")
     condensed_bodies = condensed_pair(meshed_scene, bodies, datum_length, work_counts)
     stopwatch.end_stage("condensation")
 
     # Contact compliance of both: as meshed, and without the mesh error between nearby nodes.
     meshed_interface = couple(*condensed_bodies)
-    interfaces = _FaceCompliances(
-        meshed_interface, without_mesh_error(meshed_interface, meshed_scene)
+    faces = _FaceCompliances(meshed_interface, without_mesh_error(meshed_interface, meshed_scene))
+    if not by_kernels:
+        return _BodiesOfContact(condensed_bodies, faces, datum_length, kernels=None)
+
+    # What the finite size of each body adds to the displacement of its face.
+    from halfplane_fe.kernel_bodies import (  # noqa: PLC0415 - for bodies by kernels alone
+        kernel_pair,
     )
-    if by_kernels:
-        # what the finite size of each body adds to the displacement of its face
-        kernels = kernel_pair(
-            scene, float(np.abs(meshed_interface.x).max()), datum_length, work_counts
-        )
-        interfaces = interfaces.with_kernels(kernels)
-        stopwatch.end_stage("kernels")
 
-    # Follow the load path. Approach and displacement are then counted from the scene's datum.
-    problem, run = _solve_path(task, interfaces, datum_length, work_counts, report)
-    notes_on_rig = notes_of_rig(scene, problem, run, scales) if scene.load.is_driven else ()
-    if datum_length > scene.profile.datum_length:
-        run = from_datum(scene, run, scene.profile.datum_length / datum_length)
+    largest_x = float(np.abs(meshed_interface.x).max())
+    kernels = kernel_pair(scene, largest_x, datum_length, work_counts)
+    faces = faces.with_kernels(kernels)
+    stopwatch.end_stage("kernels")
+    return _BodiesOfContact(condensed_bodies, faces, datum_length, kernels)
+
+
+def _answer_of_run(
+    task: Task,
+    pair: _BodiesOfContact,
+    problem: ContactProblem,
+    run: PathRun,
+    stopwatch: _Stopwatch,
+) -> ContactSolution:
+    """Solution from the contact states along the load path: approach and displacement from the
+    datum of the scene, the loads in the place of actuators' movements, and the uncertainty of
+    kernels.
+
+    Parameters
+    ----------
+    task
+        the scene, its mesh settings, solver settings, and the scales of its variables
+    pair
+        both condensed bodies, their datum length, and their kernels in a solve by kernels
+    problem, run
+        the contact problem and its states along the path, scaled; the run may have failed
+    stopwatch
+        holds the time of the stages before; takes that of the load path
+    """
+    scene = task.scene
+    scales = task.scales
+    is_driven = scene.load.is_driven  # actuators prescribe movements in the place of loads
+    notes_on_rig = notes_of_rig(scene, problem, run, scales) if is_driven else ()
+    if pair.datum_length > scene.profile.datum_length:
+        run = from_datum(scene, run, scene.profile.datum_length / pair.datum_length)
     stopwatch.end_stage("load path")
-
-    # The solution in the scene's units. Of a scene with actuators it states the loads.
-    if scene.load.is_driven:
+    if is_driven:
         task = replace(task, scene=scene_of_loads(scene, run, scales.load))
-    answer = _solution(task, condensed_bodies, problem, run, stopwatch.seconds)
-    if by_kernels:
-        answer = _with_error_of_kernels(answer, kernels)
-    if scene.load.is_driven:
+    answer = _solution(task, pair.condensed_bodies, problem, run, stopwatch.seconds)
+    if pair.kernels is not None:
+        answer = _with_error_of_kernels(answer, pair.kernels)
+    if is_driven:
         answer = _with_closed_cycle(answer, notes_on_rig)
-    answer_to_return = _without_meshes(answer, kernels) if by_kernels else answer
-    if run.failure is not None:
-        raise type(run.failure)(str(run.failure), answer_to_return) from run.failure
-    _require_room(answer_to_return, run, scales)
-    return answer_to_return
+    return answer if pair.kernels is None else _without_meshes(answer, pair.kernels)
 
 
 def _with_error_of_kernels(
@@ -444,27 +517,8 @@ def _solve_path(
         called with (done, total, text) as work proceeds
     """
     scene = task.scene
-
-    # Units of the loads, and how finely the path is stepped. The tolerated step error of the first
-    # revolution is a share of the expected friction work. At 0 a small least work takes its place,
-    # and increments are shorter. Coupled bodies, whose increments are costly, and records of
-    # measured loads, which have many, are spared that. Elsewhere short increments also make the
-    # fitted edges more accurate.
-    expected_dissipation = 0.0
-    if faces.interface_as_meshed.coupling is not None or is_record(scene):
-        expected_dissipation = float(np.nan_to_num(task.scales.dissipation)) / task.work_unit
-    pace = Pace(
-        load_unit=task.scales.load,
-        steps_per_cycle=task.settings.steps_per_cycle,
-        step_tolerance=task.settings.step_tolerance,
-        length_unit=task.scales.half_width,
-        stress_unit=task.scales.modulus,
-        expected_dissipation=expected_dissipation,
-        kinks_bound_error=task.kinks_bound_step_error,
-    )
-
-    # Try the corrected compliance, then that as meshed. `prescribed_path`: load path, with the
-    # movements of actuators in the place of loads.
+    pace = _pace_of_path(task, faces)
+    # Try the corrected compliance, then that as meshed.
     candidates = (
         (faces.interface_as_meshed,)
         if faces.corrected_interface is None
@@ -478,6 +532,7 @@ def _solve_path(
             if is_half
             else problem
         )
+        # `prescribed_path`: load path, with movements of actuators in the place of loads
         run = run_path(
             solved_problem,
             prescribed_path(scene),
@@ -496,6 +551,36 @@ def _solve_path(
         # REPEATED_RUNS: name of the count of runs repeated with it
         work_counts[REPEATED_RUNS] += 1
     return problem, run_at_all_nodes(run, interface) if is_half else run
+
+
+def _pace_of_path(task: Task, faces: _FaceCompliances) -> Pace:
+    """Units of the loads, and how finely the load path is divided into increments.
+
+    The tolerated step error of the first revolution is a share of the expected friction work. At 0
+    a small least work takes its place, and increments are shorter. Coupled bodies, whose increments
+    are costly, and records of measured loads, which have many, are spared that. Elsewhere short
+    increments also make the fitted edges more accurate.
+
+    Parameters
+    ----------
+    task
+        the scene, its solver settings, and its scales: half-width, largest load P, modulus E*, and
+        friction work of a cycle on a coarse mesh (NaN where unknown)
+    faces
+        compliance of both faces; its `coupling` is None of like bodies
+    """
+    expected_dissipation = 0.0
+    if faces.interface_as_meshed.coupling is not None or is_record(task.scene):
+        expected_dissipation = float(np.nan_to_num(task.scales.dissipation)) / task.work_unit
+    return Pace(
+        load_unit=task.scales.load,
+        steps_per_cycle=task.settings.steps_per_cycle,
+        step_tolerance=task.settings.step_tolerance,
+        length_unit=task.scales.half_width,
+        stress_unit=task.scales.modulus,
+        expected_dissipation=expected_dissipation,
+        kinks_bound_error=task.kinks_bound_step_error,
+    )
 
 
 class _Stopwatch:
@@ -541,21 +626,7 @@ def _contact_problem(
     scales = task.scales
     settings = task.settings
     scaled_faces = unscaled_faces.scaled(scales.half_width, 1 / scales.modulus)
-
-    # Stiffnesses of the n nodes. A stiffness of k E*/h per area (h length of an element) is k w/h
-    # of a node with the area w.
-    areas_of_nodes = scaled_faces.face_lengths
-    normal_factor, tangential_factor = settings.stiffnesses
-    normal_stiffness = normal_factor * areas_of_nodes / task.mesh.edge_element_size
-    tangential_stiffness = tangential_factor * areas_of_nodes / task.mesh.edge_element_size
-    trial_weights: tuple[Array | float, Array | float]
-    if settings.method == "penalty":
-        layer = Layer(1 / normal_stiffness, 1 / tangential_stiffness)
-        trial_weights = (1.0, 1.0)
-    else:
-        layer = Layer(np.zeros_like(areas_of_nodes), np.zeros_like(areas_of_nodes))
-        trial_weights = (normal_stiffness, tangential_stiffness)
-
+    layer, trial_weights = _layer_and_trial_weights(task, scaled_faces.face_lengths)
     # displacements are over P/E*
     scaled_gap = initial_gap(scene, unscaled_faces) * scales.modulus / scales.load
     return ContactProblem(
@@ -571,6 +642,33 @@ def _contact_problem(
         method=settings.method,
         actuators=actuators_of(scene, datum_length),
     )
+
+
+def _layer_and_trial_weights(
+    task: Task, face_lengths: Array
+) -> tuple[Layer, tuple[Array | float, Array | float]]:
+    """Compliance of the elastic layer between the faces, and the two weights that turn gap and slip
+    of the nodes into trial tractions; scaled.
+
+    The penalty method has the layer, and trial weights 1. Other methods have a layer of compliance
+    0, and weights (n,) for gap and slip. A stiffness of k E*/h per area, h the length of an element
+    at the edges of contact, is k w/h of a node with the area w.
+
+    Parameters
+    ----------
+    task
+        its solver settings hold the method and the two factors k (`stiffnesses`); its mesh settings
+        h over the half-width
+    face_lengths
+        (n,) areas w of the nodes over the half-width
+    """
+    normal_factor, tangential_factor = task.settings.stiffnesses
+    normal_stiffness = normal_factor * face_lengths / task.mesh.edge_element_size
+    tangential_stiffness = tangential_factor * face_lengths / task.mesh.edge_element_size
+    if task.settings.method == "penalty":
+        return Layer(1 / normal_stiffness, 1 / tangential_stiffness), (1.0, 1.0)
+    no_layer = Layer(np.zeros_like(face_lengths), np.zeros_like(face_lengths))
+    return no_layer, (normal_stiffness, tangential_stiffness)
 
 
 def _require_room(answer: ContactSolution, run: PathRun, scales: Scales) -> None:
@@ -614,33 +712,21 @@ def _solution(
     arrays = answer_arrays(task, problem, run)
     work_uncertainty = dissipation_uncertainty(task, run, arrays)
     uncertainties_of_values = value_uncertainties(task, problem, run, arrays)
-
-    # An edge that jumps between instants is uncertain by the jump. Added only now: the uncertainty
-    # of the permanent stick zone, taken above, must not contain it, as no edge jumps to its end.
-    arrays["stick_edge_uncertainty"] = read_only_copy(
-        np.maximum(
-            arrays["stick_edge_uncertainty"],
-            uncertainty_at_jumps(
-                Edges(arrays["stick_edges"], arrays["stick_edge_uncertainty"]),
-                arrays["contact_edges"],
-                run.stored_indices,
-                spacing=task.spacing,
-                first_of_cycle=_first_of_last_cycle(run),
-            ),
-        )
-    )
+    # Only now: the uncertainty of the permanent stick zone, taken above, must not contain the jumps
+    # of stick edges, as no edge jumps to its end.
+    arrays["stick_edge_uncertainty"] = _stick_uncertainty_with_jumps(task, run, arrays)
 
     # States at the stored instants, error of a penalty layer, and notes for the reader.
-    states = tuple(run.states[index] for index in run.stored_indices)
-    audit = penalty_audit(scene, problem, states, arrays, scales)
+    contact_states = tuple(run.states[index] for index in run.stored_indices)
+    audit = penalty_audit(scene, problem, contact_states, arrays, scales)
     notes = notes_of_answer(task, condensed_bodies, problem, run, arrays, work_uncertainty)
-    grading = condensed_bodies[0].body.grading  # element sizes along the face
 
     # Arrays that the uncertainties alone needed are no attributes of the solution.
     for name_of_array in ("permanent_stick_uncertainty", "permanent_stick_held_back"):
         del arrays[name_of_array]
     if not scene.unsymmetric:
         del arrays["permanent_stick_edges"]  # an attribute of unsymmetric scenes alone
+    lower_body, upper_body = condensed_bodies
     return FiniteElementSolution(
         engine="halfplane_fe",
         scene=scene,
@@ -648,25 +734,61 @@ def _solution(
         dissipation_uncertainty=work_uncertainty,
         uncertainties=uncertainties_of_values,
         work=work_done(scene, problem, run, condensed_bodies, seconds),
-        settings={
-            "mesh": asdict(task.mesh),
-            "solver": asdict(task.settings.with_stiffnesses()),
-            "scales": scales.content(),
-            "dundurs": dundurs(scene.material)._asdict(),
-            "element_size": grading.edge_size,
-            "penalty": {} if audit.note() is None else asdict(audit),
-            "surface": {field.name: getattr(grading, field.name) for field in fields(grading)},
-        },
+        settings=_settings_of_solution(task, lower_body.body.grading, audit),
         versions=versions(),
-        bodies=(condensed_bodies[0].body, condensed_bodies[1].body),
+        bodies=(lower_body.body, upper_body.body),
         condensed_bodies=condensed_bodies,
-        states=states,
+        states=contact_states,
         face_lengths=read_only_copy(problem.interface.face_lengths * scales.half_width),
         face_normals=problem.interface.face_normals,
         scales=scales,
         penalty=audit,
         **arrays,
     )
+
+
+def _stick_uncertainty_with_jumps(task: Task, run: PathRun, arrays: Mapping[str, Any]) -> Array:
+    """Uncertainty (k, 2) of the left and right stick edge at the k stored instants of a run
+    [length]; where an edge jumps, at least the length of the jump. Read-only.
+
+    `arrays` holds edges of stick and contact and the uncertainty of the former, (k, 2) each; `task`
+    the distance of the nodes at the edges.
+    """
+    uncertainty_by_jumps = uncertainty_at_jumps(
+        Edges(arrays["stick_edges"], arrays["stick_edge_uncertainty"]),
+        arrays["contact_edges"],
+        run.stored_indices,
+        spacing=task.spacing,
+        first_of_cycle=_first_of_last_cycle(run),
+    )
+    return read_only_copy(np.maximum(arrays["stick_edge_uncertainty"], uncertainty_by_jumps))
+
+
+def _settings_of_solution(
+    task: Task, grading: SurfaceGrading, audit: PenaltyAudit
+) -> dict[str, Any]:
+    """Settings with which a scene was solved, by name, as they are stored with the solution: mesh,
+    solver, scales, Dundurs constants, element sizes, and the error of a penalty layer.
+
+    Parameters
+    ----------
+    task
+        the scene, its mesh settings, solver settings, and the scales of its variables
+    grading
+        element sizes along the face of the lower body
+    audit
+        overlap of the faces, elastic slip and creep by a penalty layer; its note is None without
+        one
+    """
+    return {
+        "mesh": asdict(task.mesh),
+        "solver": asdict(task.settings.with_stiffnesses()),
+        "scales": task.scales.content(),
+        "dundurs": dundurs(task.scene.material)._asdict(),
+        "element_size": grading.edge_size,
+        "penalty": {} if audit.note() is None else asdict(audit),
+        "surface": {field.name: getattr(grading, field.name) for field in fields(grading)},
+    }
 
 
 def _first_of_last_cycle(run: PathRun) -> int | None:

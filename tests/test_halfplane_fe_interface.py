@@ -25,7 +25,7 @@ from halfplane_fe import elasticity, interface
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.elasticity import CondensedBody, condense, scalar_element
 from halfplane_fe.interface import Interface, body_forces, couple, without_mesh_error
-from halfplane_fe.mortar import Side, mortar
+from halfplane_fe.mortar import Face, mortar
 from halfplane_fe.systems import Layer, Systems
 from meshes import BodyMesh, SurfaceGrading, half_disc, solid
 from scenes import Block, Elastic, Hertz, SurfaceState, load_scene
@@ -157,7 +157,7 @@ def element_loads(nodes: np.ndarray, order: int) -> np.ndarray:
 
 def mortar_projection(lower: np.ndarray, upper: np.ndarray, order: int) -> np.ndarray:
     """What takes values of a flat upper side to the lower one: the same for either component."""
-    coupled = mortar(Side(lower, 0 * lower, order), Side(upper, 0 * upper, order))
+    coupled = mortar(Face(lower, 0 * lower, order), Face(upper, 0 * upper, order))
     np.testing.assert_array_equal(coupled.upper[0, :, 1], coupled.upper[1, :, 0])
     return coupled.upper[0, :, 1]
 
@@ -429,7 +429,7 @@ def test_linear_sides_that_do_not_match_follow_a_curve_to_first_and_second_order
 @pytest.mark.parametrize("line", LINES)
 def test_a_uniform_distance_is_found_along_the_normal(line, order):
     x = np.linspace(-1, 1, 20 * order + 1), np.linspace(-1, 1, 80 * order + 1)
-    lower, upper = (Side(places, LINES[line](places), order) for places in x)
+    lower, upper = (Face(places, LINES[line](places), order) for places in x)
     plain = mortar(lower, upper)
     lifted = mortar(lower, dataclasses.replace(upper, y=upper.y + 0.01))
     np.testing.assert_allclose(lifted.gap - plain.gap, 0.01 * lifted.face_normals[1], rtol=1e-11)
@@ -449,7 +449,7 @@ def test_a_hydrostatic_state_goes_through_the_contact(line, ratio, order, cells)
     """
     lower, upper = pair(line, order, cells, ratio)
     interface = couple(lower, upper)
-    coupled = mortar(Side(lower.x, lower.y, order), Side(upper.x, -upper.y, order))
+    coupled = mortar(Face(lower.x, lower.y, order), Face(upper.x, -upper.y, order))
     moved = {}
     for body_name, body in both_loaded(line, order, cells, ratio).items():
         displacement = body.moved(HYDROSTATIC, 0.0)
