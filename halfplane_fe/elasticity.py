@@ -173,34 +173,18 @@ def assemble(body: BodyMesh, material: Elastic) -> System:
             f" elements lock above {_LARGEST_NU_LINEAR:g}; take order = 2"
         )
 
-    # Degrees of freedom (2, n) along x and y of each boundary, and where known reactions act.
+    # Degrees of freedom (2, n) along x and y of each boundary.
     boundary_dofs = {name: _boundary_dofs(mesh, order, name) for name in ("contact", *supports)}
     half_plane_arcs = tuple(name for name, support in supports.items() if support == "half_plane")
     pulled_ends = tuple(name for name, support in supports.items() if support == "pulled")
+
+    # Where known reactions act: on arcs, or on the ends of a body on rollers without arcs, which
+    # hold it against Q.
     reaction_dofs = np.hstack(
         [np.empty((2, 0), dtype=np.int64), *(boundary_dofs[name] for name in half_plane_arcs)]
     )
     if pulled_ends and supports["base"] == "rollers":
-        # Such a body has no arc: its ends hold it against Q.
         reaction_dofs = np.hstack([boundary_dofs[name][:1] for name in pulled_ends])
-
-    # Degrees of freedom that the supports hold: components 0 (along x) and 1 (along y).
-    components_held = {
-        "fixed": (0, 1),
-        "rollers": (1,),
-        "guided": (0,),
-        "half_plane": (),
-        "pulled": (),
-    }
-    held_dofs = [np.empty(0, dtype=np.int64)]
-    for name, support in supports.items():
-        held_dofs += [boundary_dofs[name][component] for component in components_held[support]]
-        if support == "rollers" and "guided" not in supports.values():
-            # Nothing else keeps the body from drifting along x. This support carries nothing: there
-            # is no tangential load, or the ends hold it.
-            dofs_along_x = boundary_dofs[name][0]  # number 2 k of node k
-            number_of_middle = np.argmin(np.abs(mesh.p[0, dofs_along_x // 2]))
-            held_dofs.append(dofs_along_x[[number_of_middle]])
 
     # The tension on the ends is added last, since its forces need the system.
     system = System(
@@ -211,11 +195,49 @@ def assemble(body: BodyMesh, material: Elastic) -> System:
         contact_dofs=boundary_dofs["contact"],
         half_plane_arcs=half_plane_arcs,
         reaction_dofs=reaction_dofs,
-        held_dofs=np.unique(np.concatenate(held_dofs)),
+        held_dofs=_held_dofs(mesh, supports, boundary_dofs),
         tension_forces=np.empty(0),
     )
     facets_of_ends = [facet for name in pulled_ends for facet in mesh.boundaries[name]]
     return replace(system, tension_forces=_tension_forces(system, facets_of_ends))
+
+
+# Components of the displacement that each kind of support holds: 0 along x, 1 along y.
+_COMPONENTS_HELD: dict[str, tuple[int, ...]] = {
+    "fixed": (0, 1),
+    "rollers": (1,),
+    "guided": (0,),
+    "half_plane": (),
+    "pulled": (),
+}
+
+
+def _held_dofs(
+    mesh: skfem.Mesh, supports: Mapping[str, str], boundary_dofs: Mapping[str, Indices]
+) -> Indices:
+    """Degrees of freedom of a body that its supports keep at zero, in ascending order.
+
+    Where rollers alone support it, nothing keeps the body from drifting along x. Then the middle
+    node on the rollers is held along x too. This support carries nothing: there is no tangential
+    load, or the ends hold the body.
+
+    Parameters
+    ----------
+    mesh
+        of the body; the degree of freedom along x of node k is number 2 k
+    supports
+        name of a boundary -> kind of its support: "fixed", "rollers", "guided", ...
+    boundary_dofs
+        name of a boundary -> its degrees of freedom (2, n) along x and y
+    """
+    held_dofs = [np.empty(0, dtype=np.int64)]
+    for name, support in supports.items():
+        held_dofs += [boundary_dofs[name][component] for component in _COMPONENTS_HELD[support]]
+        if support == "rollers" and "guided" not in supports.values():
+            dofs_along_x = boundary_dofs[name][0]
+            number_of_middle = np.argmin(np.abs(mesh.p[0, dofs_along_x // 2]))
+            held_dofs.append(dofs_along_x[[number_of_middle]])
+    return np.unique(np.concatenate(held_dofs))
 
 
 def _tension_forces(system: System, facets: list[int]) -> Array:
@@ -263,38 +285,29 @@ def _stiffness(system: System, elements: Indices) -> sparse.csr_matrix:
     With the pressure the matrix is [[K, G B^T], [G B, -G^2 M/lambda_1]] in (u, r/G): symmetric,
     quasi-definite. `elements` are the numbers of the elements.
 
-    # notation: phi_i shape functions; a, b, c directions x, y; lambda (`lam`) the part of Lame's
-    # first constant that acts through u, lambda_1 the part that acts through r; G shear modulus;
-    # B divergence, M mass matrix of r; in subscripts of einsum e elements, i and j nodes, c
-    # directions
+    # notation: phi_i shape functions; a, b, c directions x, y; lambda the part of Lame's first
+    # constant that acts through u, lambda_1 the part that acts through r; G shear modulus;
+    # B divergence, M mass matrix of r
     """
-    lam, lambda_1, G = split_lame(system.material, system.order)
     mesh = system.mesh
     cells = system.cells[elements]  # (n_elements, n_nodes) node numbers
-    n_nodes = cells.shape[1]
+    lame = split_lame(system.material, system.order)
 
     # Gradients of the shape functions (n_elements, 2 n_nodes, q) at q quadrature points, and the
     # area of each point.
     points, weights = get_quadrature(mesh.refdom, 2 * system.order)
     gradients, point_areas = _gradients_and_areas(mesh, cells, system.order, points, weights)
 
-    # Matrix of each element: K of the displacement.
-    D = gradients * point_areas @ gradients.transpose(0, 2, 1)
-    D = D.reshape(len(cells), n_nodes, 2, n_nodes, 2)
-    element_matrices = lam * D + G * D.swapaxes(2, 4)
-    element_matrices[:, :, [0, 1], :, [0, 1]] += G * np.einsum("eicjc->eij", D)
-    element_matrices = element_matrices.reshape(len(cells), 2 * n_nodes, -1)
+    # Matrix of each element: of the displacement, then of the mixed pressure at the corners.
+    element_matrices = _displacement_matrices(gradients, point_areas, lame)
     dofs = (2 * cells[..., None] + [0, 1]).reshape(len(cells), -1)
-
-    # B and M of the mixed pressure, which is linear between the corners.
-    if lambda_1:
+    if lame.lambda_of_pressure:
         corners = cells[:, : mesh.refdom.nfacets]
         linear_element = scalar_element(mesh, 1)
-        pressure_functions = np.stack(
+        corner_functions = np.stack(
             [linear_element.lbasis(points, i)[0] for i in range(corners.shape[1])]
         )
-        divergence = G * (pressure_functions * point_areas) @ gradients.transpose(0, 2, 1)
-        mass = -(G**2) / lambda_1 * (pressure_functions * point_areas) @ pressure_functions.T
+        divergence, mass = _pressure_matrices(gradients, point_areas, corner_functions, lame)
         dofs = np.hstack([dofs, 2 * mesh.p.shape[1] + corners])
         element_matrices = np.block(
             [[element_matrices, divergence.transpose(0, 2, 1)], [divergence, mass]]
@@ -305,6 +318,63 @@ def _stiffness(system: System, elements: Indices) -> sparse.csr_matrix:
     columns = np.broadcast_to(dofs[:, None, :], element_matrices.shape)
     entries = (element_matrices.ravel(), (rows.ravel(), columns.ravel()))
     return sparse.csr_matrix(entries, shape=(len(system.node_of_dof),) * 2)
+
+
+def _displacement_matrices(gradients: Array, point_areas: Array, lame: SplitLame) -> Array:
+    """Stiffness matrices of the displacement of elements, (n_elements, 2 n, 2 n) for n nodes of
+    each [stress]. With D_iajb the integral of d_a phi_i d_b phi_j over an element they are
+
+        K_iajb = lambda D_iajb + G (D_ibja + delta_ab sum_c D_icjc).
+
+    # notation: phi_i shape functions; a, b, c directions x, y; lambda the part of Lame's first
+    # constant that acts through the displacement; G shear modulus; in subscripts of einsum e
+    # elements, i and j nodes, c directions
+
+    Parameters
+    ----------
+    gradients
+        (n_elements, 2 n, q) of the shape functions along x and y at q quadrature points [1/length]
+    point_areas
+        (n_elements, 1, q) area of each point
+    lame
+        Lame's constants; used are the part lambda of the displacement, and G
+    """
+    shear_modulus = lame.shear_modulus
+    n_elements, n_dofs, _ = gradients.shape
+    D = gradients * point_areas @ gradients.transpose(0, 2, 1)
+    D = D.reshape(n_elements, n_dofs // 2, 2, n_dofs // 2, 2)
+    matrices = lame.lambda_of_displacement * D + shear_modulus * D.swapaxes(2, 4)
+    matrices[:, :, [0, 1], :, [0, 1]] += shear_modulus * np.einsum("eicjc->eij", D)
+    return np.asarray(matrices.reshape(n_elements, n_dofs, -1))
+
+
+def _pressure_matrices(
+    gradients: Array, point_areas: Array, corner_functions: Array, lame: SplitLame
+) -> tuple[Array, Array]:
+    """Blocks G B (n_elements, n_corners, 2 n) and -G^2 M/lambda_1 (n_elements, n_corners,
+    n_corners) of the element matrices that the mixed pressure r/G adds, for n nodes and n_corners
+    corners of each element. The pressure is linear between the corners.
+
+    # notation: B divergence, M mass matrix of r; lambda_1 the part of Lame's first constant that
+    # acts through r; G shear modulus
+
+    Parameters
+    ----------
+    gradients
+        (n_elements, 2 n, q) of the shape functions of u along x and y at q quadrature points
+        [1/length]
+    point_areas
+        (n_elements, 1, q) area of each point
+    corner_functions
+        (n_corners, q) linear functions, each 1 at its corner and 0 at the others
+    lame
+        Lame's constants; used are the part lambda_1 of the pressure, and G
+    """
+    shear_modulus = lame.shear_modulus
+    weighted_functions = corner_functions * point_areas
+    divergence = shear_modulus * weighted_functions @ gradients.transpose(0, 2, 1)
+    mass = -(shear_modulus**2) / lame.lambda_of_pressure * weighted_functions @ corner_functions.T
+    return divergence, mass
 
 
 def _gradients_and_areas(
@@ -684,52 +754,78 @@ def _condensed_subspace(
         Motions that move the contact nodes, their compliance, amplitudes by a unit of tension on
         the ends, and the relative error of both.
     """
-    # Numbers of the subspace's motions: those that move the contact, the nodes with reactions, the
-    # nodes held, and the inner nodes.
+    numbers = _motion_numbers(system, subspace, ranks)
+    ordered_motions = subspace.motions(
+        np.arange(len(subspace.column_of_dof)), np.concatenate(numbers)
+    )
+    ordered_stiffness = (ordered_motions.T @ stiffness @ ordered_motions).tocsc()
+    elimination = _Elimination.from_stiffness(ordered_stiffness, len(numbers.inner))
+
+    # Loads on these motions: B and the work in the half-plane, by unit forces on the contact.
+    contact_motions = subspace.motions(system.contact_dofs.ravel(), numbers.contact)
+    reaction_motions = subspace.motions(system.reaction_dofs.ravel(), numbers.reaction)
+    loads = _SubspaceLoads(
+        arc_loads=reaction_motions.T @ (half_plane_loads.nodal_forces @ contact_motions),
+        tractions_on_arc=(half_plane_loads.tractions @ contact_motions).T,
+        displacements_on_arc=half_plane_loads.displacements @ contact_motions,
+        tension_on_ends=ordered_motions.T @ system.tension_forces,
+    )
+    compliance = _compliance_on_contact(elimination, loads)
+    displacement_by_stress, error = _tension_response_and_error(elimination, loads, compliance)
+    return _CondensedSubspace(contact_motions, compliance, displacement_by_stress, error)
+
+
+class _MotionNumbers(NamedTuple):
+    """Numbers of the motions of a `_Subspace` that are not held, in the order in which they are
+    eliminated: inner ones, those with known reactions, and those of the contact.
+
+    Attributes
+    ----------
+    inner
+        (n_inner,) motions of nodes that carry neither contact forces nor reactions
+    reaction
+        (m,) motions of the nodes with known reactions: arc of a half-disc, or ends of a body on
+        rollers
+    contact
+        (k,) motions of the contact nodes
+    """
+
+    inner: Indices
+    reaction: Indices
+    contact: Indices
+
+
+def _motion_numbers(system: System, subspace: _Subspace, ranks: Indices) -> _MotionNumbers:
+    """Numbers of the motions of a subspace that are not held: the inner ones by their rank in
+    elimination, those with reactions, those of the contact.
+
+    Motions of nodes that a support holds are left out, and on a half-disc as many of its arc as
+    there are rigid motions in the subspace. The loads on it balance, so that holding these changes
+    nothing.
+
+    Parameters
+    ----------
+    system
+        degrees of freedom of the contact, of reactions and of supports
+    subspace
+        `leading_dofs` is the degree of freedom that each motion moves, with its mirror image
+    ranks
+        (n_dofs,) place of each degree of freedom in an order of elimination that keeps factors
+        sparse
+    """
     contact_numbers = np.flatnonzero(np.isin(subspace.leading_dofs, system.contact_dofs))
     reaction_numbers = np.flatnonzero(np.isin(subspace.leading_dofs, system.reaction_dofs))
     held_numbers = np.flatnonzero(np.isin(subspace.leading_dofs, system.held_dofs))
     if system.half_plane_arcs:
-        # The loads balance, so that holding a half-disc at as few of its nodes as it has rigid
-        # motions changes nothing.
         held_numbers, reaction_numbers = _held_on_arc(system, subspace, reaction_numbers)
-
-    # Stiffness of the motions that are not held, in the order of elimination: the inner ones first,
-    # which are eliminated.
     inner_numbers = np.delete(
         np.arange(len(subspace.leading_dofs)),
         np.concatenate([held_numbers, reaction_numbers, contact_numbers]),
     )
     inner_ranks = ranks[subspace.leading_dofs[inner_numbers]]
-    inner_numbers = inner_numbers[np.argsort(inner_ranks, kind="stable")]
-    elimination_order = np.concatenate([inner_numbers, reaction_numbers, contact_numbers])
-    n_reactions = len(reaction_numbers)
-    ordered_motions = subspace.motions(np.arange(len(subspace.column_of_dof)), elimination_order)
-    ordered_stiffness = (ordered_motions.T @ stiffness @ ordered_motions).tocsc()
-    elimination = _Elimination.from_stiffness(ordered_stiffness, len(inner_numbers))
-
-    # Loads on these motions: B and the work in the half-plane, by unit forces on the contact.
-    contact_motions = subspace.motions(system.contact_dofs.ravel(), contact_numbers)
-    loads = _SubspaceLoads(
-        arc_loads=subspace.motions(system.reaction_dofs.ravel(), reaction_numbers).T
-        @ (half_plane_loads.nodal_forces @ contact_motions),
-        tractions_on_arc=(half_plane_loads.tractions @ contact_motions).T,
-        displacements_on_arc=half_plane_loads.displacements @ contact_motions,
-        tension_on_ends=ordered_motions.T @ system.tension_forces,
+    return _MotionNumbers(
+        inner_numbers[np.argsort(inner_ranks, kind="stable")], reaction_numbers, contact_numbers
     )
-
-    # Compliance [B; 1]^T S^-1 [B; 1] minus that work.
-    inverse_of_schur = elimination.inverse_of_schur
-    displacement_by_forces = (
-        inverse_of_schur[:, :n_reactions] @ loads.arc_loads + inverse_of_schur[:, n_reactions:]
-    )
-    compliance = (
-        loads.arc_loads.T @ displacement_by_forces[:n_reactions]
-        + displacement_by_forces[n_reactions:]
-        - loads.tractions_on_arc @ loads.displacements_on_arc
-    )
-    displacement_by_stress, error = _tension_response_and_error(elimination, loads, compliance)
-    return _CondensedSubspace(contact_motions, compliance, displacement_by_stress, error)
 
 
 class _SubspaceLoads(NamedTuple):
@@ -752,6 +848,25 @@ class _SubspaceLoads(NamedTuple):
     tractions_on_arc: Array
     displacements_on_arc: Array
     tension_on_ends: Array
+
+
+def _compliance_on_contact(elimination: _Elimination, loads: _SubspaceLoads) -> Array:
+    """Compliance (k, k) of the contact in one subspace: [B; 1]^T S^-1 [B; 1], minus the work of the
+    half-plane's tractions on the arc in the half-plane's own displacement [1 / stress].
+
+    # notation: B forces on the arc by unit forces on the contact (`arc_loads`); 1 unit matrix,
+    # [B; 1] B above it; S Schur complement of arc and contact, in this order
+    """
+    n_arc = len(loads.arc_loads)
+    inverse_of_schur = elimination.inverse_of_schur
+    displacement_by_forces = (
+        inverse_of_schur[:, :n_arc] @ loads.arc_loads + inverse_of_schur[:, n_arc:]
+    )
+    return np.asarray(
+        loads.arc_loads.T @ displacement_by_forces[:n_arc]
+        + displacement_by_forces[n_arc:]
+        - loads.tractions_on_arc @ loads.displacements_on_arc
+    )
 
 
 def _tension_response_and_error(
@@ -989,70 +1104,118 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
     >>> shortening.round(12).tolist()  # stress 1 over E = 2, times 3
     [1.5, 1.5]
     """
-    # Finite-element system, far-field loads on the arc of a half-disc, and stiffness: twice that of
-    # the right half where symmetric and antisymmetric displacements are condensed by themselves.
     system = assemble(body, material)
-    loads_on_arc = arc_loads(system, datum_length)
-    elements, subspaces = _symmetry_subspaces(system)
-    stiffness = len(subspaces) * _stiffness(system, elements)
-    ranks = _elimination_ranks(system, stiffness)  # of the degrees of freedom, for sparse factors
-
-    # Condense each subspace and add up the compliances. Asymmetry is the largest skew part over the
-    # largest entry, residual the relative error of the solution under a random load.
-    n_dofs = system.contact_dofs.size
-    compliance = np.zeros((n_dofs, n_dofs))
-    response_to_stress = np.zeros(n_dofs)
-    asymmetry = 0.0
-    residual = 0.0
     try:
-        for subspace in subspaces:
-            motions, subspace_compliance, subspace_response, subspace_error = _condensed_subspace(
-                system, subspace, stiffness, ranks, loads_on_arc
-            )
-            skew_part = float(
-                (subspace_compliance - subspace_compliance.T).max()
-                / np.abs(subspace_compliance).max()
-            )
-            asymmetry = max(asymmetry, skew_part)
-            residual = np.fmax(residual, subspace_error)
-            compliance += (
-                motions @ (motions @ ((subspace_compliance + subspace_compliance.T) / 2)).T
-            )
-            response_to_stress += motions @ subspace_response
+        response = _contact_response(system, datum_length)
     except LinAlgError as reason:  # a Cholesky factor does not exist
         raise ConvergenceError(
             "condensation: a stiffness is lost in rounding, as of a block 1e6 times as high as wide"
         ) from reason
-    if not max(asymmetry, residual) <= _LARGEST_ERROR:
+    largest_error = max(response.asymmetry, response.residual)
+    if not largest_error <= _LARGEST_ERROR:
         raise ConvergenceError(
             "condensation: rounding leaves a compliance that differs from that of the mesh by"
-            f" {max(asymmetry, residual):.1e}: the body is too slender for its contact, or some of"
+            f" {largest_error:.1e}: the body is too slender for its contact, or some of"
             " its elements are too thin"
         )
 
-    # Places of the contact nodes (2, n), displacement by bulk stress, and lengths of face.
+    # Places of the contact nodes (2, n), and their displacement by bulk stress.
     places = system.mesh.p[:, system.node_of_dof[system.contact_dofs[0]]]
     dof_dimensions = system.contact_dofs.shape
-    displacement_by_stress = response_to_stress.reshape(dof_dimensions)
+    displacement_by_stress = response.displacement_by_stress.reshape(dof_dimensions)
     if system.half_plane_arcs:
         displacement_by_stress = displacement_by_unit_stress(material, *places)
-    # of each surface element: nodes, shape functions, and tangents times weights at Gauss points
-    nodes, shape_values, _, tangents = line_elements(places, system.order, 3)
-    face_lengths = np.bincount(nodes.ravel(), (np.hypot(*tangents) @ shape_values.T).ravel())
     return CondensedBody(
         body=body,
         material=material,
         x=read_only_copy(places[0]),
         y=read_only_copy(places[1]),
-        face_lengths=read_only_copy(face_lengths),
-        compliance=read_only_copy(compliance.reshape(*dof_dimensions, *dof_dimensions)),
+        face_lengths=read_only_copy(_face_lengths(places, system.order)),
+        compliance=read_only_copy(response.compliance.reshape(*dof_dimensions, *dof_dimensions)),
         displacement_by_stress=read_only_copy(displacement_by_stress),
         diagnostics={
-            "asymmetry": asymmetry,
-            "residual": float(residual),
-            "sparse_factorisations": 1.0 + len(subspaces),
+            "asymmetry": response.asymmetry,
+            "residual": response.residual,
+            "sparse_factorisations": 1.0 + response.n_subspaces,
             "degrees_of_freedom": float(2 * system.mesh.p.shape[1]),
         },
+    )
+
+
+def _face_lengths(places: Array, order: int) -> Array:
+    """Length of face (n,) that each contact node stands for: the integral of its shape function
+    along the face. `places` (2, n) are x and y of the nodes, `order` is that of the elements.
+    """
+    # of each surface element: nodes, shape functions, and tangents times weights at Gauss points
+    nodes, shape_values, _, tangents = line_elements(places, order, 3)
+    lengths = np.bincount(nodes.ravel(), (np.hypot(*tangents) @ shape_values.T).ravel())
+    return np.asarray(lengths, dtype=float)
+
+
+class _ContactResponse(NamedTuple):
+    """Displacement of the n contact nodes of a body, 2 n degrees of freedom: along x of all nodes,
+    then outward.
+
+    Attributes
+    ----------
+    compliance
+        (2 n, 2 n) by unit forces on them, symmetric [1 / stress]
+    displacement_by_stress
+        (2 n,) by a unit of tension on the ends of the body [length / stress]
+    asymmetry
+        largest skew part of a computed compliance over its largest entry
+    residual
+        relative error of the solution under a random load
+    n_subspaces
+        number of subspaces of the displacements that were condensed by themselves: 1 or 2
+    """
+
+    compliance: Array
+    displacement_by_stress: Array
+    asymmetry: float
+    residual: float
+    n_subspaces: int
+
+
+def _contact_response(system: System, datum_length: float) -> _ContactResponse:
+    """Compliance of the contact nodes of a body, and their displacement by tension on its ends, by
+    static condensation; with errors of round-off.
+
+    The displacements of a body that is its own mirror image are condensed in two subspaces,
+    symmetric and antisymmetric ones. The stiffness in each is twice that of the right half.
+
+    Parameters
+    ----------
+    system
+        finite-element system of the body
+    datum_length
+        distance from a force at which a half-plane's surface has no displacement [length]
+
+    Raises
+    ------
+    LinAlgError
+        Where rounding leaves a stiffness that is not positive definite.
+    """
+    loads_on_arc = arc_loads(system, datum_length)  # of the half-plane around a half-disc
+    elements, subspaces = _symmetry_subspaces(system)
+    stiffness = len(subspaces) * _stiffness(system, elements)
+    ranks = _elimination_ranks(system, stiffness)  # of the degrees of freedom, for sparse factors
+    n_dofs = system.contact_dofs.size
+    compliance = np.zeros((n_dofs, n_dofs))
+    displacement_by_stress = np.zeros(n_dofs)
+    asymmetry = 0.0
+    residual = 0.0
+    for subspace in subspaces:
+        condensed = _condensed_subspace(system, subspace, stiffness, ranks, loads_on_arc)
+        transpose = condensed.compliance.T
+        skew_part = (condensed.compliance - transpose).max() / np.abs(condensed.compliance).max()
+        asymmetry = max(asymmetry, float(skew_part))
+        residual = np.fmax(residual, condensed.error)
+        symmetric_part = (condensed.compliance + transpose) / 2
+        compliance += condensed.motions @ (condensed.motions @ symmetric_part).T
+        displacement_by_stress += condensed.motions @ condensed.displacement_by_stress
+    return _ContactResponse(
+        compliance, displacement_by_stress, asymmetry, float(residual), len(subspaces)
     )
 
 
@@ -1101,53 +1264,93 @@ def displacement_fields(
         (n_corners, k) r at the corners of the elements, added to every normal stress; zero for
         plain elements [stress]
     """
-    # Loads on the contact nodes. `system` numbers the degrees of freedom: those of the contact, of
-    # reactions (arc of a half-disc, or ends of a body on rollers), and those that supports hold.
+    # `system` numbers the degrees of freedom; `balancing_loads` are those by unit forces on the
+    # contact: of the half-plane around a half-disc on its arc, or on the ends of a block on rollers
     system = assemble(condensed_body.body, condensed_body.material)
-    loads_on_contact = forces.reshape(-1, forces.shape[-1])
-    nodal_loads = np.zeros((system.stiffness.shape[0], forces.shape[-1]))
-    nodal_loads[system.contact_dofs.ravel()] = loads_on_contact
-
-    # What balances the contact: tractions of the half-plane around it on the arc of a half-disc, or
-    # forces on the ends of a block on rollers.
     balancing_loads = arc_loads(system, datum_length)
-    nodal_loads[system.reaction_dofs.ravel()] += balancing_loads.nodal_forces @ loads_on_contact
-    if stresses is not None:
-        nodal_loads += system.tension_forces[:, None] * stresses  # tension on the ends
+    forces_on_contact = forces.reshape(-1, forces.shape[-1])
 
-    # Solve for the degrees of freedom that are not held.
-    held_dofs = system.held_dofs
-    if system.half_plane_arcs:
-        # The ends of the arc hold a half-disc without a force, since the loads balance.
-        left_x_dof, left_y_dof = system.reaction_dofs[:, 0]
-        right_y_dof = system.reaction_dofs[1, -1]
-        ends_of_arc = [left_x_dof, left_y_dof, right_y_dof]
-        held_dofs = np.concatenate([held_dofs, ends_of_arc])
-    free_dofs = np.setdiff1d(np.arange(len(nodal_loads)), held_dofs)
+    # Forces on all degrees of freedom (n_dofs, k), with tension on the ends.
+    nodal_forces = np.zeros((system.stiffness.shape[0], forces.shape[-1]))
+    nodal_forces[system.contact_dofs.ravel()] = forces_on_contact
+    nodal_forces[system.reaction_dofs.ravel()] += balancing_loads.nodal_forces @ forces_on_contact
+    if stresses is not None:
+        nodal_forces += system.tension_forces[:, None] * stresses
+
     # The unknowns: displacements of the nodes, then r/G at the corners of mixed elements.
-    unknowns = np.zeros_like(nodal_loads)
-    unknowns[free_dofs] = factorise(system.stiffness[free_dofs][:, free_dofs].tocsc()).solve(
-        nodal_loads[free_dofs]
-    )
+    unknowns = _solved_unknowns(system, nodal_forces)
     n_displacements = system.basis.N
     displacements = unknowns[:n_displacements]
     pressures_over_g = unknowns[n_displacements:]
-
     if system.reaction_dofs.size:
-        # Holding nodes took a rigid motion away. By Betti's theorem it moves each contact node by
-        # the work of the arc's loads under a unit force there, minus that in the half-plane.
-        work_on_arc = balancing_loads.nodal_forces.T @ displacements[system.reaction_dofs.ravel()]
-        work_in_half_plane = balancing_loads.tractions.T @ (
-            balancing_loads.displacements @ loads_on_contact
+        displacements += _missing_rigid_motion(
+            system, balancing_loads, forces_on_contact, displacements
         )
-        missing_displacement = work_on_arc - work_in_half_plane
-        motions = rigid_motions(system.mesh)
-        motions_of_contact = motions[system.contact_dofs.ravel()]
-        amplitudes = np.linalg.lstsq(motions_of_contact, missing_displacement, rcond=None)[0]
-        displacements += motions @ amplitudes
 
     mean_stress = np.zeros((system.mesh.nvertices, forces.shape[-1]))
     if len(pressures_over_g):
         shear_modulus = split_lame(condensed_body.material, condensed_body.order).shear_modulus
         mean_stress[:] = shear_modulus * pressures_over_g
     return system.basis, displacements, mean_stress
+
+
+def _solved_unknowns(system: System, nodal_forces: Array) -> Array:
+    """Solution (n_dofs, k) of a body's finite-element system under k load cases: displacements of
+    the nodes [length], then r/G at the corners of mixed elements.
+
+    Held are the degrees of freedom of the supports; of a half-disc the two ends of its arc, without
+    a force, since the loads balance.
+
+    # notation: r mixed pressure of nearly incompressible materials, G shear modulus
+
+    Parameters
+    ----------
+    system
+        stiffness of the body, its degrees of freedom on supports and on the arc of a half-disc
+    nodal_forces
+        (n_dofs, k) [force per thickness]
+    """
+    held_dofs = system.held_dofs
+    if system.half_plane_arcs:
+        left_x_dof, left_y_dof = system.reaction_dofs[:, 0]
+        right_y_dof = system.reaction_dofs[1, -1]
+        ends_of_arc = [left_x_dof, left_y_dof, right_y_dof]
+        held_dofs = np.concatenate([held_dofs, ends_of_arc])
+    free_dofs = np.setdiff1d(np.arange(len(nodal_forces)), held_dofs)
+    unknowns = np.zeros_like(nodal_forces)
+    unknowns[free_dofs] = factorise(system.stiffness[free_dofs][:, free_dofs].tocsc()).solve(
+        nodal_forces[free_dofs]
+    )
+    return unknowns
+
+
+def _missing_rigid_motion(
+    system: System, balancing_loads: ArcLoads, forces_on_contact: Array, displacements: Array
+) -> Array:
+    """Rigid motion (2 n_nodes, k) that a solution lacks since some nodes of its arc or ends were
+    held: displacement of all nodes in k load cases [length].
+
+    By Betti's theorem it moves each contact node by the work of the arc's loads under a unit force
+    there, minus that in the half-plane.
+
+    Parameters
+    ----------
+    system
+        the mesh, and its degrees of freedom on the contact and on arc or ends
+    balancing_loads
+        forces on arc or ends by unit forces on the contact; tractions and displacements of the
+        half-plane at points of the arc
+    forces_on_contact
+        (2 n, k) forces on the n contact nodes [force per thickness]
+    displacements
+        (2 n_nodes, k) of all nodes, as solved with the nodes held [length]
+    """
+    work_on_arc = balancing_loads.nodal_forces.T @ displacements[system.reaction_dofs.ravel()]
+    work_in_half_plane = balancing_loads.tractions.T @ (
+        balancing_loads.displacements @ forces_on_contact
+    )
+    missing_displacement = work_on_arc - work_in_half_plane
+    motions = rigid_motions(system.mesh)
+    motions_of_contact = motions[system.contact_dofs.ravel()]
+    amplitudes = np.linalg.lstsq(motions_of_contact, missing_displacement, rcond=None)[0]
+    return np.asarray(motions @ amplitudes)
