@@ -177,88 +177,109 @@ def findings_by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> F
     NotFoundError
         Where a value of a field, a half-width or an error is not a number.
     """
-    clock_at_start = clock.perf_counter()
-    scene = question.scene
-
-    # the friction history, and the instants
-    path = path_of_question(question, bulk_tilt_path)
-    time = question.time
-    n_rows_left_out = 0
-    # the instants of the path: of the last cycle alone, or of a long record fewer for fields
-    if time is None:
-        time, n_rows_left_out = path.default_times(
-            question.cycles == "steady", question.wants_pointwise
-        )
-        if question.cycles == "steady":
-            path = replace(path, covered=path.covered[-1:])
-
-    # contact, points and instants, then states at the instants and work of the cycles
+    stop_watch = _StopWatch()
+    # the friction history, the instants, and what is evaluated at them
+    path, time, n_rows_left_out = _path_and_instants(question, bulk_tilt_path)
     request = _request_of(question, bulk_tilt_path, path, time)
-    clock_after_history = clock.perf_counter()
+    stop_watch.add_lap("history")
     # friction states, works of cycles, friction work per area W(x) at the different |x|
     path_answer = path_result(path, request)
-    clock_after_work = clock.perf_counter()
-
+    stop_watch.add_lap("dissipation")
     # values over time, fields at the points, and their errors
-    loads_and_edges = _values_over_time(request, path_answer.snapshot)
-    # arcs: curved pieces of the memory curve
-    fields_at_points, arc_errors = _fields_at_points(request, path_answer.snapshot, loads_and_edges)
-    clock_after_fields = clock.perf_counter()
-    work_of_last_cycle = float(path_answer.works[-1])
+    fields = _fields_of_answer(request, path_answer.snapshot)
+    stop_watch.add_lap("fields")
     # closed integral of Q dU of the last cycle, U the relative tangential displacement
-    loop_work = _loop_work_of(path_answer)
-    errors = _relative_errors(
-        request, path_answer, loads_and_edges, fields_at_points, arc_errors, loop_work
-    )
-    # of loads below round-off that were left out
-    errors_of_neglect = _errors_of_neglect(question, bulk_tilt_path)
-    for name, error in errors_of_neglect.items():
-        errors[name] = errors.get(name, 0.0) + error
-
-    # sentences for the record
-    notes = [
-        *neglected_coupling(scene.material),
-        *_neglected_loads(bulk_tilt_path),
-        *_notes_of_path(question, path, len(time), n_rows_left_out),
-        *_notes_of_errors(errors),
-    ]
+    loop_work = _loop_work_of(path_answer.friction_work)
+    errors = _relative_errors(request, path_answer, fields, loop_work)
     termination, message = _term_and_sentence_of_end(path)
     permanent_stick = _permanent_stick(request.contact, path_answer, path.largest_load)
-    seconds = {
-        "history": clock_after_history - clock_at_start,
-        "fields": clock_after_fields - clock_after_work,
-    }
-    seconds["dissipation"] = (
-        clock_after_work - clock_after_history + clock.perf_counter() - clock_after_fields
-    )
-    # Work of each increment of load, where every instant is a row of the path.
-    energy_over_time = {}
-    if len(path_answer.work_increments):
-        energy_over_time["dissipation"] = read_only_copy(path_answer.work_increments)
+    works = _works_by_name(path_answer.friction_work, request, loop_work)
+    stop_watch.add_lap("dissipation")
     return Findings(
         time=time,
         x=request.x,
-        values=loads_and_edges
-        | fields_at_points
+        values=fields.over_time
+        | fields.at_points
         | permanent_stick
-        | {
-            "dissipation": work_of_last_cycle,
-            "loop_work": loop_work,
-            "cycle_dissipation": path_answer.works,
-            "dissipation_density": path_answer.density[request.distance_index],
-            "steady_from": path.steady_from,
-        },
+        | works
+        | {"steady_from": path.steady_from},
         termination=termination,
         message=message,
-        notes=tuple(notes),
+        notes=(
+            *neglected_coupling(question.scene.material),
+            *_neglected_loads(bulk_tilt_path),
+            *_notes_of_path(question, path, len(time), n_rows_left_out),
+            *_notes_of_errors(errors),
+        ),
         errors=errors,
-        certificates=_admissibility_checks(request, path_answer, fields_at_points),
-        energy=energy_over_time,
+        certificates=_admissibility_checks(request, path_answer, fields.at_points),
+        energy=path_answer.friction_work.increments_by_name,
         counts={"points_evaluated": len(request.distance), "cycles_solved": len(path.cycles)}
         | path_answer.counts,
-        skipped=_skipped_work(scene, path, path_answer),
-        seconds=seconds,
+        skipped=_skipped_work(question.scene, path, path_answer),
+        seconds=stop_watch.seconds,
     )
+
+
+class _StopWatch:
+    """Seconds of computing that an answer has taken so far, for its history, its fields and its
+    dissipation, by name.
+    """
+
+    def __init__(self) -> None:
+        """A stop watch that starts now."""
+        self.seconds = {"history": 0.0, "fields": 0.0, "dissipation": 0.0}
+        self._clock_at_last_lap = clock.perf_counter()
+
+    def add_lap(self, name: str) -> None:
+        """Add the seconds since the last lap to those of one of the three names."""
+        clock_now = clock.perf_counter()
+        self.seconds[name] += clock_now - self._clock_at_last_lap
+        self._clock_at_last_lap = clock_now
+
+
+def _path_and_instants(
+    question: Question, bulk_tilt_path: OneCurve | None
+) -> tuple[LoadSeries | History, Array, int]:
+    """The followed load path of a question, its instants (n,), and how many rows of a long record
+    are left out of these.
+
+    Where the question has no times, theory chooses the instants. They are those of the last cycle
+    alone where only that is wanted, and the path then covers this cycle alone. A long record gets
+    fewer instants where fields at points are wanted. `bulk_tilt_path` has the loads to follow with
+    bulk stress or tilt; None without these.
+
+    Raises
+    ------
+    InputError, InadmissibleLoadError
+        For straight steps without times; for gross sliding or separation somewhere in the path.
+    """
+    path = path_of_question(question, bulk_tilt_path)
+    if question.time is not None:
+        return path, question.time, 0
+    wants_steady_cycle_alone = question.cycles == "steady"
+    time, n_rows_left_out = path.default_times(wants_steady_cycle_alone, question.wants_pointwise)
+    if wants_steady_cycle_alone:
+        path = replace(path, covered=path.covered[-1:])
+    return path, time, n_rows_left_out
+
+
+def _works_by_name(
+    friction_work: WorkOfPath, request: Request, loop_work: float
+) -> dict[str, float | Array]:
+    """Friction work of the last cycle and of each cycle, the closed integral of Q dU of the last
+    one, and the work per area W(x) at the m points of a request, by their names in a solution
+    [energy per thickness, W(x) per area].
+
+    `density` of the friction work is W(x) at the different |x|, `distance_index` (m,) of the
+    request the index of each point among these.
+    """
+    return {
+        "dissipation": friction_work.of_last_cycle,
+        "loop_work": loop_work,
+        "cycle_dissipation": friction_work.of_cycles,
+        "dissipation_density": friction_work.density[request.distance_index],
+    }
 
 
 def path_of_question(question: Question, bulk_tilt_path: OneCurve | None) -> LoadSeries | History:
@@ -391,6 +412,48 @@ def memory_at(scene: Scene, time: Array) -> tuple[SymmetricContact, Snapshot]:
 
 # --------------------------------------------------------------- states at instants, work of cycles
 @dataclass(frozen=True, eq=False)
+class WorkOfPath:
+    """Friction work along a followed path.
+
+    Attributes
+    ----------
+    of_cycles
+        (n_cycles,) of the cycles that the answer covers, NaN where it was not wanted [energy per
+        thickness]
+    relative_errors
+        (n_cycles,) of these
+    density
+        (k,) work per area W(x) of the last cycle at the different |x|, NaN where it was not wanted
+    density_error
+        its error over its largest value
+    loop_integral
+        closed integral of Q dU of the last cycle, U the relative tangential displacement; None
+        where that cycle is not steady, or the integral is neither asked for nor needed for the
+        error of the work
+    increments
+        (n,) friction work since the instant before, empty where instants lie between rows or the
+        work was not wanted
+    """
+
+    of_cycles: Array
+    relative_errors: Array
+    density: Array
+    density_error: float
+    loop_integral: LoopWork | None
+    increments: Array
+
+    @property
+    def increments_by_name(self) -> dict[str, Array]:
+        """`increments` as "dissipation", read-only; nothing where they are empty."""
+        return {"dissipation": read_only_copy(self.increments)} if len(self.increments) else {}
+
+    @property
+    def of_last_cycle(self) -> float:
+        """Friction work of the last cycle [energy per thickness]."""
+        return float(self.of_cycles[-1])
+
+
+@dataclass(frozen=True, eq=False)
 class PathResult:
     """What a followed path leaves for an answer, whichever way it was followed. P_c is the load at
     the stick edge: the normal load whose contact half-width is that of the stick zone.
@@ -407,22 +470,10 @@ class PathResult:
     largest_slip_zone_share
         largest P - P_c of all that was followed, over its largest P; of straight steps the largest
         of these shares of a part of the path, initial loading or cycle
-    works
-        (n_cycles,) friction work of the covered cycles, NaN where it was not wanted
-    work_errors
-        (n_cycles,) their relative errors
-    density
-        (k,) W(x) of the last cycle, NaN where it was not wanted
-    density_error
-        its error over its largest value
-    loop_integral
-        closed integral of Q dU of the last cycle; None where it is not steady, or neither
-        asked for nor needed for the error of the dissipation
+    friction_work
+        friction work of the cycles, W(x) and the closed integral of Q dU of the last one
     spans
         times of stick, or of slip in one direction, of the last cycle; none for straight steps
-    work_increments
-        (n,) friction work since the instant before, empty where instants lie between rows or the
-        work was not wanted
     counts
         numbers of spans, pieces of memory curves, quadratures and their nodes, by name
     n_skipped_in_stick
@@ -433,13 +484,8 @@ class PathResult:
     force_error: Array
     least_stick_load: float
     largest_slip_zone_share: float
-    works: Array
-    work_errors: Array
-    density: Array
-    density_error: float
-    loop_integral: LoopWork | None
+    friction_work: WorkOfPath
     spans: Sequence[Span]
-    work_increments: Array
     counts: dict[str, int]
     n_skipped_in_stick: int
 
@@ -513,14 +559,36 @@ class _InstantsOnPath(NamedTuple):
         )
 
 
-class _IntegralsOfPart(NamedTuple):
-    """Which integrals over the slip of one part of a load path are wanted: its friction work, that
-    of each step, and W(x).
+class _WantedIntegrals(NamedTuple):
+    """Which integrals over slip are wanted: friction work, that of each load step, and the work per
+    area W(x); along a whole path, or in one part of it, the initial loading or a cycle.
     """
 
     work: bool
     work_of_steps: bool
     density: bool
+
+    @classmethod
+    def of_request(cls, request: Request, instants: _InstantsOnPath) -> _WantedIntegrals:
+        """Integrals along a whole path that the fields of a request need. The work of each step is
+        wanted where each instant is a row of the path.
+        """
+        wants_work = request.wants("dissipation")
+        return cls(
+            work=wants_work,
+            work_of_steps=wants_work and instants.all_at_rows,
+            density=request.wants("dissipation_density"),
+        )
+
+    def in_part(self, part_number: int, covered_parts: Sequence[int]) -> _WantedIntegrals:
+        """Those in one part of the path. `covered_parts` are the numbers of the cycles that the
+        answer covers: the work of another part is wanted by steps only, W(x) in the last one only.
+        """
+        return _WantedIntegrals(
+            work=self.work and (self.work_of_steps or part_number in covered_parts),
+            work_of_steps=self.work_of_steps,
+            density=self.density and part_number == covered_parts[-1],
+        )
 
     @property
     def count_per_record(self) -> int:
@@ -541,6 +609,9 @@ class _SeriesSums:
         (steps + 1,) a 0, then the friction work of each step; (1,) where it is not wanted
     density
         (k,) W(x) of the last cycle
+    loop_integral
+        closed integral of Q dU of the last cycle, U the relative tangential displacement; None
+        where it is not wanted
     least_stick_load
         least P_c of the last cycle
     n_skipped_in_stick
@@ -554,6 +625,7 @@ class _SeriesSums:
     slip_zone_shares: Array
     step_works: Array
     density: Array
+    loop_integral: LoopWorkOfSeries | None
     least_stick_load: float = math.inf
     n_skipped_in_stick: int = 0
     counts: dict[str, int] = field(
@@ -569,6 +641,31 @@ class _SeriesSums:
             0,
         )
     )
+
+    @classmethod
+    def without_blocks(
+        cls, series: LoadSeries, request: Request, wants_work_of_steps: bool
+    ) -> _SeriesSums:
+        """Sums over no block yet, for all parts of a load series and the different |x| of a
+        request, `distance`; `first_steps` of the series ends with the number of its steps.
+        """
+        n_parts = len(series.parts)
+        return cls(
+            works=np.zeros(n_parts),
+            work_errors=np.zeros(n_parts),
+            slip_zone_shares=np.zeros(n_parts),
+            step_works=np.zeros(1 + (series.first_steps[-1] if wants_work_of_steps else 0)),
+            density=np.zeros(len(request.distance)),
+            loop_integral=_empty_loop_integral(series, request),
+        )
+
+    def add_block_of_last_cycle(self, block: StepBlock) -> None:
+        """Take a block of load steps of the last cycle into what is found in that cycle alone: the
+        least load at the stick edge, and the closed integral of Q dU where it is wanted.
+        """
+        self.update_least_stick_load(block)
+        if self.loop_integral is not None:
+            self.loop_integral.add_block(block)
 
     def count_block(self, block: StepBlock, integrals_per_record: int, pieces_before: int) -> None:
         """Count what a block of load steps took: records, integrals over slip, straight pieces of
@@ -605,7 +702,7 @@ class _SeriesSums:
         block: StepBlock,
         part_number: int,
         first_step: int,
-        wanted_integrals: _IntegralsOfPart,
+        wanted_integrals: _WantedIntegrals,
         request: Request,
         friction: float,
     ) -> None:
@@ -685,6 +782,14 @@ class _SeriesSums:
         no_work = np.zeros(len(self.works))
         return np.divide(self.work_errors, self.works, out=no_work, where=self.works > 0)
 
+    def works_and_errors(self, part_numbers: Sequence[int]) -> tuple[Array, Array]:
+        """Friction work of some parts of the path [energy per thickness], and its relative error,
+        by rounding and by quadrature, (n,) each.
+        """
+        relative_errors = self.quadrature_errors_of_parts() + self.roundoff_errors_of_parts()
+        parts = list(part_numbers)
+        return self.works[parts], relative_errors[parts]
+
     def update_slip_zone_share(self, block: StepBlock, part_number: int, part: PathPart) -> None:
         """Raise the largest P - P_c over the largest P of a `part` of the path to that of a block
         of it, where it is higher there; `part_number` is the number of the part.
@@ -708,76 +813,22 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
     path of straight steps, a load `series`.
 
     The path was followed once to find its cycles. Now the parts of it that the answer needs, its
-    initial loading or cycles, are followed again. Work and states are gathered block by block, a
-    block being at most ten thousand steps of a part. `covered_parts` are the numbers of the parts
-    that the answer covers, one for each whole cycle; `first_steps` is the number of the first step
-    of each part, `times` are those of all rows. A request holds the normal contact, the instants,
-    the different |x| (`distance`), which fields it wants, and `bulk_tilt_path`, None without bulk
-    stress and tilt.
+    initial loading or cycles, are followed again. Work and states are gathered on the way. `times`
+    of the series are those of all rows, the ends of steps. A request holds the normal contact, the
+    instants `time`, which fields it wants, and `bulk_tilt_path`, None without bulk stress and tilt.
     """
-    friction = series.friction
-    wants_work = request.wants("dissipation")
-    wants_density = request.wants("dissipation_density")
-    # in the order of the path: step and share of it of each instant; `all_at_rows` if all are ends
-    # of steps
     instants = _InstantsOnPath.along(series, request.time)
-    wants_work_of_steps = wants_work and instants.all_at_rows
-    covered_parts = series.covered_parts
-    last_part = covered_parts[-1]
-    # gathers the closed integral of Q dU of the last cycle; None where it is not wanted
-    loop_integral = _empty_loop_integral(series, request)
+    wanted_integrals = _WantedIntegrals.of_request(request, instants)
     # With bulk stress and tilt the moment of the shear is in every answer.
     needs_curves = request.bulk_tilt_path is not None or request.wants(
         "shear", "slip", "tangential_displacement"
     )
-
-    # where the sums are gathered: friction states, and works (parts,) with their errors
-    states = States(friction, needs_curves)
-    path_sums = _SeriesSums(
-        works=np.zeros(len(series.parts)),
-        work_errors=np.zeros(len(series.parts)),
-        slip_zone_shares=np.zeros(len(series.parts)),
-        step_works=np.zeros(1 + (series.first_steps[-1] if wants_work_of_steps else 0)),
-        density=np.zeros(len(request.distance)),
-    )
-
-    # follow the parts again, block by block
+    # where friction states and sums are gathered
+    states = States(series.friction, needs_curves)
+    path_sums = _SeriesSums.without_blocks(series, request, wanted_integrals.work_of_steps)
     for part_number in _parts_needed(series, instants.step):
-        part: PathPart = series.parts[part_number]
-        is_last_cycle = part_number == last_part
-        wanted_integrals = _IntegralsOfPart(
-            work=wants_work and (wants_work_of_steps or part_number in covered_parts),
-            work_of_steps=wants_work_of_steps,
-            density=wants_density and is_last_cycle,
-        )
-        # pieces of the memory curve, the tangential force carried up to each load
-        pieces_before = line_count_of(part.curve)
-        for first_row, block in blocks_of_part(part, friction, states.stores_curves):
-            first_step = series.first_steps[part_number] + first_row
-            # the states at the instants within the block
-            states.add(block, *instants.within(first_step, len(block.rows) - 1))
-            path_sums.update_slip_zone_share(block, part_number, part)
-            path_sums.count_block(block, wanted_integrals.count_per_record, pieces_before)
-            pieces_before = line_count_of(block.curve)
-            path_sums.add_block(block, part_number, first_step, wanted_integrals, request, friction)
-            if is_last_cycle:
-                path_sums.update_least_stick_load(block)
-                if loop_integral is not None:
-                    loop_integral.add_block(block)
+        _follow_part(series, part_number, instants, request, states, path_sums)
 
-    # works of the covered cycles and their relative errors
-    roundoff_errors_of_parts = path_sums.roundoff_errors_of_parts()
-    relative_errors = path_sums.quadrature_errors_of_parts() + roundoff_errors_of_parts
-    works = np.full(len(covered_parts), math.nan)
-    work_errors = np.zeros(len(covered_parts))
-    if wants_work:
-        works = path_sums.works[covered_parts]
-        work_errors = relative_errors[covered_parts]
-    work_increments = np.empty(0)
-    if wants_work_of_steps:
-        # of the copies of the last cycle by which instants lie beyond the followed path
-        work_of_later_cycles = series.cycles_beyond(request.time) * path_sums.works[last_part]
-        work_increments = _increments_of_work(path_sums, instants, work_of_later_cycles)
     # friction states at the instants, and M(P) - Q of each
     snapshot, force_error = states.snapshot(request.time, instants.place_in_path)
     return PathResult(
@@ -785,13 +836,8 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
         force_error=force_error,
         least_stick_load=path_sums.least_stick_load,
         largest_slip_zone_share=float(np.max(path_sums.slip_zone_shares)),
-        works=works,
-        work_errors=work_errors,
-        density=path_sums.density if wants_density else np.full(len(path_sums.density), math.nan),
-        density_error=roundoff_errors_of_parts[last_part] if wants_density else 0.0,
-        loop_integral=loop_integral.work if loop_integral is not None else None,
+        friction_work=_work_of_series(series, request, instants, path_sums),
         spans=(),
-        work_increments=work_increments,
         counts={
             "rows": len(series.times),
             **path_sums.counts,
@@ -799,6 +845,93 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
         },
         n_skipped_in_stick=path_sums.n_skipped_in_stick,
     )
+
+
+def _work_of_series(
+    series: LoadSeries, request: Request, instants: _InstantsOnPath, path_sums: _SeriesSums
+) -> WorkOfPath:
+    """Friction work along a load series, from the sums over all blocks of its load steps.
+
+    `covered_parts` of the series are the numbers of the parts of the path, one for each cycle that
+    the answer covers. The request holds the times `time` (n,) of the instants, and which fields are
+    wanted; `instants` where they are on the path.
+    """
+    wanted_integrals = _WantedIntegrals.of_request(request, instants)
+    covered_parts = series.covered_parts
+    last_part = covered_parts[-1]
+    works = np.full(len(covered_parts), math.nan)
+    relative_errors = np.zeros(len(covered_parts))
+    if wanted_integrals.work:
+        works, relative_errors = path_sums.works_and_errors(covered_parts)
+    increments = np.empty(0)
+    if wanted_integrals.work_of_steps:
+        # of the copies of the last cycle by which instants lie beyond the followed path
+        work_of_later_cycles = series.cycles_beyond(request.time) * path_sums.works[last_part]
+        increments = _increments_of_work(path_sums, instants, work_of_later_cycles)
+    density = path_sums.density
+    density_error = 0.0
+    if wanted_integrals.density:
+        density_error = path_sums.roundoff_errors_of_parts()[last_part]
+    else:
+        density = np.full(len(density), math.nan)
+    loop_integral = path_sums.loop_integral
+    return WorkOfPath(
+        of_cycles=works,
+        relative_errors=relative_errors,
+        density=density,
+        density_error=density_error,
+        loop_integral=loop_integral.work if loop_integral is not None else None,
+        increments=increments,
+    )
+
+
+def _follow_part(
+    series: LoadSeries,
+    part_number: int,
+    instants: _InstantsOnPath,
+    request: Request,
+    states: States,
+    path_sums: _SeriesSums,
+) -> None:
+    """Follow one part of a load series again, its initial loading or a cycle. Gather the friction
+    states at the instants in it, and the sums over its slip.
+
+    The part is followed in blocks of at most ten thousand load steps.
+
+    Parameters
+    ----------
+    series
+        load path of straight steps; `first_steps` are the numbers of the first step of each part,
+        `covered_parts` the numbers of those that the answer covers
+    part_number
+        number of the part
+    instants
+        the instants of the answer on the path
+    request
+        which fields are wanted, and the different |x|
+    states
+        gathers the friction states at the instants, each with its memory curve where one is needed
+    path_sums
+        gathers friction work and counts
+    """
+    part: PathPart = series.parts[part_number]
+    covered_parts = series.covered_parts
+    wanted_integrals = _WantedIntegrals.of_request(request, instants).in_part(
+        part_number, covered_parts
+    )
+    # pieces of the memory curve, the tangential force carried up to each load
+    pieces_before = line_count_of(part.curve)
+    for first_row, block in blocks_of_part(part, series.friction, states.stores_curves):
+        first_step = series.first_steps[part_number] + first_row
+        states.add(block, *instants.within(first_step, len(block.rows) - 1))
+        path_sums.update_slip_zone_share(block, part_number, part)
+        path_sums.count_block(block, wanted_integrals.count_per_record, pieces_before)
+        pieces_before = line_count_of(block.curve)
+        path_sums.add_block(
+            block, part_number, first_step, wanted_integrals, request, series.friction
+        )
+        if part_number == covered_parts[-1]:
+            path_sums.add_block_of_last_cycle(block)
 
 
 def _empty_loop_integral(series: LoadSeries, request: Request) -> LoopWorkOfSeries | None:
@@ -864,57 +997,26 @@ def _result_of_history(history: History, request: Request) -> PathResult:
     """Friction states at the instants of a request, and friction work of the cycles, along a curved
     load path, from its spans: times of full stick, or of slip in one direction.
 
-    The friction work per area W(x) and the closed integral of Q dU are those of the last covered
-    cycle; U is the relative tangential displacement. The integral is None where that cycle is not
-    steady, no friction work was wanted, or it is not needed. `covered` are the solved cycles that
-    the answer covers, `steady_from` is the first steady one, None without one. A request holds the
-    normal contact, E* (`modulus`), the instants, the different |x| (`distance`), and which fields
-    it wants.
+    `covered` are the solved cycles that the answer covers; W(x), the work per area, is that of the
+    last one. The request holds the instants `time` and which fields are wanted.
     """
-    contact = request.contact
-    last_cycle = history.covered[-1]
-    last_spans = history.cycles[last_cycle]
+    last_spans = history.cycles[history.covered[-1]]
     snapshot = history.snapshot(request.time)
     works_of_cycles = _works_of_cycles(history, request) if request.wants("dissipation") else {}
+    # the spans over which work was integrated
     integrated_spans = [
         span for cycle_number in works_of_cycles for span in history.cycles[cycle_number]
     ]
-    # W(x) at the distances of the request
-    density: Array = np.full(len(request.distance), np.nan)
-    density_error = 0.0
     if request.wants("dissipation_density"):
         integrated_spans.extend(last_spans)
-        density, density_error = _density_of_spans(last_spans, request)
-    loop_integral = None
-    # Where the friction work W is no closed form, its error contains the difference of the closed
-    # integral from it.
-    needs_loop = request.wants("loop_work") or not contact.has_closed_form
-    is_last_cycle_steady = history.steady_from is not None and last_cycle >= history.steady_from
-    if works_of_cycles and is_last_cycle_steady and needs_loop:
-        # value and round-off error
-        loop_integral = LoopWork(0.0, 0.0)
-        if works_of_cycles[last_cycle].work:
-            loop_integral = closed_integral(contact, request.modulus, last_spans)
     n_slipping_spans = sum(span.direction != 0 for span in integrated_spans)
-
-    # one work for each covered cycle
-    works = np.full(len(history.covered), math.nan)
-    work_errors = np.zeros(len(history.covered))
-    if works_of_cycles:
-        works = np.array([works_of_cycles[number].work for number in history.covered])
-        work_errors = np.array([works_of_cycles[number].error for number in history.covered])
     return PathResult(
         snapshot=snapshot,
         force_error=_force_error(snapshot),
         least_stick_load=_least_stick_load(last_spans),
         largest_slip_zone_share=slip_zone_share(history.spans),
-        works=works,
-        work_errors=work_errors,
-        density=density,
-        density_error=density_error,
-        loop_integral=loop_integral,
+        friction_work=_work_of_history(history, request, works_of_cycles),
         spans=last_spans,
-        work_increments=np.empty(0),
         counts={
             "spans": len(history.spans),
             # `sticking_piece` leads to all pieces of the memory curve of a span, the tangential
@@ -926,6 +1028,61 @@ def _result_of_history(history: History, request: Request) -> PathResult:
         },
         n_skipped_in_stick=len(integrated_spans) - n_slipping_spans,
     )
+
+
+def _work_of_history(
+    history: History, request: Request, works_of_cycles: Mapping[int, _WorkOfCycle]
+) -> WorkOfPath:
+    """Friction work along a curved load path, with W(x) and the closed integral of Q dU of the last
+    cycle that the answer covers; U is the relative tangential displacement.
+
+    `works_of_cycles` is the work of each covered cycle by its index, empty where it is not wanted.
+    `covered` of the history are the indices of these cycles, `cycles` the spans of each: times of
+    full stick, or of slip in one direction. The request holds the normal contact, the different |x|
+    (`distance`) and which fields are wanted.
+    """
+    works = np.full(len(history.covered), math.nan)
+    relative_errors = np.zeros(len(history.covered))
+    if works_of_cycles:
+        works = np.array([works_of_cycles[number].work for number in history.covered])
+        relative_errors = np.array([works_of_cycles[number].error for number in history.covered])
+    density: Array = np.full(len(request.distance), np.nan)
+    density_error = 0.0
+    if request.wants("dissipation_density"):
+        last_spans = history.cycles[history.covered[-1]]
+        density, density_error = _density_of_spans(last_spans, request)
+    loop_integral = None
+    if works_of_cycles:
+        loop_integral = _loop_integral_of_history(history, request, float(works[-1]))
+    return WorkOfPath(
+        of_cycles=works,
+        relative_errors=relative_errors,
+        density=density,
+        density_error=density_error,
+        loop_integral=loop_integral,
+        increments=np.empty(0),
+    )
+
+
+def _loop_integral_of_history(
+    history: History, request: Request, work_of_last_cycle: float
+) -> LoopWork | None:
+    """Closed integral of Q dU over the last covered cycle of a curved load path, with its round-off
+    error; 0 where nothing is dissipated. U is the relative tangential displacement.
+
+    None where that cycle is not steady, or the integral is not needed. It is needed where it is
+    wanted, and where the friction work is no closed form: their difference is an error of the work
+    then. `steady_from` is the first steady cycle, None without one. The request holds the normal
+    contact and E* as `modulus`.
+    """
+    last_cycle = history.covered[-1]
+    is_needed = request.wants("loop_work") or not request.contact.has_closed_form
+    is_steady = history.steady_from is not None and last_cycle >= history.steady_from
+    if not (is_steady and is_needed):
+        return None
+    if not work_of_last_cycle:
+        return LoopWork(0.0, 0.0)
+    return closed_integral(request.contact, request.modulus, history.cycles[last_cycle])
 
 
 def _density_of_spans(spans: Sequence[Span], request: Request) -> tuple[Array, float]:
@@ -1045,26 +1202,58 @@ def _ellipse_of_segment(segment: LoadSegment, friction: float) -> Ellipses | Non
     )
 
 
-def _loop_work_of(answer: PathResult) -> float:
+def _loop_work_of(friction_work: WorkOfPath) -> float:
     """Closed integral of Q dU of the last cycle, U the relative tangential displacement [energy per
     thickness]; 0 where nothing is dissipated.
 
     NaN where there is none, or where round-off leaves less than two digits of it, too few to
-    compare the friction work with: its round-off is 0.01 of the work or more. `works` of the
-    followed path, `answer`, are those of its covered cycles; `loop_integral` holds the integral and
-    its round-off, None where there is none.
+    compare the friction work with: its round-off is 0.01 of the work or more. `loop_integral` holds
+    the integral and its round-off, None where there is none.
     """
-    if answer.loop_integral is None:
+    loop_integral = friction_work.loop_integral
+    if loop_integral is None:
         return math.nan
-    work_of_last_cycle = float(answer.works[-1])
+    work_of_last_cycle = friction_work.of_last_cycle
     if not work_of_last_cycle:
         return 0.0
     # _LARGEST_ERROR_SHARE_OF_LOOP: 0.01
-    is_precise = answer.loop_integral.roundoff < _LARGEST_ERROR_SHARE_OF_LOOP * work_of_last_cycle
-    return answer.loop_integral.value if is_precise else math.nan
+    is_precise = loop_integral.roundoff < _LARGEST_ERROR_SHARE_OF_LOOP * work_of_last_cycle
+    return loop_integral.value if is_precise else math.nan
 
 
 # ------------------------------------------------------------------------------- fields at instants
+class _AnswerFields(NamedTuple):
+    """Loads, edges and fields of an answer, by their names in a solution.
+
+    Attributes
+    ----------
+    over_time
+        loads, displacements and half-widths (n,), edges (n, 2) at n instants
+    at_points
+        pressure, shear, slip and state at n instants and m points, (n, m) each
+    arc_errors
+        errors of the integrals of "shear" and "slip" along arcs, curved pieces of the memory curve
+    """
+
+    over_time: dict[str, Array]
+    at_points: dict[str, NDArray[Any]]
+    arc_errors: dict[str, float]
+
+
+def _fields_of_answer(request: Request, snapshot: Snapshot) -> _AnswerFields:
+    """Loads, edges and fields at the instants and points of a request, from the friction states at
+    the instants, each with its memory curve.
+
+    Raises
+    ------
+    NotFoundError
+        Where a half-width or a value of a field is not a number.
+    """
+    loads_and_edges = _values_over_time(request, snapshot)
+    fields_at_points, arc_errors = _fields_at_points(request, snapshot, loads_and_edges)
+    return _AnswerFields(loads_and_edges, fields_at_points, arc_errors)
+
+
 def _values_over_time(request: Request, snapshot: Snapshot) -> dict[str, Array]:
     """Loads, displacements, half-widths (n,) and edges (n, 2) at the instants of a request, by the
     names of a ContactSolution [force per thickness, length].
@@ -1192,21 +1381,19 @@ def _fields_at_points(
     NotFoundError
         Where a value of a field is not a number.
     """
-    contact = request.contact
-    distances = request.distance
     shape = (len(request.time), len(request.distance_index))
     # for fields that were not asked for
     fields: dict[str, NDArray[Any]] = {
         name: np.broadcast_to(np.nan, shape) for name in ("pressure", "shear", "slip")
     }
     fields["state"] = np.broadcast_to(np.int8(OPEN), shape)
-    fields_at_distances: dict[str, NDArray[Any]] = {}
 
-    # integrals over memory curves: of the shear, and of slip over A/pi, A = 2/E*
-    shear_integrals = KernelIntegrals(contact, distances, "shear")
-    slip_integrals = KernelIntegrals(contact, distances, "slip")
+    fields_at_distances: dict[str, NDArray[Any]] = {}
     if request.wants("pressure"):
         fields_at_distances["pressure"] = _pressure_of(request, snapshot, loads_and_edges)
+    # integrals over memory curves: of the shear, and of slip over A/pi, A = 2/E*
+    shear_integrals = KernelIntegrals(request.contact, request.distance, "shear")
+    slip_integrals = KernelIntegrals(request.contact, request.distance, "slip")
     if request.wants("shear"):
         fields_at_distances["shear"] = shear_integrals.over_memory_curves(snapshot)
     if request.wants("slip"):
@@ -1216,10 +1403,9 @@ def _fields_at_points(
     if request.wants("state"):
         fields_at_distances["state"] = _state_of(request, snapshot, loads_and_edges)
 
-    # from distances to points
-    for name, values in fields_at_distances.items():
-        _require_finite(name, values, request)
-        field_at_points = values.take(request.distance_index, axis=1)
+    for name, field_at_distances in fields_at_distances.items():
+        _require_finite(name, field_at_distances, request)
+        field_at_points = field_at_distances.take(request.distance_index, axis=1)
         field_at_points.flags.writeable = False
         fields[name] = field_at_points
     return fields, {"shear": shear_integrals.arc_error, "slip": slip_integrals.arc_error}
@@ -1286,12 +1472,7 @@ def _require_finite(name: str, values: NDArray[Any], request: Request) -> None:
 
 # ---------------------------------------------------------------- what a solution says of itself
 def _relative_errors(
-    request: Request,
-    path_answer: PathResult,
-    loads_and_edges: dict[str, Array],
-    fields: dict[str, NDArray[Any]],
-    arc_errors: Mapping[str, float],
-    loop_work: float,
+    request: Request, path_answer: PathResult, fields: _AnswerFields, loop_work: float
 ) -> dict[str, float]:
     """Estimated relative errors of the values that were asked for, by name. Each is a share of the
     largest pressure p, f p, slip, tangential displacement U, friction work per area W(x) or W.
@@ -1302,32 +1483,52 @@ def _relative_errors(
 
     Parameters
     ----------
-    path_answer
-        friction states at the instants, and friction work of the covered cycles with their relative
-        errors; `spans` of the last cycle, times of stick or slip
-    loads_and_edges, fields
-        the answer's values over time, and its fields, by name
-    arc_errors
-        errors of the integrals of shear and slip along arcs, curved pieces of the memory curve
-        (tangential force of the flat punches up to each load)
-    loop_work
-        closed integral of Q dU of the last cycle, NaN where there is none to compare W with
     request
         holds the normal contact, the fields that are wanted, and A/pi, `unit_compliance`
+    path_answer
+        friction states at the instants, and friction work of the covered cycles
+    fields
+        the answer's values over time, and its fields at points
+    loop_work
+        closed integral of Q dU of the last cycle, NaN where there is none to compare W with
 
     Raises
     ------
     NotFoundError
         For an error that is not a number.
     """
-    contact = request.contact
-    errors = {"dissipation_density": path_answer.density_error}
+    errors = {"dissipation_density": path_answer.friction_work.density_error}
+    errors |= _errors_of_fields(request, path_answer, fields)
+    if request.wants("dissipation"):
+        work_errors = _errors_of_work(request, path_answer, loop_work)
+        errors["dissipation_density"] += work_errors["dissipation"]
+        errors |= work_errors
+    # only what was asked for, and is not 0
+    names_in_answer = (
+        *request.fields,
+        "cycle_dissipation",
+        *(f"{name} at the edge" for name in request.fields),
+    )
+    errors = {name: error for name, error in errors.items() if error and name in names_in_answer}
+    for name, error in _errors_of_neglect(request).items():
+        errors[name] = errors.get(name, 0.0) + error
+    return errors
+
+
+def _errors_of_fields(
+    request: Request, path_answer: PathResult, fields: _AnswerFields
+) -> dict[str, float]:
+    """Relative errors of pressure, shear, slip and tangential displacement U, by name, 0 or more;
+    some have no entry where the field was not asked for.
+
+    `path_answer` holds the friction states at the instants, `fields` the answer's values over time
+    and at points. The request holds the normal contact and A/pi, `unit_compliance`, A = 2/E*.
+    """
+    errors: dict[str, float] = {}
     if request.wants("pressure", "shear", "slip"):
         # points, loads and sizes from which the errors of fields follow
-        kernel_sums = _kernel_sums(
-            request, path_answer.snapshot, loads_and_edges, fields, arc_errors
-        )
-        errors |= errors_of_sums(contact, kernel_sums)
+        kernel_sums = _kernel_sums(request, path_answer.snapshot, fields)
+        errors |= errors_of_sums(request.contact, kernel_sums)
     # by the last digits of P_c, the load at the stick edge, where little slips
     errors["slip"] = errors.get("slip", 0.0) + roundoff_error_of_little_slip(
         "slip", path_answer.largest_slip_zone_share
@@ -1337,34 +1538,41 @@ def _relative_errors(
         # datum
         errors["tangential_displacement"] = error_of_displacement(
             path_answer.snapshot.friction,
-            contact.approach_integral(loads_and_edges["normal_load"]),
-            loads_and_edges["tangential_displacement"] / request.unit_compliance,
+            request.contact.approach_integral(fields.over_time["normal_load"]),
+            fields.over_time["tangential_displacement"] / request.unit_compliance,
         )
-    if request.wants("dissipation"):
-        # error of W by its kernel, and difference from the closed integral of Q dU, a second route
-        # to W; both relative to W
-        kernel_error, difference_of_routes = error_of_work(
-            contact,
-            path_answer.spans,
-            float(path_answer.works[-1]) / request.unit_compliance,
-            _loop_integral_of(request, path_answer, loop_work),
-        )
-        error_of_last_cycle = float(path_answer.work_errors[-1])
-        loop_error = error_of_last_cycle + difference_of_routes
-        # PROMISED_ERROR: 1e-12, which closed forms promise
-        errors["loop_work"] = loop_error if loop_error > PROMISED_ERROR else 0.0
-        errors["dissipation"] = error_of_last_cycle + kernel_error
-        errors["dissipation_density"] += errors["dissipation"]
-        error_of_worst_cycle = float(np.max(path_answer.work_errors))
-        if error_of_worst_cycle > errors["dissipation"]:
-            errors["cycle_dissipation"] = error_of_worst_cycle
-    # only what was asked for, and is not 0
-    names_in_answer = (
-        *request.fields,
-        "cycle_dissipation",
-        *(f"{name} at the edge" for name in request.fields),
+    return errors
+
+
+def _errors_of_work(
+    request: Request, path_answer: PathResult, loop_work: float
+) -> dict[str, float]:
+    """Relative errors of the friction work W of the last cycle, "dissipation", and of the closed
+    integral of Q dU, "loop_work"; U is the relative tangential displacement.
+
+    "cycle_dissipation" is that of the worst cycle, where it is above that of the last. The error of
+    W is that by its kernel, besides the one that the path states. The difference of both routes
+    counts for the integral, `loop_work`, NaN where there is none. `spans` of the followed path are
+    times of stick or slip in the last cycle.
+    """
+    friction_work = path_answer.friction_work
+    kernel_error, difference_of_routes = error_of_work(
+        request.contact,
+        path_answer.spans,
+        friction_work.of_last_cycle / request.unit_compliance,
+        _loop_integral_of(request, path_answer, loop_work),
     )
-    return {name: error for name, error in errors.items() if error and name in names_in_answer}
+    error_of_last_cycle = float(friction_work.relative_errors[-1])
+    loop_error = error_of_last_cycle + difference_of_routes
+    # PROMISED_ERROR: 1e-12, which closed forms promise
+    errors = {
+        "loop_work": loop_error if loop_error > PROMISED_ERROR else 0.0,
+        "dissipation": error_of_last_cycle + kernel_error,
+    }
+    error_of_worst_cycle = float(np.max(friction_work.relative_errors))
+    if error_of_worst_cycle > errors["dissipation"]:
+        errors["cycle_dissipation"] = error_of_worst_cycle
+    return errors
 
 
 def _loop_integral_of(request: Request, path_answer: PathResult, loop_work: float) -> LoopIntegral:
@@ -1372,18 +1580,12 @@ def _loop_integral_of(request: Request, path_answer: PathResult, loop_work: floa
     work, and its round-off; both over A/pi [force^2 per thickness^2]. NaN and 0 where there is
     none.
     """
-    loop_integral = path_answer.loop_integral
+    loop_integral = path_answer.friction_work.loop_integral
     roundoff = loop_integral.roundoff if loop_integral is not None else 0.0
     return LoopIntegral(loop_work / request.unit_compliance, roundoff / request.unit_compliance)
 
 
-def _kernel_sums(
-    request: Request,
-    snapshot: Snapshot,
-    loads_and_edges: Mapping[str, Array],
-    fields: Mapping[str, NDArray[Any]],
-    arc_errors: Mapping[str, float],
-) -> SumsOfKernels:
+def _kernel_sums(request: Request, snapshot: Snapshot, fields: _AnswerFields) -> SumsOfKernels:
     """What the error estimate of pressure, shear and slip needs: points, half-widths at all
     instants, loads at a sample of them, the largest slip, and how many terms the sums have at most.
 
@@ -1396,19 +1598,16 @@ def _kernel_sums(
     ----------
     snapshot
         friction states at the instants, with the memory curve of each
-    loads_and_edges
-        half-widths of contact and of stick at each instant, by name
     fields
-        the answer's slip, NaN where it was not asked for
-    arc_errors
-        errors of the integrals of shear and slip along arcs, curved pieces of the memory curve
+        half-widths of contact and of stick at each instant, and the answer's slip, NaN where it was
+        not asked for
     """
     # _SAMPLED_INSTANTS: 7
     sampled_instants = np.unique(
         np.linspace(0, len(snapshot.load) - 1, _SAMPLED_INSTANTS).astype(int)
     )
     sampled_loads = snapshot.load[sampled_instants]
-    slip = np.abs(fields["slip"])
+    slip = np.abs(fields.at_points["slip"])
     largest_slip = float(np.max(slip, where=np.isfinite(slip), initial=0.0))
     # Beside the stored pieces a curve has the line of slip, from the stick edge to the load.
     # pieces of the curve at the sampled instants
@@ -1416,12 +1615,12 @@ def _kernel_sums(
     return SumsOfKernels(
         distances=request.distance,
         loads=np.unique(np.append(sampled_loads, np.max(snapshot.load))),
-        half_widths=loads_and_edges["contact_half_width"],
-        stick_half_widths=loads_and_edges["stick_half_width"],
+        half_widths=fields.over_time["contact_half_width"],
+        stick_half_widths=fields.over_time["stick_half_width"],
         friction=snapshot.friction,
         largest_slip=largest_slip / request.unit_compliance,
         n_kernels=2 * most_lines,
-        arc_errors=arc_errors,
+        arc_errors=fields.arc_errors,
     )
 
 
@@ -1431,19 +1630,19 @@ def _largest_piece_count(snapshot: Snapshot, instants: Indices) -> int:
     return max((len(list(pieces(curve))) for curve in curves), default=0)
 
 
-def _errors_of_neglect(question: Question, bulk_tilt_path: OneCurve | None) -> dict[str, float]:
+def _errors_of_neglect(request: Request) -> dict[str, float]:
     """Relative errors of the fields of friction, by name, where loads below round-off were left out
     so that the frictional state is one memory curve. Empty where they are negligible, below 1e-12
     in all. A memory curve is the tangential force, or the bulk strain, locked in up to each load.
-    `bulk_tilt_path` is None without bulk stress and tilt.
+    `bulk_tilt_path` of the request is None without bulk stress and tilt.
     """
-    if bulk_tilt_path is None:
+    if request.bulk_tilt_path is None:
         return {}
     # Each neglected load is a share of what makes an edge of contact slip or lift.
-    neglected_share = sum(bulk_tilt_path.neglected_loads.values())
+    neglected_share = sum(request.bulk_tilt_path.neglected_loads.values())
     if neglected_share <= PROMISED_ERROR:
         return {}
-    return dict.fromkeys(sorted(question.fields & _FIELDS_OF_FRICTION), neglected_share)
+    return dict.fromkeys(sorted(request.fields & _FIELDS_OF_FRICTION), neglected_share)
 
 
 def _neglected_loads(bulk_tilt_path: OneCurve | None) -> Iterator[str]:
