@@ -44,8 +44,6 @@ def arrays_of(path: Path) -> dict[str, NDArray[Any]]:
         For whatever VTK complains of, points that are no numbers, cells without points and cells of
         points that are not there.
     """
-    from vtkmodules.util.numpy_support import vtk_to_numpy
-
     # complaints: errors and warnings of VTK; grid: its mesh with fields, None without one
     with _VtkComplaints() as complaints:
         grid = _read_grid(path)
@@ -53,6 +51,36 @@ def arrays_of(path: Path) -> dict[str, NDArray[Any]]:
         raise ValueError(complaints.first)
     if grid is None:
         raise ValueError("it holds no mesh")
+    points = _points(grid)
+    block_arrays, blocks = _cell_blocks(grid, len(points))
+
+    # fields of numbers: name -> a row of values for each point or cell
+    point_fields = _numeric_fields(grid.GetPointData(), len(points))
+    cell_fields = _numeric_fields(grid.GetCellData(), grid.GetNumberOfCells())
+    arrays: dict[str, NDArray[Any]] = {
+        "points": points,
+        **block_arrays,
+        "point names": np.array(list(point_fields), np.str_),
+        "cell names": np.array(list(cell_fields), np.str_),
+    }
+    for field_number, values in enumerate(point_fields.values()):
+        arrays[f"point.{field_number}"] = np.asarray(values, float)
+    for field_number, values in enumerate(cell_fields.values()):
+        for block_number, block in enumerate(blocks):
+            arrays[f"cell.{field_number}.{block_number}"] = np.asarray(values, float)[block]
+    return arrays
+
+
+def _points(grid: Any) -> NDArray[np.float64]:
+    """Coordinates (n_points, 3) of the points of a VTK mesh, in the file's unit of length.
+
+    Raises
+    ------
+    ValueError
+        Where a coordinate is not finite or larger than 1e100.
+    """
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+
     points = np.zeros((0, 3))
     if grid.GetNumberOfPoints():
         points = np.asarray(vtk_to_numpy(grid.GetPoints().GetData()), float)
@@ -60,41 +88,61 @@ def arrays_of(path: Path) -> dict[str, NDArray[Any]]:
         raise ValueError(
             f"its points are not three finite numbers each, of at most {_LARGEST_COORDINATE:g}"
         )
-    arrays: dict[str, NDArray[Any]] = {"points": points}
+    return points
 
-    # cells: the nodes of all of them in one row, and where those of each cell start
-    nodes = np.asarray(vtk_to_numpy(grid.GetCells().GetConnectivityArray()), np.int64)
-    starts = np.asarray(vtk_to_numpy(grid.GetCells().GetOffsetsArray()), np.int64)
-    if len(nodes) and not 0 <= nodes.min() <= nodes.max() < len(points):
-        raise ValueError("a cell names a point that is not there")
-    if np.any(np.diff(starts) <= 0):  # a file may even say that a cell has -1
-        raise ValueError("a cell has no points")
-    n_cells = grid.GetNumberOfCells()
-    cell_types = np.array([grid.GetCellType(cell) for cell in range(n_cells)], np.int64)
+
+def _cell_blocks(
+    grid: Any, n_points: int
+) -> tuple[dict[str, NDArray[Any]], list[NDArray[np.int64]]]:
+    """The cells of a VTK mesh in blocks, each of one cell type with one number of nodes: arrays by
+    name, and for each block the indices of its cells in the mesh.
+
+    cells.n : (n_cells, n_nodes) rows of points, of the n-th block
+    dimensions : (n_blocks,) topological dimension of each block: 0 vertices, 1 lines, 2 faces, 3
+        solids
+
+    Raises
+    ------
+    ValueError
+        Where a cell has no points, or one beyond the `n_points` of the mesh.
+    """
+    nodes, starts = _nodes_of_cells(grid, n_points)
+    cell_types = np.array(
+        [grid.GetCellType(cell) for cell in range(grid.GetNumberOfCells())], np.int64
+    )
     types_and_sizes = np.column_stack([cell_types, np.diff(starts)])
-    # indices of the cells of each block
     blocks = [
         np.flatnonzero((types_and_sizes == type_and_size).all(axis=1))
         for type_and_size in np.unique(types_and_sizes, axis=0)
     ]
+    arrays: dict[str, NDArray[Any]] = {}
     for block_number, block in enumerate(blocks):
         n_nodes = types_and_sizes[block[0], 1]
         arrays[f"cells.{block_number}"] = nodes[starts[block][:, None] + np.arange(n_nodes)]
     arrays["dimensions"] = np.array(
         [grid.GetCell(int(block[0])).GetCellDimension() for block in blocks], np.int64
     )
+    return arrays, blocks
 
-    # fields of numbers: name -> a row of values for each point or cell
-    point_fields = _numeric_fields(grid.GetPointData(), len(points))
-    arrays["point names"] = np.array(list(point_fields), np.str_)
-    for field_number, values in enumerate(point_fields.values()):
-        arrays[f"point.{field_number}"] = np.asarray(values, float)
-    cell_fields = _numeric_fields(grid.GetCellData(), n_cells)
-    arrays["cell names"] = np.array(list(cell_fields), np.str_)
-    for field_number, values in enumerate(cell_fields.values()):
-        for block_number, block in enumerate(blocks):
-            arrays[f"cell.{field_number}.{block_number}"] = np.asarray(values, float)[block]
-    return arrays
+
+def _nodes_of_cells(grid: Any, n_points: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """The nodes of all cells of a VTK mesh, one cell after the other, as rows of its points; and
+    where those of each cell start, (n_cells + 1,), the last number being the end.
+
+    Raises
+    ------
+    ValueError
+        Where a cell has no points, or one beyond the `n_points` of the mesh.
+    """
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+
+    nodes = np.asarray(vtk_to_numpy(grid.GetCells().GetConnectivityArray()), np.int64)
+    starts = np.asarray(vtk_to_numpy(grid.GetCells().GetOffsetsArray()), np.int64)
+    if len(nodes) and not 0 <= nodes.min() <= nodes.max() < n_points:
+        raise ValueError("a cell names a point that is not there")
+    if np.any(np.diff(starts) <= 0):  # a file may even say that a cell has -1
+        raise ValueError("a cell has no points")
+    return nodes, starts
 
 
 def _read_grid(path: Path) -> Any:
@@ -129,9 +177,9 @@ def _read_grid(path: Path) -> Any:
     return append_filter.GetOutput()
 
 
-def _numeric_fields(attributes: Any, count: int) -> dict[str, NDArray[Any]]:
+def _numeric_fields(attributes: Any, n_places: int) -> dict[str, NDArray[Any]]:
     """Name -> array, of those fields that hold numbers among the VTK fields of points or cells
-    (`attributes`). Each array has a row for each of the `count` points or cells.
+    (`attributes`). Each array has a row for each of the `n_places` points or cells.
 
     Raises
     ------
@@ -147,8 +195,8 @@ def _numeric_fields(attributes: Any, count: int) -> dict[str, NDArray[Any]]:
             continue
         name = field.GetName() or f"Unnamed_{array_number}"
         fields[name] = vtk_to_numpy(field)
-        if len(fields[name]) != count:
-            raise ValueError(f"{name} has {len(fields[name])} values for {count} places")
+        if len(fields[name]) != n_places:
+            raise ValueError(f"{name} has {len(fields[name])} values for {n_places} places")
     return fields
 
 
