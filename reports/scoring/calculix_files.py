@@ -107,12 +107,9 @@ def read_frd(
     _check_size(path)
     version: list[str] = []
     nodes = np.empty(0, np.int64)
-    coordinates = np.empty((0, 3))
+    points = np.empty((0, 3))
     elements: list[FrdElement] = []
-    # in the order of the file, each once
-    times: dict[float, None] = {}
-    block_names: dict[str, None] = {}
-    blocks: list[FrdBlock] = []
+    results = _FrdResults(names, substitutes)
     has_end_mark = False
     with path.open(encoding="ascii", errors="replace", newline="\n") as stream:
         lines = _Lines(path, stream)
@@ -121,40 +118,13 @@ def read_frd(
             # block, 9999 the end
             match line[:6].strip():
                 case "1U":
-                    text = line[5:].strip()
-                    version += [
-                        text.removeprefix(keyword).strip()
-                        for keyword in ("UPGM", "UVERSION")
-                        if text.startswith(keyword)
-                    ]
+                    version += _program_and_version(line)
                 case "2C":
-                    nodes, coordinates = lines.nodes_below(line)
+                    nodes, points = lines.nodes_below(line)
                 case "3C":
                     elements += lines.elements_below(line)
                 case "100C":
-                    header_line_number = lines.line_number
-                    time = lines.decimal_number(
-                        line[12:24], "the time of a frame in columns 13 to 24"
-                    )
-                    name, components = lines.components_below()
-                    times[time] = None
-                    block_names[name] = None
-                    # characters of a node's number; records with their continuations
-                    label_width, records = lines.records_below(
-                        line, f"records of block {name}", header_line_number
-                    )
-                    has_named_block = bool(blocks) and blocks[0].name in names
-                    if name in names and not has_named_block:
-                        blocks.clear()  # of substitutes
-                    if name in names or (name in substitutes and not has_named_block):
-                        node_numbers, values = lines.table_of_records(
-                            records, label_width, len(components)
-                        )
-                        blocks.append(
-                            FrdBlock(
-                                name, time, components, node_numbers, values, header_line_number
-                            )
-                        )
+                    results.read_block(lines, line)
                 case "9999":
                     has_end_mark = True
                     break
@@ -164,16 +134,73 @@ def read_frd(
             " CalculiX"
         )
     return FrdFile(
-        path,
-        " ".join(version),
-        nodes,
-        coordinates,
-        tuple(elements),
-        tuple(times),
-        tuple(blocks),
-        tuple(block_names),
-        has_end_mark,
+        path=path,
+        version=" ".join(version),
+        nodes=nodes,
+        points=points,
+        elements=tuple(elements),
+        times=tuple(results.times),
+        blocks=tuple(results.blocks),
+        names=tuple(results.block_names),
+        has_end_mark=has_end_mark,
     )
+
+
+def _program_and_version(line: str) -> list[str]:
+    """Name or version of the program that a line with the key 1U of a .frd file states; nothing
+    where the line states something else, such as the date.
+    """
+    text = line[5:].strip()
+    return [
+        text.removeprefix(keyword).strip()
+        for keyword in ("UPGM", "UVERSION")
+        if text.startswith(keyword)
+    ]
+
+
+class _FrdResults:
+    """Result blocks of a .frd file, as they are read one after the other. A result block holds
+    values at nodes at one time.
+
+    Attributes
+    ----------
+    times, block_names
+        times and names of all blocks so far, each once and in the order of the file (keys of a
+        dictionary without values)
+    blocks
+        the blocks with one of the wanted names; those with the name of a substitute as long as
+        there is none
+    """
+
+    def __init__(self, names: Collection[str], substitutes: Collection[str]) -> None:
+        """`names` are those of the wanted blocks; `substitutes` those of the blocks that are taken
+        where the file has none of `names`.
+        """
+        self._names = names
+        self._substitutes = substitutes
+        self.times: dict[float, None] = {}
+        self.block_names: dict[str, None] = {}
+        self.blocks: list[FrdBlock] = []
+
+    def read_block(self, lines: _Lines, header: str) -> None:
+        """Read the block below its `header`, the last line taken of `lines`. Of a block that is not
+        wanted the name and the time are kept alone. InputError where it is not as announced.
+        """
+        header_line_number = lines.line_number
+        time = lines.decimal_number(header[12:24], "the time of a frame in columns 13 to 24")
+        name, components = lines.components_below()
+        self.times[time] = None
+        self.block_names[name] = None
+        # characters of a node's number; records with their continuations
+        label_width, records = lines.records_below(
+            header, f"records of block {name}", header_line_number
+        )
+        has_named_block = bool(self.blocks) and self.blocks[0].name in self._names
+        if name in self._names and not has_named_block:
+            self.blocks.clear()  # of substitutes
+        if name in self._names or (name in self._substitutes and not has_named_block):
+            nodes, values = lines.table_of_records(records, label_width, len(components))
+            self.blocks.append(FrdBlock(name, time, components, nodes, values, header_line_number))
 
 
 def _check_size(path: Path) -> None:
@@ -575,12 +602,7 @@ def _printed_table(
     title
         match of the title: what is printed, its columns, for which set and at which time
     """
-    begin = title_line  # the line below the title, counted from 0
-    while begin < len(lines) and not lines[begin].strip():
-        begin += 1
-    end = begin
-    while end < len(lines) and lines[end].strip() and " time" not in lines[end]:
-        end += 1
+    begin, end = _lines_of_table(lines, title_line)
     rows = [line.split() for line in lines[begin:end]]
     column_names = title["columns"].split(",")
     first_name = column_names[0].strip()
@@ -609,3 +631,17 @@ def _printed_table(
         np.array(ids, np.int64).reshape(len(rows), n_ids),
         np.array(values, float).reshape(len(rows), n_values),
     )
+
+
+def _lines_of_table(lines: Sequence[str], title_line: int) -> tuple[int, int]:
+    """Index of the first line of a printed table, and of the line behind its last one, both counted
+    from 0. The table begins below its title and blank lines, and ends before the next blank line or
+    title. `title_line` is the number of the title's line, counted from 1.
+    """
+    begin = title_line  # the line below the title
+    while begin < len(lines) and not lines[begin].strip():
+        begin += 1
+    end = begin
+    while end < len(lines) and lines[end].strip() and " time" not in lines[end]:
+        end += 1
+    return begin, end
