@@ -14,6 +14,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -205,16 +206,24 @@ def _fitted_closed_form(
     ):
         if is_pressed.sum() < 3:
             return None
-        fit_of_instant = _closed_form_at_instant(
+        form_at_instant = _closed_form_at_instant(
             discrepancy.x, pressure, is_pressed, weights, functions
         )
-        # (fitted pressure, factors, half-width)
-        factors_of_instant = fit_of_instant[1]
-        if np.any(factors_of_instant <= 0):
+        if np.any(form_at_instant.factors <= 0):
             return None
-        fits.append(fit_of_instant)
+        fits.append(form_at_instant)
     pressures, factors, half_widths = zip(*fits, strict=True)
     return ClosedForm(np.array(pressures), np.array(factors), np.array(half_widths))
+
+
+class _FormAtInstant(NamedTuple):
+    """A sum of functions of xi = (x - centre)/half-width, fitted to the pressure of one instant:
+    its values (n,) [stress], the factor of each function [stress], and the half-width [length].
+    """
+
+    pressure: Array
+    factors: Array
+    half_width: float
 
 
 def _closed_form_at_instant(
@@ -223,13 +232,12 @@ def _closed_form_at_instant(
     is_pressed: Mask,
     weights: Array,
     functions: Callable[[Array], Array],
-) -> tuple[Array, Array, float]:
+) -> _FormAtInstant:
     """Fit a sum of given functions to the pressure of one instant; return the fitted pressure (n,),
     the factor of each function, and the half-width of the contact.
 
-    The functions are of xi = (x - centre)/half-width. The centre is the middle of the outermost
-    points with a pressure; half-widths are tried from these points to a spacing beyond them, and
-    for each the factors follow by linear least squares.
+    The functions are of xi = (x - centre)/half-width. Of 60 half-widths the one is taken whose sum
+    of squares is least; for each the factors follow by linear least squares.
 
     Parameters
     ----------
@@ -242,22 +250,14 @@ def _closed_form_at_instant(
     functions
         xi (m,), |xi| < 1 -> (m, number of functions)
     """
-    pressed_points = np.flatnonzero(is_pressed)
-    first_point, last_point = pressed_points[0], pressed_points[-1]
-    centre = (x[first_point] + x[last_point]) / 2
-    half_distance = (x[last_point] - x[first_point]) / 2
-    spacing_before = x[first_point] - x[max(first_point - 1, 0)]
-    spacing_after = x[min(last_point + 1, len(x) - 1)] - x[last_point]
-    spacing = max(spacing_before, spacing_after, np.diff(x).min())
+    centre, half_widths = _centre_and_half_widths(x, is_pressed)
     root_of_weights = np.sqrt(weights)
-
-    # 60 half-widths are tried; the best of them is kept
+    n_functions = functions(np.zeros(1)).shape[1]
     least_sum_of_squares = np.inf
-    for share_of_spacing in (np.arange(_N_HALF_WIDTHS) + 0.5) / _N_HALF_WIDTHS:
-        half_width = float(half_distance + share_of_spacing * spacing)
+    for half_width in half_widths.tolist():
         xi = (x - centre) / half_width
         is_inside = np.abs(xi) < 1
-        function_values = np.zeros((len(x), functions(np.zeros(1)).shape[1]))
+        function_values = np.zeros((len(x), n_functions))
         function_values[is_inside] = functions(xi[is_inside])
         solution = np.linalg.lstsq(
             root_of_weights[:, None] * function_values, root_of_weights * pressure, rcond=None
@@ -267,8 +267,31 @@ def _closed_form_at_instant(
         sum_of_squares = float(np.sum(weights * (pressure - fitted_pressure) ** 2))
         if sum_of_squares < least_sum_of_squares:
             least_sum_of_squares = sum_of_squares
-            best_fit = fitted_pressure, factors, half_width
-    return best_fit
+            best_form = _FormAtInstant(fitted_pressure, factors, half_width)
+    return best_form
+
+
+def _centre_and_half_widths(x: Array, is_pressed: Mask) -> tuple[float, Array]:
+    """Centre of a contact, and 60 half-widths to try for it [length]. The centre is the middle of
+    the outermost points with a pressure. The half-widths go from these points to a spacing of the
+    points beyond them: a singular pressure may end there.
+
+    Parameters
+    ----------
+    x
+        (n,) the points, ascending
+    is_pressed
+        (n,) whether a point has a pressure or a tension
+    """
+    pressed_points = np.flatnonzero(is_pressed)
+    first_point, last_point = pressed_points[0], pressed_points[-1]
+    centre = (x[first_point] + x[last_point]) / 2
+    half_distance = (x[last_point] - x[first_point]) / 2
+    spacing_before = x[first_point] - x[max(first_point - 1, 0)]
+    spacing_after = x[min(last_point + 1, len(x) - 1)] - x[last_point]
+    spacing = max(spacing_before, spacing_after, np.diff(x).min())
+    shares_of_spacing = (np.arange(_N_HALF_WIDTHS) + 0.5) / _N_HALF_WIDTHS
+    return float(centre), half_distance + shares_of_spacing * spacing
 
 
 def _fit_of_adhesion(discrepancy: Discrepancy) -> ProblemFit | None:
@@ -400,38 +423,23 @@ def _fit_of_limited_pressure(discrepancy: Discrepancy) -> ProblemFit | None:
     None where no instant has five points on the limit, and where the contact is not symmetric.
     `discrepancy` holds the tractions of result and reference.
 
-    # notation: P normal load, p pressure
+    # notation: p pressure
     """
     if discrepancy.unsymmetric:
         return None
-    # half-plane theory of the profile: pressure at x under any load
-    contact = contact_of(discrepancy.scene.profile, discrepancy.scene.material)
     result_pressure = discrepancy.result_tractions[PRESSURE]
     limit = float(np.median(result_pressure[result_pressure > 0.9 * result_pressure.max()]))
-    limited_pressures = []
-    most_points_on_limit = 0
-    for pressure, load, weights in zip(
-        result_pressure, discrepancy.normal_load, discrepancy.weight, strict=True
-    ):
-        # _LOAD_RATIOS: trial loads, 1 to 2.5 times P
-        elastic_pressures = contact.pressure(discrepancy.x, load * _LOAD_RATIOS[:, None])
-        trial_pressures = np.minimum(elastic_pressures, limit)
-        sums_of_squares = np.sum(weights * (pressure - trial_pressures) ** 2, axis=1)
-        best_trial = int(np.argmin(sums_of_squares))
-        limited_pressures.append(trial_pressures[best_trial])
-        # where elastic theory exceeds the limit by a tenth
-        is_on_limit = elastic_pressures[best_trial] > _LEAST_RATIO_TO_LIMIT * limit
-        most_points_on_limit = max(most_points_on_limit, int(np.sum(is_on_limit)))
+    limited_pressure, most_points_on_limit = _elastic_pressure_below_limit(discrepancy, limit)
     if most_points_on_limit < _FEWEST_ON_LIMIT:
         return None
     is_above_limit = discrepancy.reference_tractions[PRESSURE] > limit
     return ProblemFit(
-        predicted_tractions=_tractions_with(discrepancy, PRESSURE, np.array(limited_pressures)),
+        predicted_tractions=_tractions_with(discrepancy, PRESSURE, limited_pressure),
         tractions_to_beat=discrepancy.reference_tractions,
         # a load at each instant, and the limit
-        n_sizes=len(limited_pressures) + 1,
+        n_sizes=len(limited_pressure) + 1,
         # in contact in the result, in the reference or with this pressure
-        judged_points=_points_in_contact(discrepancy, np.array(limited_pressures)),
+        judged_points=_points_in_contact(discrepancy, limited_pressure),
         sentence_values={"limit": limit / discrepancy.comparison.scales.pressure},
         evidence=(
             f"{most_points_on_limit} points of one instant have {limit:.4g}, and no point has more"
@@ -439,6 +447,33 @@ def _fit_of_limited_pressure(discrepancy: Discrepancy) -> ProblemFit | None:
             f" at {int(is_above_limit.sum())} points",
         ),
     )
+
+
+def _elastic_pressure_below_limit(discrepancy: Discrepancy, limit: float) -> tuple[Array, int]:
+    """Pressure (k, n) of elastic half-planes of the scene's profile, cut off at a `limit` [stress].
+    At each of the k instants the load is that, of 1 to 2.5 times P, which fits the result's
+    pressure best. With it comes the largest number of points, at any instant, where the elastic
+    pressure exceeds the limit by a tenth.
+
+    # notation: P normal load
+    """
+    contact = contact_of(discrepancy.scene.profile, discrepancy.scene.material)
+    limited_pressures = []
+    most_points_on_limit = 0
+    for pressure, load, weights in zip(
+        discrepancy.result_tractions[PRESSURE],
+        discrepancy.normal_load,
+        discrepancy.weight,
+        strict=True,
+    ):
+        elastic_pressures = contact.pressure(discrepancy.x, load * _LOAD_RATIOS[:, None])
+        trial_pressures = np.minimum(elastic_pressures, limit)
+        sums_of_squares = np.sum(weights * (pressure - trial_pressures) ** 2, axis=1)
+        best_trial = int(np.argmin(sums_of_squares))
+        limited_pressures.append(trial_pressures[best_trial])
+        is_on_limit = elastic_pressures[best_trial] > _LEAST_RATIO_TO_LIMIT * limit
+        most_points_on_limit = max(most_points_on_limit, int(np.sum(is_on_limit)))
+    return np.array(limited_pressures), most_points_on_limit
 
 
 # ------------------------------------------------------------------------------- features of rows
@@ -454,15 +489,8 @@ def _fit_of_gaps(discrepancy: Discrepancy) -> ProblemFit | None:
 
     # notation: P normal load
     """
-    result_pressure = discrepancy.result_tractions[PRESSURE]
     reference_pressure = discrepancy.reference_tractions[PRESSURE]
-    largest_pressure = result_pressure.max(axis=1, keepdims=True)
-    largest_of_reference = reference_pressure.max(axis=1, keepdims=True)
-    # a fifth of the largest pressure of the reference; open: below a thousandth
-    is_well_inside = reference_pressure > _LEAST_INNER_PRESSURE_SHARE * largest_of_reference
-    is_in_gap = (
-        result_pressure <= _LARGEST_OPEN_PRESSURE_SHARE * largest_pressure
-    ) & is_well_inside
+    is_in_gap = _points_in_gaps(discrepancy)
     # number of points of each gap, over all instants
     point_counts = [
         point_count
@@ -471,12 +499,9 @@ def _fit_of_gaps(discrepancy: Discrepancy) -> ProblemFit | None:
     ]
     # of two points and more; two at an instant at least
     n_long_gaps = sum(point_count >= _FEWEST_IN_GAP for point_count in point_counts)
-    pressure_over_gaps = np.where(is_in_gap, reference_pressure, 0.0)
-    load_over_gaps = np.trapezoid(pressure_over_gaps, discrepancy.x, axis=1)
-    load_of_reference = np.trapezoid(reference_pressure, discrepancy.x, axis=1)
-    share_over_gaps = load_over_gaps / np.maximum(load_of_reference, 1e-300)
+    share_over_gaps = _load_shares_over(discrepancy, is_in_gap)
     least_share = float(share_over_gaps[discrepancy.is_loaded].min())
-    has_few_gaps = n_long_gaps < _FEWEST_GAPS * len(result_pressure)
+    has_few_gaps = n_long_gaps < _FEWEST_GAPS * len(is_in_gap)
     if has_few_gaps or least_share < _LEAST_SHARE_OVER_GAPS:
         return None
     # integral of the pressure over P: it differs from 1 by more than a tenth
@@ -491,12 +516,37 @@ def _fit_of_gaps(discrepancy: Discrepancy) -> ProblemFit | None:
         tractions_to_beat=discrepancy.reference_tractions,
         n_sizes=1,
         judged_points=is_in_gap,
-        sentence_values={"gaps": n_long_gaps / len(result_pressure)},
+        sentence_values={"gaps": n_long_gaps / len(is_in_gap)},
         evidence=(
             f"over the gaps the reference carries {float(share_over_gaps.max()):.0%} of P; the sum"
             f" of the pressures is {discrepancy.resultant_ratio:.4g} P all the same",
         ),
     )
+
+
+def _points_in_gaps(discrepancy: Discrepancy) -> Mask:
+    """Whether each of the (k, n) points is open in the result and well inside the contact of the
+    reference. Open: below a thousandth of the result's largest pressure at that instant. Well
+    inside: above a fifth of the reference's.
+    """
+    result_pressure = discrepancy.result_tractions[PRESSURE]
+    reference_pressure = discrepancy.reference_tractions[PRESSURE]
+    largest_of_result = result_pressure.max(axis=1, keepdims=True)
+    largest_of_reference = reference_pressure.max(axis=1, keepdims=True)
+    is_open = result_pressure <= _LARGEST_OPEN_PRESSURE_SHARE * largest_of_result
+    is_well_inside = reference_pressure > _LEAST_INNER_PRESSURE_SHARE * largest_of_reference
+    return np.asarray(is_open & is_well_inside)
+
+
+def _load_shares_over(discrepancy: Discrepancy, is_in_gap: Mask) -> Array:
+    """Share of the reference's normal load that its pressure over the gaps carries, (k,) at each
+    instant. `is_in_gap` (k, n) states which points lie in gaps.
+    """
+    reference_pressure = discrepancy.reference_tractions[PRESSURE]
+    pressure_over_gaps = np.where(is_in_gap, reference_pressure, 0.0)
+    load_over_gaps = np.trapezoid(pressure_over_gaps, discrepancy.x, axis=1)
+    load_of_reference = np.trapezoid(reference_pressure, discrepancy.x, axis=1)
+    return np.asarray(load_over_gaps / np.maximum(load_of_reference, 1e-300))
 
 
 def _run_lengths(values: NDArray[np.bool_]) -> list[int]:
@@ -520,7 +570,7 @@ def _fit_of_inelastic_bodies(discrepancy: Discrepancy) -> ProblemFit | None:
     unsymmetric scene. The part of the pressure that is odd in x is left out: unlike bodies and
     bodies that tilt make it. `discrepancy` holds the tractions of result and reference.
 
-    # notation: P normal load, p_ref scale of pressure
+    # notation: P normal load
     """
     if discrepancy.unsymmetric or len(discrepancy.instants_of_cycle) < 2:
         return None
@@ -531,19 +581,7 @@ def _fit_of_inelastic_bodies(discrepancy: Discrepancy) -> ProblemFit | None:
     relative_change, first_instant, second_instant = _most_changed_instants(
         discrepancy, even_pressure, pressure_integrals
     )
-    first_pressure = even_pressure[[first_instant]]
-    second_pressure = even_pressure[[second_instant]]
-    # values over p_ref, their weight, and points with pressure
-    difference = Residual(
-        (first_pressure - second_pressure) / discrepancy.comparison.scales.pressure,
-        discrepancy.weight[[first_instant]],
-        (first_pressure != 0) | (second_pressure != 0),
-    )
-    # noise makes less than a fifth of its square, among 40 values at least
-    is_smooth = (
-        difference.mean_square_of_noise < _LARGEST_SHARE_OF_NOISE * difference.mean_square
-        and difference.n_values >= _FEWEST_VALUES_OF_DIFFERENCE
-    )
+    is_smooth = _differs_smoothly(discrepancy, even_pressure, first_instant, second_instant)
     if relative_change < _LEAST_PRESSURE_CHANGE or not is_smooth:
         return None
     # what elastic bodies would have: the pressure of either instant at the other one
@@ -564,6 +602,26 @@ def _fit_of_inelastic_bodies(discrepancy: Discrepancy) -> ProblemFit | None:
             "second": float(discrepancy.time[second_instant]),
         },
         evidence=(f"the sums of both pressures agree to {abs(ratio_of_integrals - 1):.1%}",),
+    )
+
+
+def _differs_smoothly(
+    discrepancy: Discrepancy, pressure: Array, first_instant: int, second_instant: int
+) -> bool:
+    """Whether the pressure (k, n) differs between two instants by more than noise: noise makes less
+    than a fifth of the mean square of the difference, at 40 points with pressure or more.
+    """
+    first_pressure = pressure[[first_instant]]
+    second_pressure = pressure[[second_instant]]
+    # values over the scale of pressure, their weight, and points with pressure
+    difference = Residual(
+        (first_pressure - second_pressure) / discrepancy.comparison.scales.pressure,
+        discrepancy.weight[[first_instant]],
+        (first_pressure != 0) | (second_pressure != 0),
+    )
+    return (
+        difference.mean_square_of_noise < _LARGEST_SHARE_OF_NOISE * difference.mean_square
+        and difference.n_values >= _FEWEST_VALUES_OF_DIFFERENCE
     )
 
 
@@ -621,46 +679,33 @@ def _most_changed_instants(
 
 # ---------------------------------------------------------------------------------------- the shear
 def _fit_of_rolling(discrepancy: Discrepancy) -> ProblemFit | None:
-    """Fit of tractive rolling to a result's shear. The stick zone begins at the leading edge: q = f
-    [p(x, P) - p(x -+ (a - c), P - |Q|/f)] with the sign of Q (Carter 1926; Johnson 1985, 8.3).
-    Returns the tractions (2, k, n) with this shear, those of the reference that they must do better
-    than, and the side of the leading edge: the one that fits better.
+    """Fit of tractive rolling to a result's shear: the stick zone begins at the leading edge.
+    Returns the tractions (2, k, n) with the shear of rolling, those of the reference that they must
+    do better than, and the side of the leading edge: the one that fits better.
 
     None without friction, shear or Q, for an unsymmetric scene, and where all slides at some
-    instant. `discrepancy` holds the tractions of result and reference.
+    instant.
 
-    # notation: a and c half-widths of contact and stick, f coefficient of friction, p pressure, P
-    #           and Q loads, q shear
+    # notation: Q tangential load
     """
-    friction = discrepancy.scene.friction.coefficient
-    if discrepancy.unsymmetric or not friction or not discrepancy.has_shear:
+    friction_coefficient = discrepancy.scene.friction.coefficient
+    if discrepancy.unsymmetric or not friction_coefficient or not discrepancy.has_shear:
         return None
     loads = discrepancy.scene.load.path().at(discrepancy.time)
     normal_load = np.asarray(loads[0])[:, None]
     tangential_load = np.asarray(loads[1])[:, None]
-    stick_load = normal_load - np.abs(tangential_load) / friction
-    if np.any(stick_load <= 0) or np.all(np.abs(tangential_load) < 1e-9 * normal_load):
+    has_no_stick = np.any(normal_load - np.abs(tangential_load) / friction_coefficient <= 0)
+    if has_no_stick or np.all(np.abs(tangential_load) < 1e-9 * normal_load):
         return None
-    # half-plane theory of the profile: half-width and pressure under any load
-    contact = contact_of(discrepancy.scene.profile, discrepancy.scene.material)
-    # a - c, by which the middle of the stick zone lies from that of the contact
-    offsets = contact.half_width(normal_load) - contact.half_width(stick_load)
-    pressure = contact.pressure(discrepancy.x, normal_load)
     least_sum_of_squares = np.inf
-    for direction in (1.0, -1.0):
-        stick_pressure = np.array(
-            [
-                contact.pressure(discrepancy.x - direction * offset, load)
-                for offset, load in zip(offsets[:, 0], stick_load[:, 0], strict=True)
-            ]
-        )
-        shear = np.sign(tangential_load) * friction * (pressure - stick_pressure)
+    for side in ("right", "left"):
+        shear = _shear_of_rolling(discrepancy, normal_load, tangential_load, side)
         shear_error = discrepancy.result_tractions[SHEAR] - shear
         sum_of_squares = float(np.sum(discrepancy.weight * shear_error**2))
         if sum_of_squares < least_sum_of_squares:
             least_sum_of_squares = sum_of_squares
             best_shear = shear
-            leading_side = "right" if direction > 0 else "left"
+            leading_side = side
     return ProblemFit(
         predicted_tractions=_tractions_with(discrepancy, SHEAR, best_shear),
         tractions_to_beat=discrepancy.reference_tractions,
@@ -671,6 +716,42 @@ def _fit_of_rolling(discrepancy: Discrepancy) -> ProblemFit | None:
     )
 
 
+def _shear_of_rolling(
+    discrepancy: Discrepancy, normal_load: Array, tangential_load: Array, leading_side: str
+) -> Array:
+    """Shear (k, n) of tractive rolling of the scene's bodies, at the n points of a result: q = f
+    [p(x, P) - p(x -+ (a - c), P - |Q|/f)] with the sign of Q (Carter 1926; Johnson 1985, 8.3).
+
+    Parameters
+    ----------
+    discrepancy
+        gives the points x (n,) and the scene
+    normal_load, tangential_load
+        (k, 1) P and Q, |Q| < f P
+    leading_side
+        side of the leading edge, "right" (larger x) or "left", at which the stick zone begins
+
+    # notation: a and c half-widths of contact and stick, f coefficient of friction, p pressure, q
+    #           shear
+    """
+    # half-plane theory of the profile: half-width and pressure under any load
+    contact = contact_of(discrepancy.scene.profile, discrepancy.scene.material)
+    friction_coefficient = discrepancy.scene.friction.coefficient
+    # load that the stick zone alone would carry
+    stick_load = normal_load - np.abs(tangential_load) / friction_coefficient
+    # a - c, by which the middle of the stick zone lies from that of the contact
+    offsets = contact.half_width(normal_load) - contact.half_width(stick_load)
+    pressure = contact.pressure(discrepancy.x, normal_load)
+    direction = 1.0 if leading_side == "right" else -1.0
+    stick_pressure = np.array(
+        [
+            contact.pressure(discrepancy.x - direction * offset, load)
+            for offset, load in zip(offsets[:, 0], stick_load[:, 0], strict=True)
+        ]
+    )
+    return np.asarray(np.sign(tangential_load) * friction_coefficient * (pressure - stick_pressure))
+
+
 def _fit_of_friction_law(discrepancy: Discrepancy) -> ProblemFit | None:
     """Fit of |q| = constant + slope p to a result's shear where the reference slips: a law that is
     no coefficient of friction, such as a shear strength (slope 0) or cohesion (slope f). Returns
@@ -679,64 +760,109 @@ def _fit_of_friction_law(discrepancy: Discrepancy) -> ProblemFit | None:
 
     None where such a law leaves more than a tenth of the norm that a coefficient leaves. None too
     where its constant is small or it falls with p, for fewer than eight points in slip, and without
-    friction or shear. `discrepancy` holds the tractions of result and reference.
+    friction or shear.
 
     # notation: f coefficient of friction, p pressure, p_ref scale of pressure, q shear
     """
-    friction = discrepancy.scene.friction.coefficient
-    if not friction or not discrepancy.has_shear:
+    friction_coefficient = discrepancy.scene.friction.coefficient
+    if not friction_coefficient or not discrepancy.has_shear:
         return None
-    # state (stick, slip, open) of the reference at the instants compared
-    state = discrepancy.comparison.reference_cycle.state[discrepancy.instants_of_cycle]
-    is_slip_state = (state == SLIP_FORWARD) | (state == SLIP_REVERSE)
-    slip_direction = np.where(is_slip_state, np.sign(discrepancy.reference_tractions[SHEAR]), 0.0)
+    slip_direction = _slip_direction_of_reference(discrepancy)
     pressure = discrepancy.result_tractions[PRESSURE]
-    shear_along_slip = slip_direction * discrepancy.result_tractions[SHEAR]
     is_pressed = pressure > _LARGEST_OPEN_PRESSURE_SHARE * pressure.max()
     # weight 0: the result has no number there
     is_in_slip = (slip_direction != 0) & is_pressed & (discrepancy.weight > 0)
     if is_in_slip.sum() < _FEWEST_IN_SLIP:
         return None
-
-    # least squares of a coefficient alone, then of the law
-    p = pressure[is_in_slip]
-    q = shear_along_slip[is_in_slip]
-    coefficient_alone = float(p @ q / (p @ p))
-    (constant, slope), *_ = np.linalg.lstsq(np.column_stack([np.ones_like(p), p]), q, rcond=None)
-    mean_square_of_coefficient = float(np.mean((q - coefficient_alone * p) ** 2))
-    mean_square_of_law = float(np.mean((q - constant - slope * p) ** 2))
+    shear_along_slip = slip_direction * discrepancy.result_tractions[SHEAR]
+    law = _fitted_friction_law(pressure[is_in_slip], shear_along_slip[is_in_slip])
     shear_scale = discrepancy.comparison.scales.shear
     # a law through the origin is a coefficient of friction; one that falls is no law
-    if constant < _LEAST_CONSTANT_SHARE * shear_scale or slope < -0.1 * friction:
+    has_small_constant = law.constant < _LEAST_CONSTANT_SHARE * shear_scale
+    if has_small_constant or law.slope < -0.1 * friction_coefficient:
         return None
+
     shear_of_reference = discrepancy.reference_tractions[SHEAR]
-    shear_by_law = np.where(
-        is_in_slip, slip_direction * (constant + slope * pressure), shear_of_reference
+    shear_by_law = slip_direction * (law.constant + law.slope * pressure)
+    shear_by_coefficient = slip_direction * law.coefficient_alone * pressure
+    tractions_by_law = _tractions_with(
+        discrepancy, SHEAR, np.where(is_in_slip, shear_by_law, shear_of_reference)
     )
-    shear_by_coefficient = np.where(
-        is_in_slip, slip_direction * coefficient_alone * pressure, shear_of_reference
+    tractions_by_coefficient = _tractions_with(
+        discrepancy, SHEAR, np.where(is_in_slip, shear_by_coefficient, shear_of_reference)
     )
-    tractions_by_law = _tractions_with(discrepancy, SHEAR, shear_by_law)
     # result minus the law, over f p_ref, at the points in slip
     residual = replace(discrepancy.residual(tractions_by_law, SHEAR), is_in_contact=is_in_slip)
-    noise_square = min(residual.mean_square_of_noise * shear_scale**2, mean_square_of_law)
-    # The law must leave much less than the best coefficient does, both but for the noise.
-    square_left_by_law = mean_square_of_law - noise_square
-    square_left_by_coefficient = mean_square_of_coefficient - noise_square
-    if square_left_by_law > _LARGEST_SHARE_LEFT_BY_LAW**2 * square_left_by_coefficient:
+    if not law.leaves_far_less(residual.mean_square_of_noise * shear_scale**2):
         return None
     return ProblemFit(
         predicted_tractions=tractions_by_law,
-        tractions_to_beat=_tractions_with(discrepancy, SHEAR, shear_by_coefficient),
+        tractions_to_beat=tractions_by_coefficient,
         # the constant, beyond the slope that a coefficient has too
         n_sizes=1,
         judged_points=is_in_slip,
-        sentence_values={"constant": float(constant), "slope": float(slope)},
+        sentence_values={"constant": law.constant, "slope": law.slope},
         evidence=(
             f"{int(is_in_slip.sum())} points in slip; no coefficient of friction leaves less than"
-            f" {mean_square_of_coefficient**0.5 / shear_scale:.2g} of f p_ref of their shear, this"
-            f" law leaves {mean_square_of_law**0.5 / shear_scale:.2g}",
+            f" {law.mean_square_left_by_coefficient**0.5 / shear_scale:.2g} of f p_ref of their"
+            f" shear, this law leaves {law.mean_square_left**0.5 / shear_scale:.2g}",
         ),
+    )
+
+
+def _slip_direction_of_reference(discrepancy: Discrepancy) -> Array:
+    """Direction of slip at each of the k instants and n points, (k, n): 1 or -1, the sign of the
+    reference's shear, where the reference slips; 0 where it sticks or is open.
+    """
+    state = discrepancy.comparison.reference_cycle.state[discrepancy.instants_of_cycle]
+    is_slipping = (state == SLIP_FORWARD) | (state == SLIP_REVERSE)
+    return np.where(is_slipping, np.sign(discrepancy.reference_tractions[SHEAR]), 0.0)
+
+
+class _FrictionLaw(NamedTuple):
+    """The law q = constant + slope p, and a coefficient of friction alone, fitted to the shear q
+    along slip and the pressure p of points in slip.
+
+    Attributes
+    ----------
+    constant
+        shear at no pressure [stress]
+    slope
+        rise of the shear over that of the pressure
+    coefficient_alone
+        coefficient of friction that fits best without a constant
+    mean_square_left, mean_square_left_by_coefficient
+        mean square of the shear that the law, or this coefficient, leaves [stress^2]
+    """
+
+    constant: float
+    slope: float
+    coefficient_alone: float
+    mean_square_left: float
+    mean_square_left_by_coefficient: float
+
+    def leaves_far_less(self, mean_square_of_noise: float) -> bool:
+        """Whether the law leaves at most a tenth of the shear (root mean square) that the
+        coefficient leaves, both but for the noise [stress^2].
+        """
+        noise_square = min(mean_square_of_noise, self.mean_square_left)
+        square_left = self.mean_square_left - noise_square
+        square_left_by_coefficient = self.mean_square_left_by_coefficient - noise_square
+        return square_left <= _LARGEST_SHARE_LEFT_BY_LAW**2 * square_left_by_coefficient
+
+
+def _fitted_friction_law(p: Array, q: Array) -> _FrictionLaw:
+    """The law q = constant + slope p that fits the pressure p (m,) and the shear along slip q (m,)
+    of points in slip best, by least squares; and the coefficient that fits best alone.
+    """
+    coefficient_alone = float(p @ q / (p @ p))
+    (constant, slope), *_ = np.linalg.lstsq(np.column_stack([np.ones_like(p), p]), q, rcond=None)
+    return _FrictionLaw(
+        constant=float(constant),
+        slope=float(slope),
+        coefficient_alone=coefficient_alone,
+        mean_square_left=float(np.mean((q - constant - slope * p) ** 2)),
+        mean_square_left_by_coefficient=float(np.mean((q - coefficient_alone * p) ** 2)),
     )
 
 
@@ -777,38 +903,9 @@ def other_problems(discrepancy: Discrepancy, fit_of_causes: Fit | None) -> Itera
         problem_fit = problem.fit(discrepancy)
         if problem_fit is None:
             continue
-        residual_after = problem.residual(discrepancy, problem_fit.predicted_tractions, problem_fit)
-        # what the scene itself, or the simpler law, leaves on the points of this problem
-        residual_before = problem.residual(discrepancy, problem_fit.tractions_to_beat, problem_fit)
-        mean_square_noise = min(residual_after.mean_square_of_noise, residual_after.mean_square)
-        # norm of what the problem leaves over the norm before it, without noise
-        share_left = share_of_norm(
-            residual_after.mean_square, residual_before.mean_square, mean_square_noise
-        )
-        # probability that noise alone makes this gain, by the F test
-        chance = probability_of_gain(
-            residual_after.mean_square,
-            residual_before.mean_square,
-            residual_after.n_values,
-            n_parameters=problem_fit.n_sizes,
-        )
-        # less than a third must be left, and not by chance (1e-6)
-        if share_left >= LARGEST_SHARE_LEFT or chance >= LARGEST_PROBABILITY_BY_CHANCE:
-            continue
-        if fit_of_causes is not None:
-            residual_of_causes = problem.residual(
-                discrepancy, fit_of_causes.predicted_tractions, problem_fit
-            )
-            # four times the mean square, or by more than chance where noise alone is left
-            is_better_than_causes = leaves_clearly_more(
-                residual_of_causes.mean_square,
-                residual_after.mean_square,
-                residual_after.n_values,
-                is_noise=residual_after.is_noise,
-            )
-            if not is_better_than_causes:
-                continue
-        candidates.append((share_left, problem, problem_fit))
+        share_left = _share_left_if_likely(problem, problem_fit, discrepancy, fit_of_causes)
+        if share_left is not None:
+            candidates.append((share_left, problem, problem_fit))
     if not candidates:
         return
     share_left, problem, problem_fit = min(candidates, key=lambda candidate: candidate[0])
@@ -821,3 +918,57 @@ def other_problems(discrepancy: Discrepancy, fit_of_causes: Fit | None) -> Itera
     )
     # key and sentence of the finding, evidence, strength from 0 to 1
     yield Diagnosis(problem.key, sentence, evidence, 1 - share_left)
+
+
+def _share_left_if_likely(
+    problem: OtherProblem,
+    problem_fit: ProblemFit,
+    discrepancy: Discrepancy,
+    fit_of_causes: Fit | None,
+) -> float | None:
+    """Share of the difference that the tractions of another problem leave, 0 to 1; None where the
+    result is not likely to solve it. The share is that of the norm on the points of the problem,
+    without noise.
+
+    It is likely where less than a third is left, where chance gives this gain with a probability
+    below 1e-6, and where the likely causes leave clearly more.
+
+    Parameters
+    ----------
+    problem, problem_fit
+        the problem, and its tractions fitted to the result with those that they must do better than
+    discrepancy
+        tractions of result and reference
+    fit_of_causes
+        tractions of the reference with the causes that were found to be likely; None where none was
+    """
+    residual_after = problem.residual(discrepancy, problem_fit.predicted_tractions, problem_fit)
+    # what the scene itself, or the simpler law, leaves on the points of this problem
+    residual_before = problem.residual(discrepancy, problem_fit.tractions_to_beat, problem_fit)
+    mean_square_of_noise = min(residual_after.mean_square_of_noise, residual_after.mean_square)
+    # norm of what the problem leaves over the norm before it, without noise
+    share_left = share_of_norm(
+        residual_after.mean_square, residual_before.mean_square, mean_square_of_noise
+    )
+    # probability that noise alone makes this gain, by the F test
+    probability = probability_of_gain(
+        residual_after.mean_square,
+        residual_before.mean_square,
+        residual_after.n_values,
+        n_parameters=problem_fit.n_sizes,
+    )
+    if share_left >= LARGEST_SHARE_LEFT or probability >= LARGEST_PROBABILITY_BY_CHANCE:
+        return None
+    if fit_of_causes is None:
+        return share_left
+    residual_of_causes = problem.residual(
+        discrepancy, fit_of_causes.predicted_tractions, problem_fit
+    )
+    # four times the mean square, or by more than chance where noise alone is left
+    is_better_than_causes = leaves_clearly_more(
+        residual_of_causes.mean_square,
+        residual_after.mean_square,
+        residual_after.n_values,
+        is_noise=residual_after.is_noise,
+    )
+    return share_left if is_better_than_causes else None
