@@ -120,15 +120,50 @@ def find_branches(
     noise = max(row_noise(load), resolution / math.sqrt(12))
     range_of_load = _least_and_largest_load(load, noise)
     _refuse_scatter(load, noise, range_of_load, source)
-    # rows with three crossings or more; rows_before, rows_after: last row before and first row
-    # after each crossing; period: of one cycle, where the rows are repeated
     record = _record_of_two_cycles(displacement, load, time, noise, range_of_load, source)
-    # times at which Q passes the middle of its range
-    crossing_times = _crossing_times(
-        record.load, record.time, record.rows_before, record.rows_after, sum(range_of_load) / 2
-    )
     _refuse_few_rows(record, source)
+    turns = _turns_of_record(record, sum(range_of_load) / 2, noise)
+    return _branches_between(turns, load, time, noise)
 
+
+class _Turns(NamedTuple):
+    """Turning points of Q in the rows of a measured loop.
+
+    Attributes
+    ----------
+    times
+        (m,) times of the turning points, ascending; highest and lowest ones by turns
+    first_is_highest
+        whether Q is highest at the first of these times
+    highest, lowest
+        Q at the highest and at the lowest turning point, in the mean over all cycles
+    """
+
+    times: Array
+    first_is_highest: bool
+    highest: TurningPoint
+    lowest: TurningPoint
+
+
+def _turns_of_record(record: _CyclicRows, middle_load: float, noise: float) -> _Turns:
+    """The turning points of Q in a record with three crossings or more of the middle of Q's range:
+    one between each two crossings, and one beyond the first and the last crossing.
+
+    Parameters
+    ----------
+    record
+        Q and time of the rows; last row before and first row after each crossing, and whether Q
+        rises there; `period` of one cycle, where the rows are repeated
+    middle_load
+        middle of Q's range
+    noise
+        standard deviation of Q
+
+    # notation: Q tangential load
+    """
+    crossing_times = _crossing_times(
+        record.load, record.time, record.rows_before, record.rows_after, middle_load
+    )
     # turning points, and how long after the centre of two crossings they come
     highest_turn, highest_after_centre = _mean_turning_point(record, crossing_times, True, noise)
     lowest_turn, lowest_after_centre = _mean_turning_point(record, crossing_times, False, noise)
@@ -136,7 +171,7 @@ def find_branches(
         crossing_times, record.rises_at_crossing, highest_after_centre, lowest_after_centre
     )
     # Q falls at the first crossing, and so the turning point before it is a highest one
-    first_turn_is_highest = not bool(record.rises_at_crossing[0])
+    first_is_highest = not bool(record.rises_at_crossing[0])
     if record.is_repeated:
         # The two turning points in the middle of a record that was repeated are known best: they
         # are taken again in the two periods before and after. `turn_times` now begins with a copy
@@ -144,21 +179,31 @@ def find_branches(
         turn_times = np.concatenate(
             [turn_times[1:3] + n_periods * record.period for n_periods in range(-2, 3)]
         )
-        first_turn_is_highest = not first_turn_is_highest
+        first_is_highest = not first_is_highest
+    return _Turns(turn_times, first_is_highest, highest_turn, lowest_turn)
 
-    # branch of each row, and how much of it has passed
-    branch_number = np.asarray(np.searchsorted(turn_times, time, side="right") - 1)
-    begins_at_highest = (branch_number % 2 == 0) == first_turn_is_highest
-    load_at_begin = np.where(begins_at_highest, highest_turn.load, lowest_turn.load)
+
+def _branches_between(turns: _Turns, load: Array, time: Array, noise: float) -> Branches:
+    """The branch of each row between two turning points of Q, rising or falling, and the number of
+    cycles up to the row. `load` and `time` (n,) are Q and time of the rows, `noise` is the standard
+    deviation of Q.
+
+    # notation: Q tangential load
+    """
+    branch_number = np.asarray(np.searchsorted(turns.times, time, side="right") - 1)
+    begins_at_highest = (branch_number % 2 == 0) == turns.first_is_highest
+    load_at_begin = np.where(begins_at_highest, turns.highest.load, turns.lowest.load)
     change_since_begin = np.abs(load - load_at_begin)
-    share_of_branch = np.clip(change_since_begin / (highest_turn.load - lowest_turn.load), 0.0, 1.0)
+    share_of_branch = np.clip(
+        change_since_begin / (turns.highest.load - turns.lowest.load), 0.0, 1.0
+    )
     # an even number at each lowest turning point; which of them is 0 does not matter
-    branches_since_lowest = branch_number + share_of_branch + (1 if first_turn_is_highest else 0)
+    branches_since_lowest = branch_number + share_of_branch + (1 if turns.first_is_highest else 0)
     return Branches(
         phase=branches_since_lowest / 2,
         is_rising=~begins_at_highest,
-        highest_turn=highest_turn,
-        lowest_turn=lowest_turn,
+        highest_turn=turns.highest,
+        lowest_turn=turns.lowest,
         load_noise=noise,
     )
 
@@ -486,36 +531,13 @@ def _closing_row(
     """
     if not len(rows_before):
         return None
-    # runs of neighbouring rows with Q above its middle and below it, by turns
-    runs_of_rows = np.split(np.arange(len(load)), rows_before + 1)
-    is_high_at_begin = not bool(rises_at_crossing[0])
-    loads_of_first_run = load[runs_of_rows[0]]
-    if is_high_at_begin:
-        leaves_middle_at_begin = np.max(loads_of_first_run) > load[0] + 4 * noise
-    else:
-        leaves_middle_at_begin = np.min(loads_of_first_run) < load[0] - 4 * noise
-    is_rising_at_begin = bool(leaves_middle_at_begin) == is_high_at_begin
-
-    # The branch of the first row begins again at the first lowest Q behind a highest one, or the
-    # other way round.
-    index_of_turning_run = 1 if is_rising_at_begin == is_high_at_begin else 2
-    if len(runs_of_rows) <= index_of_turning_run:
+    rows_of_branch = _first_branch_a_cycle_later(load, rows_before, rises_at_crossing, noise)
+    if rows_of_branch is None:
         return None
-    turning_run = runs_of_rows[index_of_turning_run]
-    loads_of_run = load[turning_run]
-    place_in_run = np.argmin(loads_of_run) if is_rising_at_begin else np.argmax(loads_of_run)
-    turning_row = int(turning_run[place_in_run])
-    # Behind the next turning point rows lie on the other branch, which is nearer than a step.
-    loads_behind_turn = load[turning_row:]
-    if is_rising_at_begin:
-        rows_to_next_turn = int(np.argmax(loads_behind_turn))
-    else:
-        rows_to_next_turn = int(np.argmin(loads_behind_turn))
-    row_beyond_branch = turning_row + rows_to_next_turn + 1
 
     # rows of that branch that lie near to the first row
-    load_from_first = load[turning_row:row_beyond_branch] - load[0]
-    displacement_from_first = displacement[turning_row:row_beyond_branch] - displacement[0]
+    load_from_first = load[rows_of_branch] - load[0]
+    displacement_from_first = displacement[rows_of_branch] - displacement[0]
     largest_load_step = float(np.max(np.abs(np.diff(load))))
     largest_displacement_step = float(np.max(np.abs(np.diff(displacement))))
     # Along the branch U changes with Q, roughly as over the whole loop; across the loop it changes
@@ -533,7 +555,73 @@ def _closing_row(
     relative_distance = np.hypot(
         load_from_first / np.ptp(load), displacement_from_first / np.ptp(displacement)
     )
-    return turning_row + int(np.argmin(np.where(is_near_first, relative_distance, math.inf)))
+    nearest = np.argmin(np.where(is_near_first, relative_distance, math.inf))
+    return int(rows_of_branch.start) + int(nearest)
+
+
+def _first_branch_a_cycle_later(
+    load: Array, rows_before: NDArray[np.intp], rises_at_crossing: NDArray[np.bool_], noise: float
+) -> slice | None:
+    """Rows of a measured loop on the branch of the first row, rising or falling, a cycle later. The
+    branch begins at the first lowest Q behind a highest one, or the other way round, and ends at
+    the next turning point. None where the rows do not reach it.
+
+    Parameters
+    ----------
+    load
+        (n,) Q of the rows
+    rows_before, rises_at_crossing
+        (k,) last row before each crossing of the middle of Q, and whether Q rises there; k > 0
+    noise
+        standard deviation of Q
+
+    # notation: Q tangential load
+    """
+    # runs of neighbouring rows with Q above its middle and below it, by turns
+    runs_of_rows = np.split(np.arange(len(load)), rows_before + 1)
+    is_high_at_begin = not bool(rises_at_crossing[0])
+    is_rising_at_begin = _rises_at_begin(load, runs_of_rows[0], is_high_at_begin, noise)
+    index_of_turning_run = 1 if is_rising_at_begin == is_high_at_begin else 2
+    if len(runs_of_rows) <= index_of_turning_run:
+        return None
+    turning_run = runs_of_rows[index_of_turning_run]
+    loads_of_run = load[turning_run]
+    place_in_run = np.argmin(loads_of_run) if is_rising_at_begin else np.argmax(loads_of_run)
+    turning_row = int(turning_run[place_in_run])
+    # Behind the next turning point rows lie on the other branch, which is nearer than a step.
+    loads_behind_turn = load[turning_row:]
+    if is_rising_at_begin:
+        rows_to_next_turn = int(np.argmax(loads_behind_turn))
+    else:
+        rows_to_next_turn = int(np.argmin(loads_behind_turn))
+    return slice(turning_row, turning_row + rows_to_next_turn + 1)
+
+
+def _rises_at_begin(
+    load: Array, first_run: NDArray[np.intp], is_high_at_begin: bool, noise: float
+) -> bool:
+    """Whether the first row of a measured loop lies on the branch on which Q rises. Of the rows
+    before the first crossing of the middle of Q some go farther from the middle than the first
+    one, by four standard deviations, where Q leaves the middle at first.
+
+    Parameters
+    ----------
+    load
+        (n,) Q of the rows
+    first_run
+        indices of the rows before the first crossing
+    is_high_at_begin
+        whether these lie above the middle
+    noise
+        standard deviation of Q
+
+    # notation: Q tangential load
+    """
+    if is_high_at_begin:
+        leaves_middle_at_begin = np.max(load[first_run]) > load[0] + 4 * noise
+    else:
+        leaves_middle_at_begin = np.min(load[first_run]) < load[0] - 4 * noise
+    return bool(leaves_middle_at_begin) == is_high_at_begin
 
 
 def _crossing_times(
@@ -583,10 +671,9 @@ def _turning_point(
     in time.
 
     A crossing is where Q passes the middle of its range. Two parabolas that meet at the turning
-    point describe a wave that is round there as well as one with a vertex. They are fitted to the
-    rows in a window around it, which grows as long as they describe the rows to within the noise.
-    The error is that by noise, and the change since the window before. Where no window has such a
-    fit the highest row counts.
+    point are fitted to the rows in a window around it, which grows as long as they describe the
+    rows to within the noise. The error is that by noise, and the change since the window before.
+    Where no window has such a fit the highest row counts.
 
     Parameters
     ----------
@@ -605,42 +692,23 @@ def _turning_point(
     # notation: Q tangential load
     """
     sign = 1.0 if is_top else -1.0
-    height = sign * load  # Q, or -Q where the lowest Q is sought
     half_duration = float(np.median(lengths)) / 2
     rows_before_begin = np.searchsorted(time, centres - half_duration)
     rows_before_end = np.searchsorted(time, centres + half_duration)
-    rows_in_half_duration = float(np.mean(rows_before_end - rows_before_begin)) / 2
-    # (n,) time since the nearest centre, negative before it: -1 and 1 at the crossings
-    scaled_time = _time_from_nearest(centres, time) / half_duration
-
-    # First guess of the turning point: the middle of the rows that are nearly as high as any.
-    is_between_crossings = np.abs(scaled_time) < 1
-    largest_height = float(np.max(height[is_between_crossings]))
-    least_height = largest_height - 0.05 * np.ptp(height) - 2 * noise
-    is_near_top = is_between_crossings & (height >= least_height)
-    guessed_time = float(np.median(scaled_time[is_near_top]))
-
-    # Fits in longer and longer windows: from 3 rows on each side of the guessed time on, each 1.5
-    # times the one before. Parabolas with residuals of 1.15 times the noise are still good.
-    fits: list[_FitOfTop] = []
-    rows_in_half_window = float(_FEWEST_ROWS_OF_HALF_WINDOW)
-    while rows_in_half_window < max(rows_in_half_duration, _FEWEST_ROWS_OF_HALF_WINDOW + 0.5):
-        half_window = (rows_in_half_window + 0.5) / rows_in_half_duration
-        is_in_window = np.abs(scaled_time - guessed_time) <= half_window
-        time_in_window = (scaled_time[is_in_window] - guessed_time) / half_window
-        # highest value, its time over half the window, and residual; None for too few rows
-        parabolas = _highest_of_two_parabolas(time_in_window, height[is_in_window])
-        if parabolas is not None:
-            top_height, top_time_in_window, residual_rms = parabolas
-            # this window is too long for parabolas: the one before counts
-            if fits and residual_rms > _LARGEST_RATIO_TO_NOISE * noise:
-                break
-            top_time = guessed_time + top_time_in_window * half_window
-            fits.append(_FitOfTop(top_height, top_time, rows_in_half_window))
-        rows_in_half_window *= _GROWTH_OF_WINDOW
-
+    rows_around_top = _RowsAroundTop(
+        height=sign * load,
+        # -1 and 1 at the crossings beside the nearest centre
+        scaled_time=_time_from_nearest(centres, time) / half_duration,
+        rows_in_half_duration=float(np.mean(rows_before_end - rows_before_begin)) / 2,
+        noise=noise,
+    )
+    largest_height = rows_around_top.largest_height
+    guessed_time = rows_around_top.guessed_time
+    fits = rows_around_top.fits_in_growing_windows(guessed_time)
     if not fits:
-        error_of_row = float(noise + np.ptp(height) / rows_in_half_duration)
+        error_of_row = float(
+            noise + np.ptp(rows_around_top.height) / rows_around_top.rows_in_half_duration
+        )
         return TurningPoint(sign * largest_height, error_of_row), guessed_time * half_duration
     longest_fit = fits[-1]
     height_by_shorter_window = fits[-2].height if len(fits) > 1 else largest_height
@@ -651,6 +719,76 @@ def _turning_point(
     error = math.hypot(error_by_noise, longest_fit.height - height_by_shorter_window)
     turning_point = TurningPoint(sign * longest_fit.height, error)
     return turning_point, longest_fit.scaled_time * half_duration
+
+
+@dataclass(frozen=True, eq=False)
+class _RowsAroundTop:
+    """Rows of a measured loop around its highest Q, all cycles laid over each other in time; or
+    around its lowest Q, with the sign changed.
+
+    Attributes
+    ----------
+    height
+        (n,) Q, or -Q where the lowest Q is sought
+    scaled_time
+        (n,) time since the nearest centre between two crossings of the middle of Q, over half of
+        the time between them: -1 and 1 at the crossings
+    rows_in_half_duration
+        number of rows in half of that time, in one cycle
+    noise
+        standard deviation of Q
+    """
+
+    height: Array
+    scaled_time: Array
+    rows_in_half_duration: float
+    noise: float
+
+    @property
+    def largest_height(self) -> float:
+        """Height of the highest row."""
+        return float(np.max(self.height[self._is_between_crossings]))
+
+    @property
+    def guessed_time(self) -> float:
+        """First guess of the turning point's scaled time: the middle of the rows that are nearly as
+        high as any.
+        """
+        least_height = self.largest_height - 0.05 * np.ptp(self.height) - 2 * self.noise
+        is_near_top = self._is_between_crossings & (self.height >= least_height)
+        return float(np.median(self.scaled_time[is_near_top]))
+
+    @property
+    def _is_between_crossings(self) -> NDArray[np.bool_]:
+        """(n,) whether a row lies on the side of the turning point of Q's middle."""
+        return np.abs(self.scaled_time) < 1
+
+    def fits_in_growing_windows(self, middle_time: float) -> list[_FitOfTop]:
+        """Fits of two parabolas to the rows in longer and longer windows around a scaled time. They
+        describe a wave that is round at its turning point as well as one with a vertex.
+
+        A window has 3 rows on each side of its middle at first, and 1.5 times as many each time.
+        The last one is that before the residuals of the parabolas exceed 1.15 times the noise, and
+        is shorter than half of the time between two crossings.
+        """
+        fits: list[_FitOfTop] = []
+        rows_in_half_window = float(_FEWEST_ROWS_OF_HALF_WINDOW)
+        most_rows = max(self.rows_in_half_duration, _FEWEST_ROWS_OF_HALF_WINDOW + 0.5)
+        while rows_in_half_window < most_rows:
+            half_window = (rows_in_half_window + 0.5) / self.rows_in_half_duration
+            is_in_window = np.abs(self.scaled_time - middle_time) <= half_window
+            time_in_window = (self.scaled_time[is_in_window] - middle_time) / half_window
+            # highest value, its time over half the window, and residual; None for too few rows
+            parabolas = _highest_of_two_parabolas(time_in_window, self.height[is_in_window])
+            if parabolas is not None:
+                top_height, top_time_in_window, residual_rms = parabolas
+                # this window is too long for parabolas: the one before counts
+                if fits and residual_rms > _LARGEST_RATIO_TO_NOISE * self.noise:
+                    break
+                top_time = middle_time + top_time_in_window * half_window
+                fits.append(_FitOfTop(top_height, top_time, rows_in_half_window))
+            rows_in_half_window *= _GROWTH_OF_WINDOW
+        return fits
 
 
 class _FitOfTop(NamedTuple):
