@@ -18,6 +18,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 import scipy
@@ -204,22 +205,9 @@ def _check_part(
     thickness], Q by f times that, f = `friction`. The error also names the end of the part.
     """
     end_instant = instant(segment, end)
-    # (load combination, its excess over the limit, reason, tolerance of the excess)
-    excesses_at_end = [(NORMAL_LOAD, -end_instant.normal_load, "separation", slack)]
-    for direction in (1, -1):
-        excess_of_friction = (
-            direction * end_instant.tangential_load - friction * end_instant.normal_load
-        )
-        excesses_at_end.append(
-            (
-                slip_combination(direction, friction),
-                excess_of_friction,
-                "gross sliding",
-                slack * friction,
-            )
-        )
     faults = []
-    for combination, excess, reason, tolerance in excesses_at_end:
+    for combination, excess, reason in _excesses_over_limits(end_instant, friction):
+        tolerance = slack if combination is NORMAL_LOAD else slack * friction
         if excess > tolerance:
             # -P grows to its limit 0, and so do Q - f P and -Q - f P.
             sign_of_growth = -1.0 if combination is NORMAL_LOAD else 1.0
@@ -251,6 +239,25 @@ def _check_part(
         LoadedInstant(end_instant.time, end_instant.normal_load, end_instant.tangential_load),
         friction=friction,
     )
+
+
+def _excesses_over_limits(
+    at: Instant, friction: float
+) -> list[tuple[Combination, float, Literal["separation", "gross sliding"]]]:
+    """By how much the loads P and Q of an instant exceed the limits of contact, negative within
+    them: load combination, excess [force per thickness] and what happens beyond the limit.
+
+    First P: the excess is -P, separation. Then Q - f P and -Q - f P, gross sliding forward and in
+    reverse, f = `friction`.
+    """
+    excesses: list[tuple[Combination, float, Literal["separation", "gross sliding"]]] = [
+        (NORMAL_LOAD, -at.normal_load, "separation")
+    ]
+    for direction in (1, -1):
+        excess_of_friction = direction * at.tangential_load - friction * at.normal_load
+        combination = slip_combination(direction, friction)
+        excesses.append((combination, excess_of_friction, "gross sliding"))
+    return excesses
 
 
 def monotonic_parts(segment: LoadSegment, friction: float) -> list[tuple[float, float]]:
@@ -553,61 +560,92 @@ def _directions_on(
     """Parts by direction of slip of an unloading path between two times, while P is within one
     `piece` of the memory curve M(P): begin time, end time and direction of each.
 
-    M(eta) is the tangential force of the flat punches up to the load eta. A piece has its `anchor`,
-    the instant of the path (P and Q) from which it is measured, the slope dM/d eta there and
-    `bend`, half of d2M/d eta2. `combination_change` is the change of a combination of the loads
-    since the anchor, `force_on_piece` is M. The direction is the sign of Q - M(P). It is sampled at
-    some times and at turning points, and changes where Q - M(P) = 0.
+    M(eta) is the tangential force of the flat punches up to the load eta. The direction is the sign
+    of Q - M(P), 1, -1 or 0. It is sampled at some times, and changes where Q - M(P) = 0. Q - M(P)
+    counts as 0 up to 1e-14 of f times P plus |Q| at the upper end of the piece (`anchor`).
     """
-    # A piece is a line, a parabola, or an arc: the course of the curved load path itself.
-    is_arc = piece.arc is not None
-    is_line = not is_arc and piece.bend == 0
-    along_line = Combination(-piece.slope, 1.0)  # Q - slope P
-
-    def force_above_curve(time: ArrayLike) -> Array:
-        """Q - M(P) at times of the segment, any shape [force per thickness]."""
-        if is_line:
-            return combination_change(piece.anchor, segment, along_line, time)
-        normal_load, tangential_load = segment.loads(time)
-        return tangential_load - force_on_piece(
-            piece, np.clip(normal_load, piece.bottom_load, piece.anchor.normal_load)
-        )
-
-    # Q - M(P) at some times, and its side of the curve: 1, -1 or 0
-    turning_times = [] if is_arc else segment.turning_points(along_line)
-    turning_times_inside = [time for time in turning_times if begin < time < end]
-    # _SAMPLES_OF_CURVED_PIECE: 33
-    n_samples = 3 if is_line else _SAMPLES_OF_CURVED_PIECE
-    sample_times = np.unique([*np.linspace(begin, end, n_samples), *turning_times_inside])
+    force_above_piece = _ForceAbovePiece(piece, segment)
+    sample_times = force_above_piece.sample_times(begin, end)
+    forces = force_above_piece(sample_times)
     # _ROUND_OFF_SHARE: 1e-14
     force_roundoff = _ROUND_OFF_SHARE * (
         friction * piece.anchor.normal_load + abs(piece.anchor.tangential_load)
     )
-    forces_above_curve = force_above_curve(sample_times)
-    side_of_samples = np.where(
-        np.abs(forces_above_curve) <= force_roundoff, 0, np.sign(forces_above_curve)
-    ).astype(int)
-    if not np.any(side_of_samples):
+    direction_at_samples = np.where(np.abs(forces) <= force_roundoff, 0, np.sign(forces)).astype(
+        int
+    )
+    if not np.any(direction_at_samples):
         return [(begin, end, 0)]
 
     # the direction changes where Q - M(P) = 0 between two samples
-    samples_off_curve = np.flatnonzero(side_of_samples)
+    samples_off_curve = np.flatnonzero(direction_at_samples)
     begin_times = [begin]
-    directions = [int(side_of_samples[samples_off_curve[0]])]
+    directions = [int(direction_at_samples[samples_off_curve[0]])]
     # _STICK_EDGE_ROUNDOFF_SHARE: 2e-15
     time_tolerance = _STICK_EDGE_ROUNDOFF_SHARE * (end - begin)
     for sample_number, next_sample_number in pairwise(samples_off_curve):
-        if side_of_samples[sample_number] != side_of_samples[next_sample_number]:
+        if direction_at_samples[sample_number] != direction_at_samples[next_sample_number]:
             crossing_time = scipy.optimize.brentq(
-                force_above_curve,
+                force_above_piece,
                 sample_times[sample_number],
                 sample_times[next_sample_number],
                 xtol=time_tolerance,
                 rtol=_STICK_EDGE_ROUNDOFF_SHARE,
             )
             begin_times.append(float(crossing_time))
-            directions.append(int(side_of_samples[next_sample_number]))
+            directions.append(int(direction_at_samples[next_sample_number]))
     return list(zip(begin_times, [*begin_times[1:], end], directions, strict=True))
+
+
+@dataclass(frozen=True)
+class _ForceAbovePiece:
+    """Q - M(P) along a load segment while P is within one piece of the memory curve, as a function
+    of time.
+
+    M(eta) is the tangential force of the flat punches up to the load eta. A piece is a line, a
+    parabola, or an arc: the course of the curved load path itself.
+    """
+
+    piece: Piece
+    segment: LoadSegment
+
+    @property
+    def is_line(self) -> bool:
+        """Whether the piece is straight: no arc, and no `bend`, half of d2M/d eta2."""
+        return self.piece.arc is None and self.piece.bend == 0
+
+    @property
+    def along_line(self) -> Combination:
+        """The load combination Q - slope P, which is constant along the line of the piece's slope
+        dM/d eta at its `anchor`.
+        """
+        return Combination(-self.piece.slope, 1.0)
+
+    def __call__(self, time: ArrayLike) -> Array:
+        """Q - M(P) at times of the segment, any shape [force per thickness].
+
+        The `anchor` is the instant of the path (P and Q) from which the piece is measured. Of a
+        line it is the change of Q - slope P since then.
+        """
+        piece = self.piece
+        if self.is_line:
+            return combination_change(piece.anchor, self.segment, self.along_line, time)
+        normal_load, tangential_load = self.segment.loads(time)
+        return tangential_load - force_on_piece(
+            piece, np.clip(normal_load, piece.bottom_load, piece.anchor.normal_load)
+        )
+
+    def sample_times(self, begin: float, end: float) -> Array:
+        """Ascending times from `begin` to `end` at which the sign of Q - M(P) is looked at: three
+        along a line, 33 along a curved piece, and turning points of Q - slope P, except on an arc.
+        """
+        # _SAMPLES_OF_CURVED_PIECE: 33
+        n_samples = 3 if self.is_line else _SAMPLES_OF_CURVED_PIECE
+        turning_times: Sequence[float] = []
+        if self.piece.arc is None:
+            turning_times = self.segment.turning_points(self.along_line)
+        turning_times_inside = [time for time in turning_times if begin < time < end]
+        return np.unique([*np.linspace(begin, end, n_samples), *turning_times_inside])
 
 
 @dataclass(frozen=True)
@@ -708,11 +746,37 @@ class History:
         InputError
             For a time outside the path.
         """
+        span_number, times_in_segments = self._spans_at(time)
+        # times of each span, in the time of its load segments
+        order_by_span = np.argsort(span_number, kind="stable")
+        numbers_with_times, first_of_span = np.unique(span_number[order_by_span], return_index=True)
+        times_of_spans = np.split(times_in_segments[order_by_span], first_of_span[1:])
+        # states in the order of the spans
+        snapshot = snapshot_of(
+            (self.spans[number], times)
+            for number, times in zip(numbers_with_times, times_of_spans, strict=True)
+        )
+
+        # back to the order of the instants
+        order_in_time = np.argsort(order_by_span)
+        column_names = ("time", "load", "force", "slip_zone_load", "direction", "piece_number")
+        return replace(
+            snapshot, **{name: getattr(snapshot, name)[order_in_time] for name in column_names}
+        )
+
+    def _spans_at(self, time: Array) -> tuple[Array, Array]:
+        """Number of the time span of stick or slip that each instant belongs to, and the instant in
+        the time of that span's load segment, (n,) each.
+
+        An instant between two spans belongs to the one that ends there. A span's `delay` is how
+        much later it is than its segment, a number of whole periods. InputError for a time outside
+        the path.
+        """
         spans = self.spans
         span_begins = np.array([span.begin.time for span in spans])
         span_ends = np.array([span.end.time for span in spans])
         span_delays = np.array([span.delay for span in spans])
-        # ends of the spans in the time of the path; a delay is a number of whole periods
+        # ends of the spans in the time of the path
         path_ends = span_ends + span_delays
         path_time, time_slack = time_in_followed_path(
             time, float(span_begins[0] + span_delays[0]), float(path_ends[-1]), self.period
@@ -723,26 +787,9 @@ class History:
             np.searchsorted(path_ends, path_time - time_slack, side="left"), len(spans) - 1
         )
         times_in_segments = np.clip(
-            path_time - span_delays[span_number],
-            span_begins[span_number],
-            span_ends[span_number],
+            path_time - span_delays[span_number], span_begins[span_number], span_ends[span_number]
         )
-
-        # times of each span, in the time of its load segments
-        order_by_span = np.argsort(span_number, kind="stable")
-        numbers_with_times, first_of_span = np.unique(span_number[order_by_span], return_index=True)
-        times_of_spans = np.split(times_in_segments[order_by_span], first_of_span[1:])
-        # states in the order of the spans
-        snapshot = snapshot_of(
-            (spans[k], times) for k, times in zip(numbers_with_times, times_of_spans, strict=True)
-        )
-
-        # back to the order of the instants
-        order_in_time = np.argsort(order_by_span)
-        column_names = ("time", "load", "force", "slip_zone_load", "direction", "piece_number")
-        return replace(
-            snapshot, **{name: getattr(snapshot, name)[order_in_time] for name in column_names}
-        )
+        return span_number, times_in_segments
 
 
 def follow(
@@ -973,45 +1020,55 @@ def corner_times(contact: Contact, span: Span) -> Array:
     """Times within a time span at which an edge of contact or of stick passes a corner of the
     profile, (n,) ascending; two that differ by round-off count once.
 
-    Integrands over time have a kink there. The memory curve M(eta) is the tangential force of the
-    flat punches up to the load eta. `sticking_piece` is the piece of it that still sticks, from
-    `bottom_load` to `top_load`; its `anchor` is the instant from which it is measured. A span is a
-    time in full stick or with slip in one direction. At a corner P, or the load P_c at the stick
-    edge, is one of `contact.corner_loads`.
+    Integrands over time have a kink there. A span is a time in full stick or with slip in one
+    direction. At a corner P, or the load P_c at the stick edge, is one of `contact.corner_loads`.
     """
     corner_loads = contact.corner_loads
     if not len(corner_loads):
         return corner_loads
-    segment = span.segment
     begin = span.begin
     end = span.end
-    least_load = min(begin.normal_load, end.normal_load)
-    largest_load = max(begin.normal_load, end.normal_load)
     # the edge of contact: P is monotonic in the span
-    passed_loads = corner_loads[(corner_loads > least_load) & (corner_loads < largest_load)]
+    is_passed = (corner_loads > min(begin.normal_load, end.normal_load)) & (
+        corner_loads < max(begin.normal_load, end.normal_load)
+    )
     # `time_of`: when P has changed so much since the begin
-    times_of_passing_corners = [
-        segment.time_of(NORMAL_LOAD, passed_loads - begin.normal_load, begin.time, end.time)
-    ]
-    piece = span.sticking_piece
-    if span.direction and piece is not None:
-        # The stick edge is at a load of the piece when s Q - f P has grown to s M - f eta there.
-        loads_on_piece = corner_loads[
-            (corner_loads > piece.bottom_load) & (corner_loads < piece.top_load)
-        ]
-        # levels: s Q - f P, relative to its value at the anchor
-        combination = slip_combination(span.direction, span.friction)
-        level_at_begin = float(combination_change(piece.anchor, segment, combination, begin.time))
-        levels_at_corners = slip_combination_on_piece(
-            piece, span.direction, span.friction, loads_on_piece
-        )
-        times_of_passing_corners.append(
-            segment.time_of(combination, levels_at_corners - level_at_begin, begin.time, end.time)
-        )
+    times_of_contact_edge = span.segment.time_of(
+        NORMAL_LOAD, corner_loads[is_passed] - begin.normal_load, begin.time, end.time
+    )
     shortest_time = 1e-12 * max(abs(begin.time), abs(end.time), end.time - begin.time)
-    sorted_times = np.sort(np.concatenate(times_of_passing_corners))
+    sorted_times = np.sort(
+        np.concatenate([times_of_contact_edge, _times_of_stick_edge_at(corner_loads, span)])
+    )
     is_inside_span = (sorted_times - begin.time > shortest_time) & (
         end.time - sorted_times > shortest_time
     )
     inner_times = sorted_times[is_inside_span]
     return inner_times[np.diff(inner_times, prepend=-np.inf) > shortest_time]
+
+
+def _times_of_stick_edge_at(loads: Array, span: Span) -> Array:
+    """Times within a time span of slip at which the load P_c at the stick edge is one of `loads`,
+    (k,); empty in a span without slip or without stick.
+
+    The memory curve M(eta) is the tangential force of the flat punches up to the load eta.
+    `sticking_piece` is the piece of it that still sticks, from `bottom_load` to `top_load`; loads
+    outside are left out. Its `anchor` is the instant from which it is measured. The stick edge is
+    at a load eta of the piece when s Q - f P has grown to s M(eta) - f eta, s the direction of
+    slip.
+    """
+    piece = span.sticking_piece
+    if not span.direction or piece is None:
+        return np.zeros(0)
+    loads_on_piece = loads[(loads > piece.bottom_load) & (loads < piece.top_load)]
+    # levels: s Q - f P, relative to its value at the anchor
+    combination = slip_combination(span.direction, span.friction)
+    level_at_begin = float(
+        combination_change(piece.anchor, span.segment, combination, span.begin.time)
+    )
+    levels_at_loads = slip_combination_on_piece(
+        piece, span.direction, span.friction, loads_on_piece
+    )
+    return span.segment.time_of(
+        combination, levels_at_loads - level_at_begin, span.begin.time, span.end.time
+    )

@@ -308,88 +308,145 @@ def _force_of_punches(half_widths: Array) -> Array:
     return np.asarray(force_of_hats)
 
 
+@dataclass(frozen=True, eq=False)
+class _PunchProblem:
+    """What is needed to find the extra slip by flat punches of given half-widths: values at m
+    points, all half-widths but the last.
+
+    Attributes
+    ----------
+    direction
+        sigma, direction of the extra slip, +1 or -1
+    shear_per_density, slip_per_density
+        (m, m) influence matrices: shear and slip at the points by a unit of the density mu at each
+    force_per_density
+        (m,) tangential force, over pi E*/2, by a unit of mu at each point
+    excess
+        (m,) sigma q - f p of the memory curve: by how much slip along sigma is beyond the Coulomb
+        limit [stress]
+    excess_of_reverse_slip
+        (m,) -sigma q - f p [stress]
+    excess_tolerance
+        excess that is round-off [stress]
+    is_at_edge
+        (m,) whether the point slips at the edge by the memory curve already
+    """
+
+    direction: int
+    shear_per_density: Array
+    slip_per_density: Array
+    force_per_density: Array
+    excess: Array
+    excess_of_reverse_slip: Array
+    excess_tolerance: float
+    is_at_edge: NDArray[np.bool_]
+
+    @classmethod
+    def of_contact(cls, contact: _MemoryContact, half_widths: Array) -> _PunchProblem:
+        """The problem on punches of the given half-widths (m + 1,).
+
+        `contact` holds q and f p of the memory curve as functions of x, the direction of the extra
+        slip, E*, and the half-width outside of which the edge slips.
+        """
+        direction = contact.direction
+        points = half_widths[:-1]
+        shear_per_density, slip_per_density = _shear_and_slip_of_punches(
+            points, half_widths, contact.modulus
+        )
+        shear, coulomb_limit = contact.tractions(points)
+        excess = direction * shear - coulomb_limit
+        return cls(
+            direction=direction,
+            shear_per_density=shear_per_density,
+            slip_per_density=slip_per_density,
+            force_per_density=_force_of_punches(half_widths),
+            excess=excess,
+            excess_of_reverse_slip=-direction * shear - coulomb_limit,
+            # _ROUND_OFF_SHARE: 1e-9
+            excess_tolerance=_ROUND_OFF_SHARE * float(np.max(excess)),
+            is_at_edge=points >= contact.stick_half_width,
+        )
+
+    def densities_and_slip_at_middle(self, states: Indices) -> tuple[Array, float]:
+        """Density mu at the points, (m,), and slip at x = 0, if each point is in the given state
+        (m,): 1 slips along `direction`, 0 sticks, -1 slips the other way.
+
+        A sticking point does not slip further, w = 0. The shear of a slipping one comes to the
+        limit. Slip at the edge is at its limit already: r = 0. The last equation is int r dx = 0, r
+        the shear that the slip makes.
+        """
+        n_points = len(states)
+        is_sticking_point = states == _STICKING
+        equations_matrix = np.zeros((n_points + 1, n_points + 1))
+        equations_matrix[:n_points, :n_points] = np.where(
+            is_sticking_point[:, None], self.slip_per_density, self.shear_per_density
+        )
+        equations_matrix[:n_points, n_points] = is_sticking_point
+        equations_matrix[n_points, :n_points] = self.force_per_density
+        right_hand_side = np.zeros(n_points + 1)
+        right_hand_side[:n_points] = np.where(
+            states == _SLIPPING, -self.direction * self.excess, 0.0
+        )
+        right_hand_side[:n_points] += np.where(
+            (states == _SLIPPING_BACK) & ~self.is_at_edge,
+            self.direction * self.excess_of_reverse_slip,
+            0.0,
+        )
+        *densities, slip_at_middle = np.linalg.solve(equations_matrix, right_hand_side)
+        return np.array(densities), float(slip_at_middle)
+
+    def corrected_states(self, states: Indices, densities: Array, slip_at_middle: float) -> Indices:
+        """States of the points, (m,), with those changed that are wrong under a density mu of
+        punches (m,) and a slip at x = 0: 1 slips along `direction`, 0 sticks, -1 slips the other
+        way.
+
+        A slipping point that moves against its direction sticks. A sticking point whose |q| exceeds
+        the limit slips in the direction of q.
+        """
+        added_shear = self.direction * (self.shear_per_density @ densities)
+        added_slip = self.direction * (self.slip_per_density @ densities + slip_at_middle)
+        slip_roundoff = _ROUND_OFF_SHARE * float(np.max(np.abs(added_slip)))
+        moves_back = (states == _SLIPPING) & (added_slip < -slip_roundoff)
+        moves_back |= (states == _SLIPPING_BACK) & (added_slip > slip_roundoff) & ~self.is_at_edge
+        new_states = np.where(moves_back, _STICKING, states)
+        is_sticking_point = states == _STICKING
+        exceeds_limit = is_sticking_point & (self.excess + added_shear > self.excess_tolerance)
+        new_states = np.where(exceeds_limit, _SLIPPING, new_states)
+        exceeds_limit_of_reverse = is_sticking_point & (
+            self.excess_of_reverse_slip - added_shear > self.excess_tolerance
+        )
+        return np.where(exceeds_limit_of_reverse, _SLIPPING_BACK, new_states)
+
+
 def _slip_on_punches(
     contact: _MemoryContact, half_widths: Array, coarser_solution: InnerSlip | None
 ) -> InnerSlip | None:
     """Extra slip by flat punches of given half-widths (m + 1,), after which |q| <= f p at each of
-    them; None where the search for the slip zone does not converge within 200 trials. `contact`
-    holds the tractions q and f p of the memory curve (tangential force carried up to each load) as
-    a function of x. It also holds the direction of the extra slip, E*, and the half-width outside
-    of which the edge slips.
+    them; None where the search for the slip zone does not converge within 200 trials.
 
-    The zone (active set) starts from that of a coarser solution. It is changed until no sticking
-    point exceeds the limit and no slipping point moves against its direction. Unknowns are the
-    density mu at the points, (m,), and the slip at x = 0; int r dx = 0 is the last equation, r the
-    shear that the slip makes. States of points: 1 slips in `direction`, 0 sticks, -1 slips the
-    other way, as the edge does.
+    The zone (active set) starts from that of a coarser solution, or without one from the points
+    whose q exceeds the limit. It is changed until no sticking point exceeds the limit and no
+    slipping point moves against its direction. States of points: 1 slips in the direction of the
+    extra slip, 0 sticks, -1 slips the other way, as the edge does. `contact` holds the tractions q
+    and f p of the memory curve (tangential force carried up to each load) as a function of x.
     """
-    direction = contact.direction
-    points = half_widths[:-1]
-    # influence matrices (m, m) of the punches
-    shear_per_density, slip_per_density = _shear_and_slip_of_punches(
-        points, half_widths, contact.modulus
-    )
-    # q and f p of the memory curve at the points
-    shear, coulomb_limit = contact.tractions(points)
-    excess = (
-        direction * shear - coulomb_limit
-    )  # beyond the limit of slip in the direction `direction` [stress]
-    excess_of_reverse_slip = -direction * shear - coulomb_limit
-    # _ROUND_OFF_SHARE: 1e-9
-    excess_tolerance = _ROUND_OFF_SHARE * float(np.max(excess))
-    # points outside the stick zone slip at the edge
-    is_at_edge = points >= contact.stick_half_width
-    states = np.where(excess > excess_tolerance, _SLIPPING, _STICKING)
+    problem = _PunchProblem.of_contact(contact, half_widths)
+    states = np.where(problem.excess > problem.excess_tolerance, _SLIPPING, _STICKING)
     if coarser_solution is not None:
         # those of the next smaller half-width
         states = coarser_solution.friction_states[
-            np.searchsorted(coarser_solution.half_widths, points, side="right") - 1
+            np.searchsorted(coarser_solution.half_widths, half_widths[:-1], side="right") - 1
         ]
-    states = np.where(is_at_edge, _SLIPPING_BACK, states)
+    states = np.where(problem.is_at_edge, _SLIPPING_BACK, states)
 
-    # equations for mu and the slip at x = 0
-    n_points = len(points)
-    equations_matrix = np.zeros((n_points + 1, n_points + 1))
-    equations_matrix[n_points, :n_points] = _force_of_punches(half_widths)
-    right_hand_side = np.zeros(n_points + 1)
     for trial in range(_MOST_TRIALS):
-        # A sticking point does not slip further, w = 0; the shear of a slipping one comes to the
-        # limit. Slip at the edge is at its limit already: r = 0.
-        is_sticking_point = states == _STICKING
-        equations_matrix[:n_points, :n_points] = np.where(
-            is_sticking_point[:, None], slip_per_density, shear_per_density
-        )
-        equations_matrix[:n_points, n_points] = is_sticking_point
-        right_hand_side[:n_points] = np.where(states == _SLIPPING, -direction * excess, 0.0)
-        right_hand_side[:n_points] += np.where(
-            (states == _SLIPPING_BACK) & ~is_at_edge, direction * excess_of_reverse_slip, 0.0
-        )
-        *densities, slip_at_middle = np.linalg.solve(equations_matrix, right_hand_side)
-
-        # which points are in the wrong state
-        added_shear = direction * (shear_per_density @ densities)
-        added_slip = direction * (slip_per_density @ densities + slip_at_middle)
-        slip_roundoff = _ROUND_OFF_SHARE * float(np.max(np.abs(added_slip)))
-        moves_back = (states == _SLIPPING) & (added_slip < -slip_roundoff)
-        moves_back |= (states == _SLIPPING_BACK) & (added_slip > slip_roundoff) & ~is_at_edge
-        new_states = np.where(moves_back, _STICKING, states)
-        exceeds_limit = is_sticking_point & (excess + added_shear > excess_tolerance)
-        new_states = np.where(exceeds_limit, _SLIPPING, new_states)
-        exceeds_limit_of_reverse = is_sticking_point & (
-            excess_of_reverse_slip - added_shear > excess_tolerance
-        )
-        new_states = np.where(exceeds_limit_of_reverse, _SLIPPING_BACK, new_states)
+        densities, slip_at_middle = problem.densities_and_slip_at_middle(states)
+        new_states = problem.corrected_states(states, densities, slip_at_middle)
         changed_points = np.flatnonzero(new_states != states)
         if not len(changed_points):
             return InnerSlip(
-                contact.modulus,
-                half_widths,
-                np.array(densities),
-                float(slip_at_middle),
-                direction,
-                states,
+                contact.modulus, half_widths, densities, slip_at_middle, contact.direction, states
             )
-
         # later trials change one point at a time
         if trial > _TRIALS_OF_ALL_POINTS:
             changed_points = changed_points[:1]

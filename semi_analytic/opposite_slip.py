@@ -19,6 +19,7 @@ eta (Masing rule), and so do the formulas of s, U, m_q and W in `tilted_profile`
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Literal
@@ -30,6 +31,11 @@ from scenes.array_types import Array
 from scenes.chebyshev import PiecewiseSeries, piecewise_series_by_halving
 from semi_analytic.quadrature import crowded_nodes, gauss_rule, graded_nodes
 from semi_analytic.tilted_profile import TiltedProfile
+
+KernelName = Literal["inverse_root", "arccosh_ratio"]
+"""Kernel at x of a unit of load on a stick zone: of the traction, or of the slip."""
+Rule = Callable[[Array, Array], tuple[Array, Array]]
+"""Quadrature rule: nodes and weights on ranges from begin to end, along a new last axis."""
 
 # Steps of the continuation in which the loads grow from nothing, and steps of Newton's method in
 # each at most.
@@ -343,18 +349,15 @@ class OppositeSlip(TiltedProfile):
         return np.asarray(self.slip_direction_at(x) * pressure + 0 * np.asarray(load, dtype=float))
 
     def _integral_up_to_largest_load(
-        self, x: ArrayLike, load: ArrayLike, kernel: Literal["inverse_root", "arccosh_ratio"]
+        self, x: ArrayLike, load: ArrayLike, kernel: KernelName
     ) -> Array:
         """Integral over eta from `load` to the largest load P of a kernel K(x, eta): pi times the
         traction (inverse_root), or pi/A times the slip (arccosh_ratio), at x by a unit of load on
         the stick zone I(eta), A = 2/E*. I(eta) is the stick zone after |Q| = f (P - eta). Arrays
         broadcast.
 
-        "inverse_root" is integrated where x is inside the zone, eta > P_x; "arccosh_ratio" where it
-        is outside, eta < P_x. P_x is the load at which a stick edge is at x, where the kernel is
-        singular. `_largest_unloading` is P - eta at the largest |Q|. The ranges between
-        neighbouring loads are integrated one by one and summed from P down: those close to P_x by
-        `graded_nodes`, for singular ends, the others by Gauss' rule.
+        The ranges between neighbouring loads are integrated one by one and summed from P down.
+        `_largest_unloading` is P - eta at the largest |Q|.
         """
         # `intervals`: the contact under each load; its largest load is P
         largest_load = self.intervals.largest_load
@@ -364,12 +367,34 @@ class OppositeSlip(TiltedProfile):
         )
         different_places, column_of_place = np.unique(places, return_inverse=True)
         different_loads, row_of_load = np.unique(loads, return_inverse=True)
-        lower_load = different_loads[:, None]
-        upper_load = np.append(different_loads[1:], largest_load)[:, None]
+        # integrals over the ranges between neighbouring loads, (ranges, places)
+        range_integrals = self._integrals_between_loads(
+            different_places, np.append(different_loads, largest_load), kernel
+        )
+        # summed from the largest load down
+        integrals = np.cumsum(range_integrals[::-1], axis=0)[::-1]
+        return np.asarray(
+            integrals[row_of_load.ravel(), column_of_place.ravel()].reshape(places.shape)
+        )
+
+    def _integrals_between_loads(self, x: Array, load: Array, kernel: KernelName) -> Array:
+        """Integrals over eta of a kernel K(x, eta) between neighbouring loads, (n, k): row i from
+        `load[i]` to `load[i + 1]`, at places x (k,). `load` is (n + 1,), ascending up to the
+        constant P.
+
+        "inverse_root" is integrated where x is inside the stick zone I(eta), eta > P_x;
+        "arccosh_ratio" where it is outside, eta < P_x. P_x is the load at which a stick edge is at
+        x. The kernel is singular there: ranges close to it, at less than three times their length,
+        take `graded_nodes`, for singular ends. The others take Gauss' rule.
+        """
+        largest_load = load[-1]
+        lower_load = load[:-1, None]
+        upper_load = load[1:, None]
         # P_x
-        edge_load = self.load(different_places)
+        edge_load = self.load(x)
         begin_loads = lower_load + 0 * edge_load
         if kernel == "inverse_root":
+            least_load = largest_load - self._largest_unloading
             end_loads = upper_load + 0 * edge_load
             distance_to_edge_load = lower_load - np.maximum(edge_load, least_load)
             is_integrated = (lower_load >= edge_load) & (upper_load > lower_load)
@@ -378,30 +403,38 @@ class OppositeSlip(TiltedProfile):
             distance_to_edge_load = np.minimum(edge_load, largest_load) - end_loads
             is_integrated = end_loads > begin_loads
 
-        # integrals over the ranges between neighbouring loads, (ranges, places)
         range_integrals = np.zeros(is_integrated.shape)
         is_near_edge_load = distance_to_edge_load < 3 * (upper_load - lower_load)
         for takes_rule, rule in (
             (is_integrated & is_near_edge_load, graded_nodes),
             (is_integrated & ~is_near_edge_load, _gauss_nodes),
         ):
-            range_numbers, place_numbers = np.nonzero(takes_rule)
-            # _MOST_INTEGRALS_AT_ONCE: 10,000
-            for first_pair in range(0, len(range_numbers), _MOST_INTEGRALS_AT_ONCE):
-                pairs = (
-                    range_numbers[first_pair : first_pair + _MOST_INTEGRALS_AT_ONCE],
-                    place_numbers[first_pair : first_pair + _MOST_INTEGRALS_AT_ONCE],
-                )
-                eta, weights = rule(begin_loads[pairs], end_loads[pairs])
-                # the kernel method of that name
-                kernel_at_nodes = getattr(self, kernel)(different_places[pairs[1], None], 0.0, eta)
-                range_integrals[pairs] = np.sum(weights * kernel_at_nodes, axis=-1)
+            range_integrals[takes_rule] = self._integrals_by_rule(
+                np.broadcast_to(x, is_integrated.shape)[takes_rule],
+                begin_loads[takes_rule],
+                end_loads[takes_rule],
+                kernel,
+                rule,
+            )
+        return range_integrals
 
-        # summed from the largest load down
-        integrals = np.cumsum(range_integrals[::-1], axis=0)[::-1]
-        return np.asarray(
-            integrals[row_of_load.ravel(), column_of_place.ravel()].reshape(places.shape)
-        )
+    def _integrals_by_rule(
+        self, x: Array, begin_load: Array, end_load: Array, kernel: KernelName, rule: Rule
+    ) -> Array:
+        """Integrals over eta of a kernel K(x, eta) by one quadrature rule, (n,): each at its own
+        place `x`, from `begin_load` to `end_load`, (n,) each.
+
+        `rule` gives nodes and weights on such ranges, along a new last axis. At most 10,000
+        integrals are evaluated together, a bound on memory.
+        """
+        integrals = np.zeros(len(x))
+        for first_integral in range(0, len(x), _MOST_INTEGRALS_AT_ONCE):
+            block = slice(first_integral, first_integral + _MOST_INTEGRALS_AT_ONCE)
+            eta, weights = rule(begin_load[block], end_load[block])
+            # the kernel method of that name
+            kernel_at_nodes = getattr(self, kernel)(x[block, None], 0.0, eta)
+            integrals[block] = np.sum(weights * kernel_at_nodes, axis=-1)
+        return integrals
 
     def pressure_rise(self, x: ArrayLike, load: ArrayLike) -> Array:
         """Integral of dp/d eta at x from P to `load`: -q(x)/f after |Q| = f (P - load) [stress].
