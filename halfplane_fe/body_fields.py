@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Literal, NamedTuple
@@ -218,8 +218,10 @@ def _fields_of_bodies(
     # s_xx at both edges of contact, (n_steps, 2, 2) by body and edge
     tension, tension_uncertainty = edge_tension(solution, steps)
     # p and q on the lower body as sine series; None where fewer than three nodes touch
-    tractions_at_steps = [
-        tractions_with_uncertainty(_nodal_tractions(solution, step)).tractions for step in steps
+    tractions_at_steps = _tractions_at_steps(solution, steps)
+    contact_edges = [
+        (np.nan, np.nan) if step_tractions is None else step_tractions.edges
+        for step_tractions in tractions_at_steps
     ]
     fields_of_bodies = []
     # _BODY_NAMES: "lower", "upper"
@@ -227,31 +229,32 @@ def _fields_of_bodies(
         displacement, stress = _displacement_and_stress(
             solution, steps, tractions_at_steps, body_number
         )
-        condensed_body = solution.condensed_bodies[body_number]
-        mesh = condensed_body.body.mesh
-        # The mesh has y out of its own body: turned into the common frame.
-        points = mesh.p.T * [1.0, _sign_of_y(body_number)]
-        cells = _counter_clockwise_cells(points, cells_of(mesh, condensed_body.order))
-
-        fields_of_steps = []
-        for k, (step, step_tractions) in enumerate(zip(steps, tractions_at_steps, strict=True)):
-            edges = (np.nan, np.nan) if step_tractions is None else step_tractions.edges
-            rigid_motion = _rigid_motion(solution, body_number, step, points)
-            fields_of_steps.append(
-                BodyFields(
-                    name=name,
-                    points=points,
-                    cells=cells,
-                    displacement=displacement[k] + rigid_motion,
-                    stress=stress[k],
-                    von_mises=_von_mises(stress[k]),
-                    edges=np.array(edges),
-                    edge_tension=tension[k, body_number],
-                    edge_tension_uncertainty=tension_uncertainty[k, body_number],
-                )
+        points, cells = _nodes_and_elements(solution.condensed_bodies[body_number], body_number)
+        fields_of_steps = [
+            BodyFields(
+                name=name,
+                points=points,
+                cells=cells,
+                displacement=displacement[k] + _rigid_motion(solution, body_number, step, points),
+                stress=stress[k],
+                von_mises=_von_mises(stress[k]),
+                edges=np.array(contact_edges[k]),
+                edge_tension=tension[k, body_number],
+                edge_tension_uncertainty=tension_uncertainty[k, body_number],
             )
+            for k, step in enumerate(steps)
+        ]
         fields_of_bodies.append(fields_of_steps)
     return fields_of_bodies
+
+
+def _nodes_and_elements(condensed_body: CondensedBody, body_number: int) -> tuple[Array, Indices]:
+    """Places (n, 2) of the nodes of the lower (0) or upper (1) body in the common frame, with y out
+    of the lower body [length], and the node numbers of its elements, counter-clockwise.
+    """
+    mesh = condensed_body.body.mesh  # with y out of its own body
+    points = mesh.p.T * [1.0, _sign_of_y(body_number)]
+    return points, _counter_clockwise_cells(points, cells_of(mesh, condensed_body.order))
 
 
 def _sign_of_y(body_number: int) -> float:
@@ -434,16 +437,7 @@ def _tension_change_by_new_contact(solution: ContactSolution, step: int) -> Arra
     if not step or not _sticks_in_full(solution, step):
         return np.zeros(2)
 
-    # Look back for the stored step at which P began to grow in full stick.
-    p_increments = np.diff(solution.normal_load[: step + 1])
-    q_increments = np.diff(solution.tangential_load[: step + 1])
-    start_of_growth = step
-    while (
-        start_of_growth > 0
-        and p_increments[start_of_growth - 1] > 0
-        and _sticks_in_full(solution, start_of_growth)
-    ):
-        start_of_growth -= 1
+    start_of_growth = _start_of_growth_in_stick(solution, step)
     nodal_tractions = _nodal_tractions(solution, step)  # of the nodes that touch
     # N_DISTORTED_NODES: three nodes at each edge of contact, which the mesh distorts
     if start_of_growth == step or len(nodal_tractions.x) <= 2 * N_DISTORTED_NODES:
@@ -455,7 +449,9 @@ def _tension_change_by_new_contact(solution: ContactSolution, step: int) -> Arra
     distances_of_rim = np.abs(nodal_tractions.x[rim_nodes] - solution.contact_edges[step])
 
     # Jump of q/p between the strip of each increment, where it is dQ/dP, and the contact before.
-    ratio_in_strips = q_increments[start_of_growth:] / p_increments[start_of_growth:]
+    p_increments = np.diff(solution.normal_load[start_of_growth : step + 1])
+    q_increments = np.diff(solution.tangential_load[start_of_growth : step + 1])
+    ratio_in_strips = q_increments / p_increments
     # q/p at the edge before each increment: before the first, that of the rim node.
     ratio_before = np.tile(np.append(np.nan, ratio_in_strips[:-1])[:, None], 2)
     ratio_before[0] = nodal_tractions.shear[rim_nodes] / rim_pressure
@@ -472,6 +468,22 @@ def _tension_change_by_new_contact(solution: ContactSolution, step: int) -> Arra
     share_of_jump[strip_widths >= distances_of_rim] = 0.0
     tension_changes = share_of_jump * 4 / np.pi * jump_of_ratio * pressure_at_width
     return np.asarray(tension_changes.max(axis=0))
+
+
+def _start_of_growth_in_stick(solution: ContactSolution, step: int) -> int:
+    """Index of the stored step at which P began to grow in full stick, without a break up to a
+    later one: `step` itself where P has not grown since the step before it, or where the contact
+    does not stick in full.
+    """
+    p_increments = np.diff(solution.normal_load[: step + 1])
+    start_of_growth = step
+    while (
+        start_of_growth > 0
+        and p_increments[start_of_growth - 1] > 0
+        and _sticks_in_full(solution, start_of_growth)
+    ):
+        start_of_growth -= 1
+    return start_of_growth
 
 
 def _sticks_in_full(solution: ContactSolution, step: int) -> bool:
@@ -542,8 +554,6 @@ def _added_edge_tension(
     """Stress s_xx along both faces at the edges of contact that bulk stress and the finite size of
     the bodies add to that of half-planes.
 
-    Two bodies that mirror each other have one effect of size, which is computed once.
-
     Parameters
     ----------
     solution
@@ -561,13 +571,10 @@ def _added_edge_tension(
         by unit forces, minus those of a half-plane)
     """
     bodies = solution.scene.bodies  # shapes of the lower and the upper body
-    material = solution.scene.material  # elastic constants of both; `alike` if they are equal
     added_tension = np.zeros((len(steps), 2, 2))
     uncertainties = np.zeros(2)
     bulk_stresses = [_bulk_stress(solution, steps, body_number) for body_number in (0, 1)]
-    has_bulk_stress = any(bulk_stress.any() for bulk_stress in bulk_stresses)
-    are_mirrored = bodies.lower == bodies.upper and material.alike and not has_bulk_stress
-    size_fit_of_lower_body: _SizeFit | None = None
+    size_fits = _size_fits_of_bodies(solution, steps, tractions_at_steps, bulk_stresses)
     # _BODY_NAMES: "lower", "upper"
     for body_number, name in enumerate(_BODY_NAMES):
         # To a half-plane only the bulk stress adds.
@@ -575,40 +582,87 @@ def _added_edge_tension(
             added_tension[:, body_number] = bulk_stresses[body_number][:, None]
             continue
 
-        # Effect of the size: by a fit to the stress of the elements, or by kernels of thin bodies.
-        size_fit: _SizeFit | None = None
-        if isinstance(solution, KernelSolution):
-            kernels = getattr(solution.kernels, name)
-        else:
-            assert isinstance(solution, FiniteElementSolution)  # for the type checker
-            if body_number == 1 and are_mirrored:
-                size_fit = size_fit_of_lower_body
-            else:
-                size_fit = _size_fit(
-                    solution, body_number, steps, tractions_at_steps, bulk_stresses[body_number]
-                )
-            kernels = _kernels_of_thin_body(solution, body_number) if size_fit is None else None
-        if body_number == 0:
-            size_fit_of_lower_body = size_fit
-
-        # Tension by that effect under the tractions on this body, in its own frame.
+        # Tension by the size of the body under the tractions on it, in its own frame.
         tractions_on_body = [
             _tractions_on_body(step_tractions, body_number) for step_tractions in tractions_at_steps
         ]
+        size_fit = size_fits[body_number]
         if size_fit is not None:
             # the fit has the bulk stress in it, as the elements have
             added_tension[:, body_number] = size_fit.tension(
                 tractions_on_body, bulk_stresses[body_number]
             )
             uncertainties[body_number] = size_fit.uncertainty
-        elif kernels is not None:
+            continue
+        kernels = _kernels_of_body(solution, body_number)
+        if kernels is not None:
             added_tension[:, body_number], uncertainties[body_number] = _size_tension_by_kernels(
-                kernels, getattr(material, name), tractions_on_body
+                kernels, getattr(solution.scene.material, name), tractions_on_body
             )
         else:
             added_tension[:, body_number] = math.nan
             uncertainties[body_number] = math.nan
     return added_tension, uncertainties
+
+
+def _size_fits_of_bodies(
+    solution: ContactSolution,
+    steps: Sequence[int],
+    tractions_at_steps: Sequence[Tractions],
+    bulk_stresses: Sequence[Array],
+) -> list[_SizeFit | None]:
+    """Fits of the stress that the finite size of the lower and of the upper body adds beside the
+    contact. None for a half-plane, for a body with a support or side too near the contact, and for
+    a solution by kernels, which has no stress of elements.
+
+    Two bodies that mirror each other have one fit, which is made once.
+
+    Parameters
+    ----------
+    solution
+        by finite elements or by kernels
+    steps
+        (n_steps,) indices of stored instants
+    tractions_at_steps
+        tractions on the lower body at each step, as sine series over the contact
+    bulk_stresses
+        of the lower and of the upper body, (n_steps,) each [stress]
+    """
+    if not isinstance(solution, FiniteElementSolution):
+        return [None, None]
+    bodies = solution.scene.bodies
+    has_bulk_stress = any(bulk_stress.any() for bulk_stress in bulk_stresses)
+    are_mirrored = (
+        bodies.lower == bodies.upper and solution.scene.material.alike and not has_bulk_stress
+    )
+    size_fits: list[_SizeFit | None] = []
+    # _BODY_NAMES: "lower", "upper"
+    for body_number, name in enumerate(_BODY_NAMES):
+        if isinstance(getattr(bodies, name), HalfPlane):
+            size_fits.append(None)
+        elif body_number == 1 and are_mirrored:
+            size_fits.append(size_fits[0])
+        else:
+            size_fits.append(
+                _size_fit(
+                    solution, body_number, steps, tractions_at_steps, bulk_stresses[body_number]
+                )
+            )
+    return size_fits
+
+
+def _kernels_of_body(solution: ContactSolution, body_number: int) -> BodyKernels | None:
+    """Kernels of the lower (0) or upper (1) body: what its finite size adds to the displacement of
+    its face by unit forces. None where they are not known.
+
+    A solution by kernels carries them; those of thin bodies of other solutions are computed.
+    """
+    if isinstance(solution, KernelSolution):
+        # _BODY_NAMES: "lower", "upper"
+        kernels: BodyKernels | None = getattr(solution.kernels, _BODY_NAMES[body_number])
+        return kernels
+    assert isinstance(solution, FiniteElementSolution)  # for the type checker
+    return _kernels_of_thin_body(solution, body_number)
 
 
 def _kernels_of_thin_body(solution: FiniteElementSolution, body_number: int) -> BodyKernels | None:
@@ -671,29 +725,38 @@ def _size_tension_by_kernels(
         tractions on the body in its own frame at each step, as sine series over the contact
     """
     modulus = material.young_modulus / (1 - material.poisson_ratio**2)
-    angles = math.pi * (np.arange(_N_ANGLES) + 0.5) / _N_ANGLES  # 128 across the contact
     tension = np.zeros((len(tractions_on_body), 2))
     uncertainty = 0.0
     for k, step_tractions in enumerate(tractions_on_body):
-        # Point forces: p and q, sums of sines of the angle, times the length that each point has.
-        x_in_contact = step_tractions.middle - step_tractions.half_width * np.cos(angles)
-        point_lengths = step_tractions.half_width * np.sin(angles) * math.pi / _N_ANGLES
-        pressing_forces, shear_forces = (
-            np.sin(np.outer(angles, np.arange(1, len(sine_coefficients) + 1)))
-            @ sine_coefficients
-            * point_lengths
-            for sine_coefficients in (
-                step_tractions.pressure[:_N_ANGLES],
-                step_tractions.shear[:_N_ANGLES],
-            )
-        )
         # (2,) strain along the face at both edges, and its difference between the two meshes
         strain, strain_difference = kernels.strain(
-            np.array(step_tractions.edges), x_in_contact, pressing_forces, shear_forces
+            np.array(step_tractions.edges), *_point_forces(step_tractions)
         )
         tension[k] = modulus * strain
         uncertainty = max(uncertainty, modulus * float(strain_difference.max()))
     return tension, uncertainty
+
+
+def _point_forces(tractions_on_body: Tractions) -> tuple[Array, Array, Array]:
+    """Tractions on a body as forces at 128 Gauss-Chebyshev points over the contact: places x
+    [length], pressing forces and shear forces [force per thickness], (128,) each.
+
+    p and q are sums of sines of the angle; a force is their value times the length that the point
+    has in the contact.
+    """
+    angles = math.pi * (np.arange(_N_ANGLES) + 0.5) / _N_ANGLES
+    x_in_contact = tractions_on_body.middle - tractions_on_body.half_width * np.cos(angles)
+    point_lengths = tractions_on_body.half_width * np.sin(angles) * math.pi / _N_ANGLES
+    pressing_forces, shear_forces = (
+        np.sin(np.outer(angles, np.arange(1, len(sine_coefficients) + 1)))
+        @ sine_coefficients
+        * point_lengths
+        for sine_coefficients in (
+            tractions_on_body.pressure[:_N_ANGLES],
+            tractions_on_body.shear[:_N_ANGLES],
+        )
+    )
+    return x_in_contact, pressing_forces, shear_forces
 
 
 @dataclass(frozen=True, eq=False)
@@ -717,6 +780,39 @@ class _SizeFit:
     regression_matrix: Array
     predictor_units: Array
     uncertainty: float
+
+    @classmethod
+    def by_regression(
+        cls, size_effect: SizeEffect, predictors: Array, predictor_units: Array
+    ) -> _SizeFit:
+        """Least-squares regression of the coefficients of a size effect on its predictors.
+
+        The uncertainty is the standard error of s_xx at an edge, plus what the regression misses of
+        s_xx at the middle of the face, x = y = 0; of both the largest at the sampled steps.
+
+        Parameters
+        ----------
+        size_effect
+            fitted series of the stress that the size of the body adds at the sampled steps
+        predictors
+            (n_sampled, n_predictors) moments of the tractions, then the bulk stress, at these steps
+        predictor_units
+            (n_predictors,) unit of each predictor
+        """
+        regression_matrix = np.linalg.lstsq(
+            predictors / predictor_units, size_effect.coefficients.T, rcond=1e-8
+        )[0]
+        size_fit = cls(
+            size_effect,
+            np.asarray(regression_matrix, dtype=float),
+            predictor_units,
+            uncertainty=0.0,
+        )
+        origin = np.zeros(1)
+        stress_by_regression = size_fit.size_effect_of(predictors).stress(origin, origin)
+        stress_missed = size_effect.stress(origin, origin) - stress_by_regression
+        uncertainty = float(size_effect.error.max() + np.abs(stress_missed[:, 0]).max())
+        return replace(size_fit, uncertainty=uncertainty)
 
     def tension(self, tractions_on_body: Sequence[Tractions], bulk_stress: Array) -> Array:
         """Stress s_xx (n_steps, 2) that the finite size of a body adds at both edges of contact
@@ -771,9 +867,6 @@ def _size_fit(
     That stress is element stress minus half-plane stress at up to a dozen steps, spread evenly; the
     regression gives it at all others. None where a support or side is too near the contact.
 
-    The uncertainty is the standard error of s_xx at an edge, plus what the regression misses of
-    s_xx at the middle of the face; of both the largest at the sampled steps.
-
     Parameters
     ----------
     solution
@@ -792,46 +885,74 @@ def _size_fit(
     shape = getattr(solution.scene.bodies, _BODY_NAMES[body_number])
     if _distance_of_fit(shape, half_width) is None:
         return None
-
-    # Fit the stress by the size at the sampled steps, to nodes beside the contact.
     # _N_SAMPLED_STEPS: twelve
     evenly_spread_positions = np.linspace(0, len(steps) - 1, _N_SAMPLED_STEPS).round().astype(int)
-    sampled_indices = sorted(set(evenly_spread_positions.tolist()))  # positions in `steps`
-    sampled_steps = [steps[k] for k in sampled_indices]
-    nodal_fields = _nodal_fields(solution, body_number, sampled_steps, bulk_stress[sampled_indices])
-    region_near_contact = _near_contact(
-        solution, body_number, nodal_fields, [tractions_at_steps[k] for k in sampled_indices]
+    sampled = sorted(set(evenly_spread_positions.tolist()))  # positions in `steps`
+    size_effect = _size_effect_at_steps(
+        solution,
+        body_number,
+        [steps[k] for k in sampled],
+        [tractions_at_steps[k] for k in sampled],
+        bulk_stress[sampled],
     )
-    if region_near_contact is None or region_near_contact.size_effect is None:
+    if size_effect is None:
         return None
 
-    # Regression of the coefficients of that fit on the predictors of all steps. These are int p x^k
-    # dx and int q x^k dx, k = 0, 1, 2, then the bulk stress: (n_steps, 7).
     predictors = _predictors(
         [_tractions_on_body(step_tractions, body_number) for step_tractions in tractions_at_steps],
         bulk_stress,
     )
-    # Over P and powers of the half-width: moments that are zero by symmetry must not count as
-    # round-off over round-off.
-    predictor_units = np.abs(predictors[:, 0]).max() * half_width ** np.array([0, 1, 2, 0, 1, 2])
-    if bulk_stress.any():
-        predictor_units = np.append(predictor_units, np.abs(bulk_stress).max())
-    predictors = predictors[sampled_indices, : len(predictor_units)]
-    regression_matrix = np.linalg.lstsq(
-        predictors / predictor_units, region_near_contact.size_effect.coefficients.T, rcond=1e-8
-    )[0]
-    size_fit = _SizeFit(
-        region_near_contact.size_effect, regression_matrix, predictor_units, uncertainty=0.0
+    predictor_units = _predictor_units(predictors, half_width)
+    return _SizeFit.by_regression(
+        size_effect, predictors[sampled, : len(predictor_units)], predictor_units
     )
 
-    # Uncertainty: standard error of the fit, and what the regression misses at x = y = 0.
-    origin = np.zeros(1)
-    stress_by_regression = size_fit.size_effect_of(predictors).stress(origin, origin)
-    stress_missed = region_near_contact.size_effect.stress(origin, origin) - stress_by_regression
-    uncertainty = float(
-        region_near_contact.size_effect.error.max() + np.abs(stress_missed[:, 0]).max()
-    )
-    return replace(size_fit, uncertainty=uncertainty)
+
+def _predictor_units(predictors: Array, half_width: float) -> Array:
+    """Unit of each predictor of the stress that the size of a body adds: P and powers of the
+    contact half-width for the six moments, so that moments which are zero by symmetry do not count
+    as round-off over round-off; the largest bulk stress for the last one, (6,) or (7,).
+
+    `predictors` (n_steps, 7) are six moments of the tractions, the first of them P, and the bulk
+    stress. Where that is 0 at all steps it is no predictor, and has no unit. `half_width` is the
+    largest one [length].
+    """
+    moment_units = np.abs(predictors[:, 0]).max() * half_width ** np.array([0, 1, 2, 0, 1, 2])
+    bulk_stress = predictors[:, 6]
+    if not bulk_stress.any():
+        return np.asarray(moment_units)
+    return np.append(moment_units, np.abs(bulk_stress).max())
+
+
+def _size_effect_at_steps(
+    solution: FiniteElementSolution,
+    body_number: int,
+    steps: Sequence[int],
+    tractions_at_steps: Sequence[Tractions | None],
+    bulk_stress: Array,
+) -> SizeEffect | None:
+    """Stress that the finite size of a body adds beside the contact at some steps, as a series that
+    is fitted to the stress of its elements minus that of a half-plane.
+
+    None for a half-plane, where a support or side is too near the contact, and where at no step
+    three nodes touch.
+
+    Parameters
+    ----------
+    solution
+        by finite elements
+    body_number
+        0 of the lower body, 1 of the upper one
+    steps
+        (k,) indices of stored instants
+    tractions_at_steps
+        (k,) tractions on the lower body, as sine series; None where fewer than three nodes touch
+    bulk_stress
+        (k,) of this body [stress]
+    """
+    nodal_fields = _nodal_fields(solution, body_number, steps, bulk_stress)
+    region_near_contact = _near_contact(solution, body_number, nodal_fields, tractions_at_steps)
+    return None if region_near_contact is None else region_near_contact.size_effect
 
 
 def stress(
@@ -875,38 +996,23 @@ def stress(
         half-widths from the contact, or close to a support or side, or with bulk stress where
         nothing touches: `fields` has the stress there.
     """
-    # Refuse what has no answer; bring times and places into arrays.
     _require_meshes("stress", solution)
     # _BODY_NAMES: "lower", "upper"
     if body not in _BODY_NAMES:
         raise InputError(f"stress: body is lower or upper, not {body!r}")
+    body_number = _BODY_NAMES.index(body)
     instant_times = np.atleast_1d(np.asarray(instants, dtype=float))
     # indices of the stored instants
     steps = [_nearest_step("stress", solution, float(instant)) for instant in instant_times]
-    body_number = _BODY_NAMES.index(body)
-    sign_of_y = _sign_of_y(body_number)  # -1 of the upper body
-    x_places, y_places = np.broadcast_arrays(  # in the body's own frame: y <= 0 inside
-        np.atleast_1d(np.asarray(x, dtype=float)),
-        np.atleast_1d(sign_of_y * np.asarray(y, dtype=float)),
-    )
-    if np.any(y_places > 0):
-        raise InputError(
-            f"stress: y = {sign_of_y * float(y_places.max()):.6g} is outside the {body} body; y"
-            " points out of the lower one"
-        )
+    x_in_body, y_in_body = _places_in_body(x, y, body_number)
     bulk_stress = _bulk_stress(solution, steps, body_number)  # (n_instants,)
 
     # Stress of a half-plane under the tractions. These are sine series of p and q, on the lower
     # body, then on this one; None where fewer than three nodes touch.
-    tractions_at_steps = [
-        tractions_with_uncertainty(_nodal_tractions(solution, step)).tractions for step in steps
-    ]
-    tractions_on_body = [
-        None if step_tractions is None else _tractions_on_body(step_tractions, body_number)
-        for step_tractions in tractions_at_steps
-    ]
-    stress = np.zeros((len(steps), len(x_places), 4))
-    half_plane_stress = _stress_of_tractions(tractions_on_body, x_places, y_places)
+    tractions_at_steps = _tractions_at_steps(solution, steps)
+    tractions_on_body = _tractions_on_body_at_steps(tractions_at_steps, body_number)
+    stress = np.zeros((len(steps), len(x_in_body), 4))
+    half_plane_stress = _stress_of_tractions(tractions_on_body, x_in_body, y_in_body)
     stress[..., :3] = np.moveaxis(half_plane_stress, -1, 0)
 
     # Bulk stress of a half-plane; of other bodies the fitted stress by their size contains it.
@@ -915,27 +1021,82 @@ def stress(
     elif bulk_stress.any() or any(
         step_tractions is not None for step_tractions in tractions_at_steps
     ):
-        # Stress by the elements, and its fit next to the contact; None where a support is near.
-        nodal_fields = _nodal_fields(solution, body_number, steps, bulk_stress)
-        region_near_contact = _near_contact(solution, body_number, nodal_fields, tractions_at_steps)
-        size_effect = None if region_near_contact is None else region_near_contact.size_effect
-        distances = np.hypot(x_places, y_places)
-        # A place at the largest distance itself may be beyond it by rounding.
-        if size_effect is None or np.any(distances > size_effect.length * (1 + 1e-9)):
-            raise InputError(
-                f"stress: a place in the {body} body is further from the contact than where the"
-                " tractions alone give its stress"
-            )
-        stress[..., :3] += np.moveaxis(size_effect.stress(x_places, y_places), -1, 0)
+        stress_by_size = _stress_by_size(
+            solution, body_number, steps, tractions_at_steps, x_in_body, y_in_body
+        )
+        stress[..., :3] += np.moveaxis(stress_by_size, -1, 0)
 
     # Into the common frame, with s_zz of plane strain.
-    stress[..., 2] *= sign_of_y  # s_xy changes its sign with y
+    stress[..., 2] *= _sign_of_y(body_number)  # s_xy changes its sign with y
     poisson_ratio = solution.condensed_bodies[body_number].material.poisson_ratio
     stress[..., 3] = poisson_ratio * (stress[..., 0] + stress[..., 1])
     for k, step in enumerate(steps):
         if tractions_at_steps[k] is None and solution.normal_load[step] > 0:
             stress[k] = math.nan
     return stress
+
+
+def _places_in_body(x: ArrayLike, y: ArrayLike, body_number: int) -> tuple[Array, Array]:
+    """Places in the lower (0) or upper (1) body in its own frame, in which y points out of it: x
+    and y, (n_points,) each, from those in the common frame, whose y points out of the lower body
+    [length]. InputError for a place outside the body.
+    """
+    sign_of_y = _sign_of_y(body_number)  # -1 of the upper body
+    x_in_body, y_in_body = np.broadcast_arrays(
+        np.atleast_1d(np.asarray(x, dtype=float)),
+        np.atleast_1d(sign_of_y * np.asarray(y, dtype=float)),
+    )
+    if np.any(y_in_body > 0):
+        raise InputError(
+            f"stress: y = {sign_of_y * float(y_in_body.max()):.6g} is outside the"
+            f" {_BODY_NAMES[body_number]} body; y points out of the lower one"
+        )
+    return x_in_body, y_in_body
+
+
+def _stress_by_size(
+    solution: FiniteElementSolution,
+    body_number: int,
+    steps: Sequence[int],
+    tractions_at_steps: Sequence[Tractions | None],
+    x: Array,
+    y: Array,
+) -> Array:
+    """Stress s_xx, s_yy, s_xy (n_points, 3, n_steps) that the finite size of a body and its bulk
+    stress add at places next to the contact [stress]: a series that is fitted to the stress of the
+    elements minus that of a half-plane.
+
+    Parameters
+    ----------
+    solution
+        by finite elements
+    body_number
+        0 of the lower body, 1 of the upper one
+    steps
+        (n_steps,) indices of stored instants
+    tractions_at_steps
+        (n_steps,) tractions on the lower body, as sine series; None where fewer than three nodes
+        touch
+    x, y
+        (n_points,) places in the body's own frame, y <= 0 inside [length]
+
+    Raises
+    ------
+    InputError
+        Where a support or side is too near the contact for a fit, or nothing touches at any step;
+        for a place further from the contact than the fit reaches.
+    """
+    bulk_stress = _bulk_stress(solution, steps, body_number)
+    size_effect = _size_effect_at_steps(
+        solution, body_number, steps, tractions_at_steps, bulk_stress
+    )
+    # A place at the largest distance itself may be beyond it by rounding.
+    if size_effect is None or np.any(np.hypot(x, y) > size_effect.length * (1 + 1e-9)):
+        raise InputError(
+            f"stress: a place in the {_BODY_NAMES[body_number]} body is further from the contact"
+            " than where the tractions alone give its stress"
+        )
+    return size_effect.stress(x, y)
 
 
 @dataclass(frozen=True)
@@ -1004,9 +1165,7 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
     fit_uncertainty = tractions_with_uncertainty(
         nodal_tractions_at_steps[candidate_number]
     ).tension_uncertainty  # (2,) by edge
-
-    # Uncertainty by slip that no node shows yet: at most by how far the largest value exceeds that
-    # of the instants and edges without such slip. (n_steps, 2) by edge
+    # (n_steps, 2) by edge
     change_by_unseen_slip = np.array(
         [
             tension_change_by_unseen_slip(nodal_tractions, step_tractions)
@@ -1015,23 +1174,44 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
             )
         ]
     )
-    values_without_unseen_slip = np.where(change_by_unseen_slip[:, None, :] > 0, -math.inf, values)
-    largest_tension = float(values[candidate_number, body_number, edge_number])
-    tension_before_reversal = max(float(values_without_unseen_slip.max()), 0.0)
-    uncertainty_by_unseen_slip = min(
-        float(change_by_unseen_slip[candidate_number, edge_number]),
-        largest_tension - tension_before_reversal,
-    )
+    largest_place = (candidate_number, body_number, edge_number)
     edges = tractions_at_steps[candidate_number].edges  # left and right edge of contact
     # _BODY_NAMES: "lower", "upper"
     return LargestTension(
-        value=largest_tension,
+        value=float(values[largest_place]),
         uncertainty=float(fit_uncertainty[edge_number] + added_uncertainty[body_number])
-        + uncertainty_by_unseen_slip,
+        + _uncertainty_by_unseen_slip(values, change_by_unseen_slip, largest_place),
         time=float(solution.time[steps[candidate_number]]),
         body=_BODY_NAMES[body_number],
         x=edges[edge_number],
         edges=edges,
+    )
+
+
+def _uncertainty_by_unseen_slip(
+    tension: Array, change_by_unseen_slip: Array, largest_place: tuple[int, int, int]
+) -> float:
+    """Uncertainty of the largest edge tension by slip in a zone so narrow that no node shows it yet
+    [stress]: its possible change by this slip, but at most by how far it exceeds the largest value
+    of the instants and edges without such slip, or 0.
+
+    Parameters
+    ----------
+    tension
+        (n_steps, 2, 2) by body and edge [stress]
+    change_by_unseen_slip
+        (n_steps, 2) possible change at each edge; 0 without such slip [stress]
+    largest_place
+        step, body and edge of the largest tension, as indices
+    """
+    step_number, _, edge_number = largest_place
+    tension_without_unseen_slip = np.where(
+        change_by_unseen_slip[:, None, :] > 0, -math.inf, tension
+    )
+    tension_before_reversal = max(float(tension_without_unseen_slip.max()), 0.0)
+    return min(
+        float(change_by_unseen_slip[step_number, edge_number]),
+        float(tension[largest_place]) - tension_before_reversal,
     )
 
 
@@ -1103,7 +1283,7 @@ def _steps_of_large_tension(solution: ContactSolution) -> list[int]:
     if len(nodal_tension) <= n_candidates:
         return list(nodal_tension)
 
-    # Upper bounds: 1.3 times that, plus the tension by bulk stress and body size, (2, 2) a step.
+    # Tension by bulk stress and body size at each of these steps, (2, 2) by body and edge.
     added_tension = dict.fromkeys(nodal_tension, np.zeros((2, 2)))
     if not is_exact:
         added_tension = _interpolated_added_tension(
@@ -1115,21 +1295,48 @@ def _steps_of_large_tension(solution: ContactSolution) -> list[int]:
         for step, tension in nodal_tension.items()
     }
 
-    # Estimates by fits, highest bound first, until no bound exceeds the lowest one that counts.
-    estimates: dict[int, float] = {}
-    for step in sorted(upper_bounds, key=lambda step: -upper_bounds[step]):
-        highest_estimates = sorted(estimates.values(), reverse=True)[:n_candidates]
-        if len(highest_estimates) == n_candidates and upper_bounds[step] < highest_estimates[-1]:
-            break
+    def estimate_by_fit(step: int) -> float:
+        """Largest tension of both bodies and edges at a stored step, by tractions that are fitted
+        at few points [stress].
+        """
         tension_at_edges = sampled_tractions(nodal_tractions[step]).edge_tension()
         tension_estimate = np.outer([1.0, -1.0], tension_at_edges) + added_tension[step]
-        estimates[step] = float(tension_estimate.max())
-    highest_estimates = sorted(estimates.values(), reverse=True)[:n_candidates]
+        return float(tension_estimate.max())
+
+    highest_steps = _steps_of_highest_estimates(upper_bounds, estimate_by_fit, n_candidates)
+    return [step for step in steps_of_cycle if step in highest_steps]
+
+
+def _steps_of_highest_estimates(
+    upper_bounds: Mapping[int, float], estimate: Callable[[int], float], n_highest: int
+) -> set[int]:
+    """Steps with the `n_highest` highest estimates of tension, and those that equal the lowest of
+    these but for round-off. There are at least `n_highest` steps.
+
+    Estimates are made in the order of the upper bounds, the highest first, until no bound that is
+    left exceeds the lowest estimate that counts.
+
+    Parameters
+    ----------
+    upper_bounds
+        index of a stored step -> upper bound of its estimate [stress]
+    estimate
+        estimate at a step, given its index [stress]
+    n_highest
+        number of estimates to find
+    """
+    estimates: dict[int, float] = {}
+    for step in sorted(upper_bounds, key=lambda step: -upper_bounds[step]):
+        highest_estimates = sorted(estimates.values(), reverse=True)[:n_highest]
+        if len(highest_estimates) == n_highest and upper_bounds[step] < highest_estimates[-1]:
+            break
+        estimates[step] = estimate(step)
+    highest_estimates = sorted(estimates.values(), reverse=True)[:n_highest]
 
     # Instants that are alike but for round-off are all candidates, or none.
     # _ROUND_OFF: relative difference by round-off, 1e-9
     least_estimate = highest_estimates[-1] * (1 - _ROUND_OFF)
-    return [step for step in steps_of_cycle if estimates.get(step, -math.inf) >= least_estimate]
+    return {step for step, tension in estimates.items() if tension >= least_estimate}
 
 
 def _interpolated_added_tension(
@@ -1375,36 +1582,56 @@ def _near_contact(
     if largest_distance is None:
         return None
 
-    # Nodes within it.
+    # Nodes within it, and the tractions on this body.
     x_of_mesh, y_of_mesh = nodal_fields.basis.mesh.p
     depth_of_face = face_of(shape, solution.scene.profile).depth(np.abs(x_of_mesh))
     y_below_face = np.minimum(y_of_mesh + depth_of_face, 0.0)  # as if the face were flat
     nodes = np.flatnonzero(np.hypot(x_of_mesh, y_below_face) < largest_distance)
-    x = x_of_mesh[nodes]
-    y = y_below_face[nodes]
-    tractions_on_body = [
-        None if step_tractions is None else _tractions_on_body(step_tractions, body_number)
-        for step_tractions in tractions_at_steps
-    ]
+    tractions_on_body = _tractions_on_body_at_steps(tractions_at_steps, body_number)
+    region = _NearContact(
+        largest_distance,
+        nodes,
+        x_of_mesh[nodes],
+        y_below_face[nodes],
+        tractions_on_body,
+        size_effect=None,
+    )
+    if isinstance(shape, HalfPlane):
+        return region
+    return replace(region, size_effect=_fit_of_size_effect(nodal_fields, region, half_width))
 
-    # Fit of the stress by the size: element stress minus half-plane stress, weighted by area, at
-    # nodes deeper than 0.15 half-widths or further than 1.2 half-widths from the middle.
-    size_effect = None
-    if not isinstance(shape, HalfPlane):
-        # _ACCURATE_DISTANCE: 1.2 half-widths from the middle
-        is_beside = (np.abs(x) > _ACCURATE_DISTANCE * half_width) & (y < 0)
-        # _ACCURATE_DEPTH: 0.15 half-widths below the face
-        is_accurate = (y < -_ACCURATE_DEPTH * half_width) | is_beside
-        x_fitted = x[is_accurate]
-        y_fitted = y[is_accurate]
-        stress_by_size = nodal_fields.stress[nodes][is_accurate, :3] - _stress_of_tractions(
-            tractions_on_body, x_fitted, y_fitted
-        )
-        areas = nodal_fields.areas_around_nodes[nodes][is_accurate]
-        size_effect = fitted_size_effect(
-            x_fitted, y_fitted, stress_by_size, areas, largest_distance, half_width
-        )
-    return _NearContact(largest_distance, nodes, x, y, tractions_on_body, size_effect)
+
+def _fit_of_size_effect(
+    nodal_fields: _NodalFields, region: _NearContact, half_width: float
+) -> SizeEffect:
+    """Fit of the stress that the finite size of a body adds near the contact: element stress minus
+    half-plane stress, weighted by area.
+
+    Fitted to are the nodes where elements are accurate: deeper than 0.15 half-widths, or further
+    than 1.2 half-widths from the middle, but not on the face.
+
+    Parameters
+    ----------
+    nodal_fields
+        stress by the elements at all nodes of the body, and the area of the elements around each
+    region
+        nodes of the body near the contact, and the tractions on it
+    half_width
+        largest contact half-width [length]
+    """
+    # _ACCURATE_DISTANCE: 1.2 half-widths from the middle
+    is_beside = (np.abs(region.x) > _ACCURATE_DISTANCE * half_width) & (region.y < 0)
+    # _ACCURATE_DEPTH: 0.15 half-widths below the face
+    is_accurate = (region.y < -_ACCURATE_DEPTH * half_width) | is_beside
+    x_fitted = region.x[is_accurate]
+    y_fitted = region.y[is_accurate]
+    stress_by_size = nodal_fields.stress[region.nodes][is_accurate, :3] - _stress_of_tractions(
+        region.tractions, x_fitted, y_fitted
+    )
+    areas = nodal_fields.areas_around_nodes[region.nodes][is_accurate]
+    return fitted_size_effect(
+        x_fitted, y_fitted, stress_by_size, areas, region.largest_distance, half_width
+    )
 
 
 def _distance_of_fit(shape: Shape, half_width: float) -> float | None:
@@ -1429,6 +1656,29 @@ def _tractions_on_body(tractions_on_lower_body: Tractions, body_number: int) -> 
     return replace(
         tractions_on_lower_body, shear=_sign_of_y(body_number) * tractions_on_lower_body.shear
     )
+
+
+def _tractions_at_steps(
+    solution: FiniteElementSolution, steps: Sequence[int]
+) -> list[Tractions | None]:
+    """Tractions p and q on the lower body at stored steps, as sine series over the contact; None
+    where fewer than three nodes touch.
+    """
+    return [
+        tractions_with_uncertainty(_nodal_tractions(solution, step)).tractions for step in steps
+    ]
+
+
+def _tractions_on_body_at_steps(
+    tractions_at_steps: Sequence[Tractions | None], body_number: int
+) -> list[Tractions | None]:
+    """Tractions on the lower (0) or upper (1) body in its own frame at some steps, from those on
+    the lower body; None where these are None.
+    """
+    return [
+        None if step_tractions is None else _tractions_on_body(step_tractions, body_number)
+        for step_tractions in tractions_at_steps
+    ]
 
 
 def _stress_of_tractions(
@@ -1518,9 +1768,6 @@ def _nodal_stress(
     Stress at quadrature points is extrapolated to the nodes of each element, then averaged there
     with the areas as weights.
 
-    # notation: lam, mu Lame's constants; lam without the part that enters through `mean_stress`;
-    # s_xx, s_yy, s_xy, s_zz stress at the quadrature points, (n_elements, n_quadrature)
-
     Parameters
     ----------
     basis
@@ -1528,25 +1775,14 @@ def _nodal_stress(
     displacement
         (n_dofs,) values of the displacement in this basis [length]
     mean_stress
-        (n_corners,) part of lam div(u) that mixed elements have as a further unknown, r, at their
-        corners [stress]
+        (n_corners,) part of lambda div(u) that mixed elements have as a further unknown at their
+        corners; lambda is Lame's constant, u the displacement [stress]
     condensed_body
         the body, with its material and the order of its elements
     """
-    # Stress at the quadrature points by Hooke's law in plane strain.
-    lam, _, mu = split_lame(condensed_body.material, condensed_body.order)
-    strain = sym_grad(basis.interpolate(displacement))
-    mean_stress_at_points = basis.with_element(scalar_element(basis.mesh, 1)).interpolate(
-        mean_stress
-    )
-    s_zz = lam * (strain[0, 0] + strain[1, 1]) + np.asarray(mean_stress_at_points)
-    s_xx = s_zz + 2 * mu * strain[0, 0]
-    s_yy = s_zz + 2 * mu * strain[1, 1]
-    s_xy = 2 * mu * strain[0, 1]
-
-    # Extrapolated to the nodes of each element, (4, n_elements, nodes of an element).
+    # (4, n_elements, nodes of an element)
     stress_at_element_nodes = (
-        np.stack((s_xx, s_yy, s_xy, s_zz))
+        _stress_at_quadrature_points(basis, displacement, mean_stress, condensed_body)
         @ _matrix_of_extrapolation_to_nodes(basis, condensed_body.order).T
     )
 
@@ -1564,6 +1800,39 @@ def _nodal_stress(
     return np.column_stack([weighted_sum / areas for weighted_sum in weighted_sums]), np.asarray(
         areas, dtype=float
     )
+
+
+def _stress_at_quadrature_points(
+    basis: skfem.Basis, displacement: Array, mean_stress: Array, condensed_body: CondensedBody
+) -> Array:
+    """Stress xx, yy, xy, zz at the quadrature points of each element of a body, (4, n_elements,
+    n_quadrature) [stress], by Hooke's law in plane strain.
+
+    # notation: lam, mu Lame's constants; lam without the part that enters through `mean_stress`;
+    # s_xx, s_yy, s_xy, s_zz stress
+
+    Parameters
+    ----------
+    basis
+        finite-element basis of the displacement
+    displacement
+        (n_dofs,) values of the displacement in this basis [length]
+    mean_stress
+        (n_corners,) part of lam div(u) that mixed elements have as a further unknown, r, at their
+        corners [stress]
+    condensed_body
+        the body, with its material and the order of its elements
+    """
+    lam, _, mu = split_lame(condensed_body.material, condensed_body.order)
+    strain = sym_grad(basis.interpolate(displacement))
+    mean_stress_at_points = basis.with_element(scalar_element(basis.mesh, 1)).interpolate(
+        mean_stress
+    )
+    s_zz = lam * (strain[0, 0] + strain[1, 1]) + np.asarray(mean_stress_at_points)
+    s_xx = s_zz + 2 * mu * strain[0, 0]
+    s_yy = s_zz + 2 * mu * strain[1, 1]
+    s_xy = 2 * mu * strain[0, 1]
+    return np.stack((s_xx, s_yy, s_xy, s_zz))
 
 
 def _matrix_of_extrapolation_to_nodes(basis: skfem.Basis, order: int) -> Array:
