@@ -18,6 +18,7 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from scenes import BodyEffects, Hertz, InputError, PolygonLoad, Rig, Scene
 from scenes.array_types import Array
@@ -292,77 +293,193 @@ def findings_of_rig(question: Question) -> Findings:
             " prescribed"
         )
 
-    # Follow the actuators; `corrected_path` has half-widths and displacements under the loads
-    # found.
-    rig = rigged_scene(question.scene, question.effects)
-    fine_path, coarse_path, steady_from = _fine_and_coarse_paths(rig, question.time)
-
-    # Rows of the steady cycle, or of the whole path, and P and Q at all rows up to its end.
-    last_cycle, loads_up_to_end = _rows_of_answer(fine_path, question.scene, steady_from)
-    corrected_path = _corrected_path(rig, fine_path)
+    followed = _FollowedRig.of_question(question)
     clock_after_history = clock.perf_counter()
-
-    # Fields at points are even or odd in x: they are evaluated once at each |x|.
+    # instants, points, and the values at them
+    time, row_numbers = instants_and_row_numbers(
+        question, followed.loads_up_to_end, followed.last_cycle
+    )
     x = question.x
     if x is None:
-        x = mirrored_points(1.05 * float(np.max(corrected_path.half_width)))
-    distance, distance_index = distances_and_indices(x)
-    time, row_numbers = instants_and_row_numbers(question, loads_up_to_end, last_cycle)
-    point_fields = PointFields(corrected_path, distance)
-    fields = fields_at(question, point_fields, distance, row_numbers)
+        x = mirrored_points(1.05 * float(np.max(followed.corrected_path.half_width)))
+    point_values = _PointValues.of_question(question, followed, x, row_numbers)
+    # friction work of the last cycle, the closed integral of Q dU + P d(approach), their errors
+    cycle_energy = _energy_of(followed)
+    is_steady = followed.steady_from is not None
+    return Findings(
+        time=time,
+        x=x,
+        values={
+            **_values_from_answer_datum(question, followed, row_numbers),
+            **point_values.fields_at_points,
+            **_works_by_name(question, cycle_energy),
+            "permanent_stick_half_width": permanent_stick_half_width(
+                followed.corrected_path, followed.last_cycle
+            ),
+            "dissipation_density": point_values.density_at_points,
+            # The answer covers the steady cycle alone: it is the first one in it.
+            "steady_from": 0 if is_steady else None,
+        },
+        termination="steady" if is_steady else "end of path",
+        message=_message(followed.steady_from, question.scene),
+        notes=tuple(_notes(followed, cycle_energy)),
+        errors={name: error for name, error in cycle_energy.errors.items() if error},
+        certificates=admissibility_checks_of(
+            followed.corrected_path, point_values.fields, row_numbers
+        ),
+        counts={
+            "points_evaluated": len(point_values.distance),
+            "rows": len(followed.fine_path.time),
+            "pieces": len(followed.fine_path.followed_path.pieces.top_s),
+        },
+        seconds={
+            "history": clock_after_history - clock_at_start,
+            "fields": clock.perf_counter() - clock_after_history,
+        },
+        scene=_scene_of_loads(question.scene, followed.loads_up_to_end, followed.last_cycle),
+    )
 
-    # Friction work of the last cycle, the closed integral of Q dU + P d(approach), and errors by
-    # name.
-    cycle_energy = _energy_of(rig, fine_path, coarse_path, corrected_path, steady_from)
-    errors = cycle_energy.errors
-    density = np.full(len(distance), np.nan)
-    if question.wants("dissipation_density"):
-        density = point_fields.work_density(last_cycle)
-    wants_work = question.wants("dissipation")
-    values_over_time = values_over_time_at(question, corrected_path, row_numbers)
 
-    # The rig prescribes displacements at its own datum length, the answer counts from another.
-    compliance_to_datum = _compliance_to_answer_datum(rig)
+@dataclass(frozen=True, eq=False)
+class _FollowedRig:
+    """A rig whose actuators were followed: the loads that were found, and which part of the path
+    the answer covers.
+
+    Attributes
+    ----------
+    rig
+        scene with its rig, contact and the effects of its bodies
+    fine_path, coarse_path
+        loads and displacements by steps, and by steps twice as long; the difference gives the
+        errors
+    steady_from
+        index of the first steady cycle, None without one
+    last_cycle
+        rows of the fine path, the ends of its steps, that the answer covers: the first steady
+        cycle, with the row at which it begins; the whole path where no cycle is steady
+    loads_up_to_end
+        P and Q at all rows up to the last of these
+    corrected_path
+        half-widths and displacements of the fine path, with the curvatures of the bodies
+    """
+
+    rig: RiggedScene
+    fine_path: DrivenPath
+    coarse_path: DrivenPath
+    steady_from: int | None
+    last_cycle: slice
+    loads_up_to_end: PathRows
+    corrected_path: PathSeries
+
+    @classmethod
+    def of_question(cls, question: Question) -> _FollowedRig:
+        """Follow the actuators of a question's scene, with the effects of its finite bodies, None
+        for half-planes. The instants `time` of the question are ends of steps; None for none.
+
+        Raises
+        ------
+        InputError
+            For finite bodies without their effects, bodies that never touch, and displacements that
+            do not determine the loads.
+        """
+        rig = rigged_scene(question.scene, question.effects)
+        fine_path, coarse_path, steady_from = _fine_and_coarse_paths(rig, question.time)
+        last_cycle, loads_up_to_end = _rows_of_answer(fine_path, question.scene, steady_from)
+        return cls(
+            rig=rig,
+            fine_path=fine_path,
+            coarse_path=coarse_path,
+            steady_from=steady_from,
+            last_cycle=last_cycle,
+            loads_up_to_end=loads_up_to_end,
+            corrected_path=_corrected_path(rig, fine_path),
+        )
+
+    @property
+    def largest_load(self) -> float:
+        """The largest P of the whole path [force per thickness]."""
+        return float(np.max(self.fine_path.followed_path.normal_load))
+
+
+class _PointValues(NamedTuple):
+    """Fields of an answer at n instants, and friction work per area W(x), by the distance |x| of
+    its m points. All are even or odd in x, so that each |x| is evaluated once.
+
+    Attributes
+    ----------
+    distance, distance_index
+        (k,) different |x| [length]; (m,) for each point the index of its own among them
+    fields
+        pressure, shear [stress], slip [length] and state, (n, k) each, by name
+    density
+        (k,) W(x) of the last cycle [energy per area]
+    """
+
+    distance: Array
+    distance_index: NDArray[np.int64]
+    fields: dict[str, NDArray[Any]]
+    density: Array
+
+    @classmethod
+    def of_question(
+        cls, question: Question, followed: _FollowedRig, x: Array, row_numbers: NDArray[np.int64]
+    ) -> _PointValues:
+        """Fields and W(x) at points x (m,) [length] along the path of a followed rig; the instants
+        are the rows of the path with these numbers, (n,). A field that the question does not want
+        is NaN, a state that it does not want is open.
+        """
+        distance, distance_index = distances_and_indices(x)
+        point_fields = PointFields(followed.corrected_path, distance)
+        fields = fields_at(question, point_fields, distance, row_numbers)
+        density = np.full(len(distance), np.nan)
+        if question.wants("dissipation_density"):
+            density = point_fields.work_density(followed.last_cycle)
+        return cls(distance, distance_index, fields, density)
+
+    @property
+    def fields_at_points(self) -> dict[str, NDArray[Any]]:
+        """The fields at the m points, (n, m) each, by name."""
+        return {
+            name: np.take(field, self.distance_index, axis=1) for name, field in self.fields.items()
+        }
+
+    @property
+    def density_at_points(self) -> Array:
+        """W(x) of the last cycle at the m points, (m,) [energy per area]."""
+        return np.asarray(self.density[self.distance_index])
+
+
+def _values_from_answer_datum(
+    question: Question, followed: _FollowedRig, row_numbers: NDArray[np.int64]
+) -> dict[str, Array]:
+    """Loads, displacements, half-widths (n,) and edges (n, 2) at the rows of a followed path with
+    these numbers (n,), by their names in a solution.
+
+    The rig prescribes displacements at its own datum length; the answer counts them from that of
+    the profile. The question holds which displacements are wanted, the others are NaN.
+    """
+    values_over_time = values_over_time_at(question, followed.corrected_path, row_numbers)
+    compliance_to_datum = _compliance_to_answer_datum(followed.rig)
     for displacement_name, load_name in (
         ("tangential_displacement", "tangential_load"),
         ("normal_approach", "normal_load"),
     ):
         datum_shift = compliance_to_datum * values_over_time[load_name]
         values_over_time[displacement_name] = values_over_time[displacement_name] + datum_shift
+    return values_over_time
 
-    # Values that were not asked for are NaN.
+
+def _works_by_name(question: Question, cycle_energy: _Energy) -> dict[str, float | Array]:
+    """Friction work and closed integral of the loads of the last cycle [energy per thickness], by
+    their names in a solution; NaN where the question does not want the friction work.
+    """
+    wants_work = question.wants("dissipation")
     work = cycle_energy.work if wants_work else math.nan
-    values: dict[str, Any] = {
-        **values_over_time,
-        **{name: np.take(field, distance_index, axis=1) for name, field in fields.items()},
-        "permanent_stick_half_width": permanent_stick_half_width(corrected_path, last_cycle),
+    return {
         "dissipation": work,
         "loop_work": cycle_energy.loop_work if wants_work else math.nan,
         "cycle_dissipation": np.array([work]),
-        "dissipation_density": density[distance_index],
-        # The answer covers the steady cycle alone: it is the first one in it.
-        "steady_from": None if steady_from is None else 0,
     }
-    return Findings(
-        time=time,
-        x=x,
-        values=values,
-        termination="end of path" if steady_from is None else "steady",
-        message=_message(steady_from, question.scene),
-        notes=tuple(_notes(rig, fine_path, last_cycle, errors, cycle_energy.tilt_and_strain)),
-        errors={name: error for name, error in errors.items() if error},
-        certificates=admissibility_checks_of(corrected_path, fields, row_numbers),
-        counts={
-            "points_evaluated": len(distance),
-            "rows": len(fine_path.time),
-            "pieces": len(fine_path.followed_path.pieces.top_s),
-        },
-        seconds={
-            "history": clock_after_history - clock_at_start,
-            "fields": clock.perf_counter() - clock_after_history,
-        },
-        scene=_scene_of_loads(question.scene, loads_up_to_end, last_cycle),
-    )
 
 
 class _Energy(NamedTuple):
@@ -386,13 +503,7 @@ class _Energy(NamedTuple):
     errors: dict[str, float]
 
 
-def _energy_of(
-    rig: RiggedScene,
-    fine_path: DrivenPath,
-    coarse_path: DrivenPath,
-    corrected_path: PathSeries,
-    steady_from: int | None,
-) -> _Energy:
+def _energy_of(followed: _FollowedRig) -> _Energy:
     """Friction work of the last cycle of a rig, or of all of a path that has no steady cycle; the
     closed integral of its loads over their displacements [energy per thickness]; and relative
     errors of both and of Q.
@@ -401,50 +512,54 @@ def _energy_of(
     their effects beyond the curvatures, x^4, add. The closed integral is NaN without a steady
     cycle, and with tilt or bulk strain. The error of the work is NaN where what tilt and strain add
     is not known.
-
-    Parameters
-    ----------
-    rig
-        scene with its rig, contact and the effects of its bodies
-    fine_path, coarse_path
-        loads that were found, by steps and by steps twice as long; the difference gives the errors
-    corrected_path
-        half-widths and displacements of the fine path, with the curvatures of the bodies
-    steady_from
-        index of the first steady cycle, None without one
     """
-    # Rows of the last cycle, and P and Q at all rows up to its end.
-    last_cycle, loads_up_to_end = _rows_of_answer(fine_path, rig.scene, steady_from)
-    change_by_bodies = _ChangeByBodies.of_driven_path(rig, fine_path, last_cycle)
-    tilt_and_strain = _tilt_and_strain_of(rig, fine_path, last_cycle, steady_from, change_by_bodies)
-
-    # In the steady cycle, index 1 of a path that repeats it.
+    change_by_bodies = _ChangeByBodies.of_driven_path(
+        followed.rig, followed.fine_path, followed.last_cycle
+    )
+    tilt_and_strain = _tilt_and_strain_of(followed, change_by_bodies)
+    # in the steady cycle, index 1 of a path that repeats it
     work_of_tilt_and_strain = tilt_and_strain.work(_INDEX_OF_STEADY_CYCLE)
     work = (
-        fine_path.work(last_cycle)
+        followed.fine_path.work(followed.last_cycle)
         + work_of_tilt_and_strain.value
         + change_by_bodies.work_of_next_order
     )
 
     # By name: change of values from coarse to fine steps; the uncertainty by the bodies is added.
-    errors = _errors_of_steps(fine_path, coarse_path, steady_from)
+    errors = _errors_of_steps(followed.fine_path, followed.coarse_path, followed.steady_from)
     if work > 0:
         error_of_bodies = work_of_tilt_and_strain.uncertainty + change_by_bodies.work_uncertainty
         errors["dissipation"] = errors.get("dissipation", 0.0) + error_of_bodies / work
     if tilt_and_strain.left_out:  # the reason, if that work is not known
-        errors["dissipation"] = math.nan  # how much tilt and strain add is not known
+        errors["dissipation"] = math.nan
 
     loop_work = math.nan
     # With tilt or bulk strain the closed integral is another number than the work: of their changes
     # U contains the moment of the pressure alone, which is not all that adds to the work.
-    has_no_tilt_or_strain = tilt_and_strain == TiltAndStrainPart()
-    if steady_from is not None and loads_up_to_end.period is not None and has_no_tilt_or_strain:
-        loop_work = corrected_path.loop_work(last_cycle)
-        coarse_cycle, _ = _rows_of_answer(coarse_path, rig.scene, steady_from)
-        if loop_work > 0:
-            coarse_loop_work = _corrected_path(rig, coarse_path).loop_work(coarse_cycle)
-            errors["loop_work"] = abs(coarse_loop_work / loop_work - 1)
+    if tilt_and_strain == TiltAndStrainPart():
+        loop_work, loop_error = _loop_work_and_error(followed)
+        if loop_error is not None:
+            errors["loop_work"] = loop_error
     return _Energy(work, loop_work, tilt_and_strain, errors)
+
+
+def _loop_work_and_error(followed: _FollowedRig) -> tuple[float, float | None]:
+    """Closed integral of Q dU + P d(approach) over the steady cycle of a rig [energy per
+    thickness], and its relative error: its change by steps twice as long.
+
+    NaN without a steady cycle, where the loads have no `period`. The error is None where the
+    integral is not above 0.
+    """
+    steady_from = followed.steady_from
+    if steady_from is None or followed.loads_up_to_end.period is None:
+        return math.nan, None
+    loop_work = followed.corrected_path.loop_work(followed.last_cycle)
+    if not loop_work > 0:
+        return loop_work, None
+    coarse_path = followed.coarse_path
+    coarse_cycle, _ = _rows_of_answer(coarse_path, followed.rig.scene, steady_from)
+    coarse_loop_work = _corrected_path(followed.rig, coarse_path).loop_work(coarse_cycle)
+    return loop_work, abs(coarse_loop_work / loop_work - 1)
 
 
 class _ChangeByBodies(NamedTuple):
@@ -518,45 +633,32 @@ class _ChangeByBodies(NamedTuple):
 
 
 def _tilt_and_strain_of(
-    rig: RiggedScene,
-    driven_path: DrivenPath,
-    last_cycle: slice,
-    steady_from: int | None,
-    change_by_bodies: _ChangeByBodies,
+    followed: _FollowedRig, change_by_bodies: _ChangeByBodies
 ) -> TiltAndStrainPart:
     """Friction work that tilt and bulk strain of the finite bodies add in the steady cycle of a rig
     [energy per thickness].
 
     It is taken to the second order in tilt and strain, or from a numerical solution on grids where
     that does not hold. It is 0 where the bodies have neither tilt nor strain. It is left out, with
-    the reason, where no cycle is steady.
-
-    Parameters
-    ----------
-    rig
-        scene with its rig, contact and the effects of its bodies
-    driven_path
-        loads and displacements that were found, step by step
-    last_cycle
-        the rows of the last cycle
-    steady_from
-        index of the first steady cycle, None without one
-    change_by_bodies
-        what curvatures change of the work, which makes that of tilt and strain uncertain
+    the reason, where no cycle is steady. `change_by_bodies` is what curvatures change of the
+    friction work, which makes that of tilt and strain uncertain.
     """
+    rig = followed.rig
+    fine_path = followed.fine_path
+    last_cycle = followed.last_cycle
     # TILT_AND_STRAIN_NAMES: attributes of the effects with tilt and strain per P and per Q.
     if not any(getattr(rig.effects, name).value for name in TILT_AND_STRAIN_NAMES):
         return TiltAndStrainPart()
-    if steady_from is None:
+    if followed.steady_from is None:
         return TiltAndStrainPart(left_out="no cycle is steady")
     try:
         tilt_and_strain = TiltAndStrainPart(
-            second_order_answer_of_rig(rig.scene, rig.effects, driven_path, last_cycle)
+            second_order_answer_of_rig(rig.scene, rig.effects, fine_path, last_cycle)
         )
     except DeclinedError as reason:
-        tilt_and_strain = _tilt_and_strain_on_grids(rig, driven_path, last_cycle, str(reason))
-    # a at the largest P, and the ratio of the fourth order to the curvatures there.
-    half_width = float(rig.contact.half_width(np.max(driven_path.followed_path.normal_load)))
+        tilt_and_strain = _tilt_and_strain_on_grids(rig, fine_path, last_cycle, str(reason))
+    # a at the largest P, and the ratio of the fourth order to the curvatures there
+    half_width = float(rig.contact.half_width(followed.largest_load))
     ratio_of_orders = ratio_of_next_order(rig.effects, half_width)
     return tilt_and_strain._replace(
         relative_uncertainty=uncertain_fraction_of_tilt_and_strain(
@@ -834,57 +936,59 @@ def _message(steady_from: int | None, scene: Scene) -> str:
 
 
 # ---------------------------------------------------------------------------------------- the words
-def _notes(
-    rig: RiggedScene,
-    driven_path: DrivenPath,
-    last_cycle: slice,
-    errors: dict[str, float],
-    tilt_and_strain: TiltAndStrainPart,
-) -> Iterator[str]:
+def _notes(followed: _FollowedRig, cycle_energy: _Energy) -> Iterator[str]:
     """Sentences for the notes of the answer to a rig: where displacements are prescribed, which
     effects are left out, how much of the motion the spring takes, gross sliding and separation.
 
-    Parameters
-    ----------
-    rig
-        scene with its rig, contact and the effects of its bodies
-    driven_path
-        loads and displacements that were found, step by step
-    last_cycle
-        the rows of the last cycle
-    errors
-        relative errors by the name of the value
-    tilt_and_strain
-        what tilt and bulk strain of the bodies add to the work
+    `cycle_energy` has the relative errors by the name of the value, and what tilt and bulk strain
+    of the bodies add to the friction work.
     """
-    scene = rig.scene
-    force_unit, length_unit, _ = scene.unit_words
+    scene = followed.rig.scene
     yield from neglected_coupling(scene.material)
+    yield from _notes_of_place(followed, cycle_energy.tilt_and_strain)
+    yield from _notes_of_loads(followed, cycle_energy.errors.get("tangential_load", 0.0))
+    yield from notes_of_slides(scene, followed.fine_path, followed.last_cycle)
+    if np.any(followed.fine_path.followed_path.normal_load[1:] <= 0):
+        yield "separation: the bodies part, and nothing is remembered after it"
+
+
+def _notes_of_place(followed: _FollowedRig, tilt_and_strain: TiltAndStrainPart) -> Iterator[str]:
+    """Sentences on where the displacements of a rig are prescribed: at a distance from the contact
+    of half-planes, or at the bases of finite bodies; and on the effects of these, with what tilt
+    and bulk strain add to the friction work.
+    """
+    rig = followed.rig
+    scene = rig.scene
     if scene.bodies.half_planes:
+        _, length_unit, _ = scene.unit_words
         yield (
             "rig: the displacements are prescribed at half-planes, in the distance"
             f" {rig.effects.datum_length:.6g} {length_unit} from the contact; U and approach here"
             f" count from {scene.profile.datum_length:.6g} {length_unit}, as in every answer"
         )
-    else:
-        yield (
-            "rig: the displacements are prescribed at the bases of the bodies; corrected theory is"
-            " implied"
-        )
-        half_width = float(rig.contact.half_width(np.max(driven_path.followed_path.normal_load)))
-        modulus = composite_modulus(scene.material)
-        if has_next_order(rig.effects):
-            yield _note_of_next_order(rig, driven_path, last_cycle)
-        yield from notes_of_effects(
-            rig.effects, half_width, modulus, tilt_and_strain, WORDS_UNDER_RIG
-        )
+        return
+    yield (
+        "rig: the displacements are prescribed at the bases of the bodies; corrected theory is"
+        " implied"
+    )
+    if has_next_order(rig.effects):
+        yield _note_of_next_order(rig, followed.fine_path, followed.last_cycle)
+    half_width = float(rig.contact.half_width(followed.largest_load))
+    modulus = composite_modulus(scene.material)  # E*
+    yield from notes_of_effects(rig.effects, half_width, modulus, tilt_and_strain, WORDS_UNDER_RIG)
 
-    # Tangential spring between actuator and contact, 0 if the rig is stiff; ranges of U over the
-    # cycle.
-    spring_compliance = rig.compliance.tangential_spring_compliance
-    if spring_compliance:
-        actuator_range = float(np.ptp(driven_path.actuator_displacement[last_cycle]))
-        contact_range = float(np.ptp(driven_path.displacement[last_cycle]))
+
+def _notes_of_loads(followed: _FollowedRig, relative_error_of_force: float) -> Iterator[str]:
+    """Sentences on the loads of a rig: how much of the range of the actuator the contact and the
+    spring between them take in the last cycle, and how uncertain Q is, of which the relative error
+    is given.
+    """
+    driven_path = followed.fine_path
+    force_unit, length_unit, _ = followed.rig.scene.unit_words
+    # of the tangential spring between actuator and contact, 0 if the rig is stiff
+    if followed.rig.compliance.tangential_spring_compliance:
+        actuator_range = float(np.ptp(driven_path.actuator_displacement[followed.last_cycle]))
+        contact_range = float(np.ptp(driven_path.displacement[followed.last_cycle]))
         yield (
             f"rig: of the range {actuator_range:.6g} {length_unit} of the actuator the contact"
             f" takes {contact_range:.6g}, the spring the rest"
@@ -892,12 +996,9 @@ def _notes(
     largest_force = float(np.max(np.abs(driven_path.followed_path.tangential_load)))
     yield (
         "rig: P and Q follow from the displacements, at constant P without an error of the steps;"
-        f" here Q is uncertain by {errors.get('tangential_load', 0.0) * largest_force:.2g} of at"
+        f" here Q is uncertain by {relative_error_of_force * largest_force:.2g} of at"
         f" most {largest_force:.6g} {force_unit}/{length_unit}"
     )
-    yield from notes_of_slides(scene, driven_path, last_cycle)
-    if np.any(driven_path.followed_path.normal_load[1:] <= 0):
-        yield "separation: the bodies part, and nothing is remembered after it"
 
 
 def _note_of_next_order(rig: RiggedScene, driven_path: DrivenPath, last_cycle: slice) -> str:
