@@ -122,17 +122,9 @@ def maxima_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
         ]
         return np.concatenate(maxima_of_blocks, axis=1)
 
-    def density(ellipse_numbers: Indices, x: Array, node_stride: int = 1) -> Array:
-        """W(x) pi E*/(2 f^2) of the ellipses with these numbers (k,) at their places x (k,), by
-        every `node_stride`-th quadrature node.
-        """
-        density_of_forward_slip, density_of_reverse_slip = work_density_of(
-            ellipses.take(ellipse_numbers), contact, x, node_stride
-        )
-        return density_of_forward_slip + density_of_reverse_slip
-
     # (m, n) from the edge of permanent stick to the largest contact
     sample_places = _sample_points(ellipses, contact)
+    density = _density_function(ellipses, contact)
     # W(x) there, and for which ellipses some W(x) is NaN
     samples_of_density, is_unknown = _sampled_density(
         sample_places, partial(density, node_stride=2)
@@ -159,6 +151,26 @@ def maxima_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
             place_fraction,
         ]
     )
+
+
+def _density_function(ellipses: Ellipses, contact: SymmetricContact) -> Callable[..., Array]:
+    """The friction work per area W(x) pi E*/(2 f^2) of load ellipses as a function of (ellipse
+    numbers, x, node_stride=1).
+
+    It takes numbers of ellipses and places x, (k,) each, and gives W(x) of each pair, (k,), by
+    every `node_stride`-th quadrature node. `contact` is the normal contact of all.
+    """
+
+    def density(ellipse_numbers: Indices, x: Array, node_stride: int = 1) -> Array:
+        """W(x) pi E*/(2 f^2) of the ellipses with these numbers (k,) at their places x (k,), by
+        every `node_stride`-th quadrature node.
+        """
+        density_of_forward_slip, density_of_reverse_slip = work_density_of(
+            ellipses.take(ellipse_numbers), contact, x, node_stride
+        )
+        return density_of_forward_slip + density_of_reverse_slip
+
+    return density
 
 
 class _LocalMaxima(NamedTuple):
@@ -250,9 +262,7 @@ def _largest_maximum(
 
     W is 0 where nothing slips, NaN where it `is_unknown` (m,) at some sample. The error adds how
     far W may rise between the last three places about the maximum, the quadrature error and
-    round-off. P0 and P1 are the mean and the amplitude of P. Round-off counts for more where the
-    load P - P_c carried by the slip zones is small; P_c is the load at the stick edge,
-    `largest_slip_zone_load` the largest P - P_c, `slip_zone_load_scale` that to a factor of two.
+    round-off. Where no maximum was found it is the largest W that may be lost in the last digits.
 
     Parameters
     ----------
@@ -265,31 +275,11 @@ def _largest_maximum(
         local maxima of all ellipses, each the vertex of a parabola, which holds W, place and how
         far W may rise above it
     """
-    stick_edge = points[:, 0]
-    largest_half_width = points[:, -1]
-    slip_load = ellipses.slip_zone_load_scale  # P - P_c
-    share_of_last_digits = (
-        LAST_DIGITS
-        * (ellipses.mean_load + ellipses.load_amplitude)
-        / np.where(slip_load > 0, slip_load, np.inf)
-    )
-    # PROMISED_ERROR is 1e-12, LAST_DIGITS four round-offs
-    relative_roundoff = PROMISED_ERROR + 3 * share_of_last_digits
-    # u and v are the amplitudes of (Q -+ f P)/f. Where no maximum is found W(x) may be lost in the
-    # last digits. It is at most the product of p, 2 (u + v) and arccosh(|x|/c), which is 2 (u + v)
-    # (P - P_c)/(pi a).
-    error_without_maximum = (
-        2
-        / math.pi
-        * (ellipses.forward_amplitude + ellipses.reverse_amplitude)
-        * ellipses.largest_slip_zone_load
-        / np.where(stick_edge > 0, stick_edge, largest_half_width)
-    )
     n_ellipses = len(ellipses.mean_load)
     # of the largest maximum of each ellipse, -1 where there is none
     maximum_number = maxima.largest_of_ellipses(n_ellipses)
     largest_density = np.where(is_unknown, np.nan, 0.0)
-    error = np.where(is_unknown, np.nan, error_without_maximum)
+    error = np.where(is_unknown, np.nan, _largest_undetected_density(ellipses, points))
     place = np.full(n_ellipses, np.nan)
 
     slipping_ellipses = np.flatnonzero((maximum_number >= 0) & ~is_unknown)
@@ -305,12 +295,50 @@ def _largest_maximum(
     )
     # from W by all nodes, by every second and by every fourth
     relative_rule_error = quadrature_error(densities_by_stride, densities_by_stride[0])
-    relative_error = relative_rule_error + relative_roundoff[slipping_ellipses]
+    relative_error = relative_rule_error + _relative_roundoff(ellipses)[slipping_ellipses]
     error[slipping_ellipses] = (
         vertices.possible_rise[maxima_of_slipping_ellipses]
         + vertices.work[maxima_of_slipping_ellipses] * relative_error
     )
     return _Peaks(largest_density, error, place, maximum_number)
+
+
+def _relative_roundoff(ellipses: Ellipses) -> Array:
+    """Relative round-off of the largest friction work per area W(x) of each load ellipse, (m,).
+
+    It is 1e-12, and more where the load P - P_c carried by the slip zones is small beside the
+    largest P = P0 + P1; P_c is the load at the stick edge. `slip_zone_load_scale` is the largest P
+    - P_c of an ellipse to a factor of two.
+    """
+    slip_load = ellipses.slip_zone_load_scale
+    # LAST_DIGITS: four round-offs
+    share_of_last_digits = (
+        LAST_DIGITS
+        * (ellipses.mean_load + ellipses.load_amplitude)
+        / np.where(slip_load > 0, slip_load, np.inf)
+    )
+    # PROMISED_ERROR: 1e-12
+    return np.asarray(PROMISED_ERROR + 3 * share_of_last_digits)
+
+
+def _largest_undetected_density(ellipses: Ellipses, points: Array) -> Array:
+    """Upper bound of W(x) pi E*/(2 f^2) of each load ellipse, (m,), for those where no maximum of
+    it was found: W(x), the friction work per area, may be lost in the last digits then.
+
+    W(x) is at most the product of p, 2 (u + v) and arccosh(|x|/c). That is 2 (u + v) (P - P_c)/(pi
+    a), with the largest P - P_c, and the half-width c of permanent stick in the place of a where it
+    is not 0. u and v are the amplitudes of (Q -+ f P)/f. `points` (m, n) are places x from c to the
+    half-width a of the largest contact.
+    """
+    stick_edge = points[:, 0]
+    largest_half_width = points[:, -1]
+    return np.asarray(
+        2
+        / math.pi
+        * (ellipses.forward_amplitude + ellipses.reverse_amplitude)
+        * ellipses.largest_slip_zone_load
+        / np.where(stick_edge > 0, stick_edge, largest_half_width)
+    )
 
 
 def _second_maximum(
@@ -357,6 +385,16 @@ class _Samples(NamedTuple):
     x: Array
     work: Array
 
+    def joined_with(self, further_samples: _Samples) -> _Samples:
+        """These samples and further ones, ascending within an ellipse, one ellipse after the
+        other.
+        """
+        ellipse = np.concatenate([self.ellipse, further_samples.ellipse])
+        x = np.concatenate([self.x, further_samples.x])
+        work = np.concatenate([self.work, further_samples.work])
+        order_by_ellipse = np.lexsort((x, ellipse))
+        return _Samples(ellipse[order_by_ellipse], x[order_by_ellipse], work[order_by_ellipse])
+
 
 def _sampled_density(
     points: Array, density: Callable[[Indices, Array], Array]
@@ -367,11 +405,11 @@ def _sampled_density(
     Of equal points one counts. At both ends of the slip zone W is set to 0. `density`(ellipse
     numbers, x) gives W(x) pi E*/(2 f^2).
     """
-    widths_of_zones = points[:, -1] - points[:, 0]
+    slip_zone_widths = points[:, -1] - points[:, 0]
     # _SAME_POINT_WIDTH_SHARE: 1e-10
     is_distinct = (
         np.diff(points, axis=1, prepend=-np.inf)
-        > _SAME_POINT_WIDTH_SHARE * widths_of_zones[:, None]
+        > _SAME_POINT_WIDTH_SHARE * slip_zone_widths[:, None]
     )
     ellipse_of_point = np.nonzero(is_distinct)[0]
     sample_places = points[is_distinct]
@@ -383,57 +421,96 @@ def _sampled_density(
     last_of_ellipse = np.append(first_of_ellipse[1:], len(sample_places)) - 1
     density_at_samples[first_of_ellipse] = 0.0
     density_at_samples[last_of_ellipse] = 0.0
+    samples = _Samples(ellipse_of_point, sample_places, density_at_samples)
+
     # Samples are put closer where W is nearly level, lest one of two maxima next to each other is
-    # missed.
-    largest_works = np.maximum.reduceat(density_at_samples, first_of_ellipse)
-    # _NEARLY_LEVEL_FRACTION: 0.01 of the largest W
-    negligible_work = (_NEARLY_LEVEL_FRACTION * largest_works)[ellipse_of_point[:-1]]
-    is_above_negligible_work = (density_at_samples[:-1] > negligible_work) & (
-        density_at_samples[1:] > negligible_work
-    )
-    is_level_interval = (
-        np.abs(np.diff(density_at_samples)) < negligible_work
-    ) & is_above_negligible_work
-    is_wide_interval = (
-        np.diff(sample_places) > _NEARLY_LEVEL_FRACTION * widths_of_zones[ellipse_of_point[:-1]]
-    )
-    level_intervals = np.flatnonzero(is_level_interval & is_wide_interval)
-    # at a quarter, a half and three quarters of each level interval
+    # missed: at a quarter, a half and three quarters of each level interval.
+    level_intervals = _level_intervals(samples, slip_zone_widths)
     added_places = (
         sample_places[level_intervals]
         + np.diff(sample_places)[level_intervals] * _QUARTER_FRACTIONS[:, None]
     ).ravel()
     ellipse_of_added_point = np.tile(ellipse_of_point[level_intervals], len(_QUARTER_FRACTIONS))
-    density_at_samples = np.concatenate(
-        [density_at_samples, density(ellipse_of_added_point, added_places)]
+    added_samples = _Samples(
+        ellipse_of_added_point, added_places, density(ellipse_of_added_point, added_places)
     )
-    ellipse_of_point = np.concatenate([ellipse_of_point, ellipse_of_added_point])
-    sample_places = np.concatenate([sample_places, added_places])
+    return samples.joined_with(added_samples), is_unknown
 
-    # ascending places within each ellipse
-    order_by_ellipse = np.lexsort((sample_places, ellipse_of_point))
-    samples = _Samples(
-        ellipse_of_point[order_by_ellipse],
-        sample_places[order_by_ellipse],
-        density_at_samples[order_by_ellipse],
+
+def _level_intervals(samples: _Samples, slip_zone_widths: Array) -> Indices:
+    """Numbers (k,) of the intervals between neighbouring samples of W(x) that are wide, and over
+    which W(x), the friction work per area, is nearly level without being negligible.
+
+    Nearly level and negligible: a change, or a size, of less than 0.01 of the largest W of the
+    ellipse. Wide: more than 0.01 of its slip zone, whose width is in `slip_zone_widths` (m,). An
+    interval has the number of the sample at its left. An ellipse has W = 0 at its first and its
+    last sample.
+    """
+    ellipse_of_interval = samples.ellipse[:-1]
+    first_of_ellipse = np.flatnonzero(np.diff(samples.ellipse, prepend=-1))
+    largest_works = np.maximum.reduceat(samples.work, first_of_ellipse)
+    # _NEARLY_LEVEL_FRACTION: 0.01
+    negligible_work = (_NEARLY_LEVEL_FRACTION * largest_works)[ellipse_of_interval]
+    is_above_negligible_work = (samples.work[:-1] > negligible_work) & (
+        samples.work[1:] > negligible_work
     )
-    return samples, is_unknown
+    is_level_interval = (np.abs(np.diff(samples.work)) < negligible_work) & is_above_negligible_work
+    is_wide_interval = (
+        np.diff(samples.x) > _NEARLY_LEVEL_FRACTION * slip_zone_widths[ellipse_of_interval]
+    )
+    return np.flatnonzero(is_level_interval & is_wide_interval)
 
 
 def _sample_points(ellipses: Ellipses, contact: SymmetricContact) -> Array:
     """Places |x| at which the friction work per area W(x) of each load ellipse is sampled: (m, n),
     ascending from the permanent stick edge to the largest contact, some of them equal.
 
-    They lie at and between the half-widths at which the formula of W(x) changes: those of the loads
-    at which slip begins or ends, and the corners of the profile. More lie next to the kinks of
-    W(x), which are at the half-width of the least load and at corners. P = P0 + P1 cos t; the
-    permanent stick edge is the half-width under `permanent_stick_load`. `slip_start` is t at E,
-    `slip_angle` the angle from E to G; `contact` gives the half-width of a load.
+    They lie at and between the half-widths at which the formula of W(x) changes. More lie next to
+    the kinks of W(x), which are at the half-width of the least load and at corners of the profile.
+    A profile of more than eight corners gets only the middle of each interval, and no places next
+    to corners. `contact` gives the half-width of a load and the loads at which the contact reaches
+    a corner. The permanent stick edge is the half-width under `permanent_stick_load`.
+    """
+    permanent_stick_load = ellipses.permanent_stick_load
+    largest_load = ellipses.mean_load + ellipses.load_amplitude
+    loads = _loads_of_other_formulas(ellipses, contact)
+    # (loads, m) ascending
+    half_widths = contact.half_width(np.sort(loads, axis=0))
+    least_load = np.clip(
+        ellipses.mean_load - ellipses.load_amplitude, permanent_stick_load, largest_load
+    )
+    kink_loads = least_load[None]
+    # the middle one of five, which are closer together at both ends
+    fractions = _FRACTIONS_OF_INTERVAL[_MIDDLE_FRACTION]
+    if len(contact.corner_loads) <= _FEW_CORNERS:
+        corner_loads = np.clip(contact.corner_loads[:, None], permanent_stick_load, largest_load)
+        kink_loads = np.concatenate([kink_loads, corner_loads])
+        fractions = _FRACTIONS_OF_INTERVAL
+    places_between_half_widths = (
+        half_widths[:-1] + np.diff(half_widths, axis=0) * fractions[:, None, None]
+    )
+    places_beside_kinks = _places_beside_kinks(
+        contact.half_width(kink_loads), half_widths[0], half_widths[-1]
+    )
+    further_places = [
+        places_of_ellipses.reshape(-1, len(largest_load))
+        for places_of_ellipses in (places_between_half_widths, *places_beside_kinks)
+    ]
+    return np.sort(np.concatenate([half_widths, *further_places]), axis=0).T
+
+
+def _loads_of_other_formulas(ellipses: Ellipses, contact: SymmetricContact) -> Array:
+    """Loads at whose half-widths the formula of the friction work per area W(x) changes, for each
+    of m load ellipses, (n, m): those at which slip begins or ends, the least load, and those under
+    which the contact reaches a corner of the profile; none outside the loads from permanent stick
+    to the largest one.
+
+    P = P0 + P1 cos t. Reverse slip goes from E to G, forward slip from I to E. J is where the stick
+    edge passes its place at G again. `slip_start` is t at E, `slip_angle` the angle from E to G.
     """
     least_load = ellipses.mean_load - ellipses.load_amplitude
     largest_load = ellipses.mean_load + ellipses.load_amplitude
-    # cos t at E and G, begin and end of reverse slip, at I, begin of forward slip, and at J, where
-    # the stick edge passes its place at G again
+    # cos t at E, G, I and J
     event_cosines = (
         ellipses.cosine_of_start,
         np.cos(ellipses.slip_start + ellipses.slip_angle),
@@ -447,36 +524,24 @@ def _sample_points(ellipses: Ellipses, contact: SymmetricContact) -> Array:
     loads = np.stack(
         [ellipses.permanent_stick_load, least_load, *event_loads, *corner_loads, largest_load]
     )
-    loads = np.clip(loads, ellipses.permanent_stick_load, largest_load)
-    clipped_least_load = loads[1:2]
-    # (loads, m) ascending
-    half_widths = contact.half_width(np.sort(loads, axis=0))
-    # eight at most; else only the middle of each interval, and no kinks at corners
-    has_few_corners = len(corner_loads) <= _FEW_CORNERS
-    fractions = _FRACTIONS_OF_INTERVAL
-    kink_loads = np.concatenate([clipped_least_load, corner_loads])
-    if not has_few_corners:
-        # the middle one of five, which are closer together at both ends
-        fractions = _FRACTIONS_OF_INTERVAL[_MIDDLE_FRACTION]
-        kink_loads = clipped_least_load
-    places_between_half_widths = (
-        half_widths[:-1] + np.diff(half_widths, axis=0) * fractions[:, None, None]
-    )
-    kink_half_widths = contact.half_width(kink_loads)
-    # four distances, fractions of the smaller part of the slip zone
+    return np.clip(loads, ellipses.permanent_stick_load, largest_load)
+
+
+def _places_beside_kinks(
+    kink_half_widths: Array, stick_edge: Array, largest_half_width: Array
+) -> tuple[Array, Array]:
+    """Places inside and outside each kink of the friction work per area W(x), in four distances
+    from it, (4, k, m) each: for k kinks of each of m load ellipses.
+
+    The distances are fractions of the smaller part of the slip zone, from 0.03 to 0.00003 of it.
+    The kinks are at `kink_half_widths` (k, m), in the slip zone from the edge of permanent stick to
+    that of the largest contact, (m,) each.
+    """
     distance_to_kink = (
-        np.minimum(kink_half_widths - half_widths[0], half_widths[-1] - kink_half_widths)
+        np.minimum(kink_half_widths - stick_edge, largest_half_width - kink_half_widths)
         * _DISTANCES_TO_KINK[:, None, None]
     )
-    further_places = [
-        places_of_ellipses.reshape(-1, len(least_load))
-        for places_of_ellipses in (
-            places_between_half_widths,
-            kink_half_widths - distance_to_kink,
-            kink_half_widths + distance_to_kink,
-        )
-    ]
-    return np.sort(np.concatenate([half_widths, *further_places]), axis=0).T
+    return kink_half_widths - distance_to_kink, kink_half_widths + distance_to_kink
 
 
 def _narrowed_brackets(
@@ -527,19 +592,34 @@ def _narrowed_brackets(
         new_works = [
             density(ellipse_of_maximum[wide_bracket_numbers], places) for places in new_places
         ]
-        # Of the six places that of the highest W and its neighbours are the new bracket.
-        six_places = np.concatenate([former_places, new_places])
-        six_works = np.concatenate([bracket_works[:, wide_bracket_numbers], new_works])
-        order_by_place = np.argsort(six_places, axis=0, kind="stable")
-        six_places = np.take_along_axis(six_places, order_by_place, 0)
-        six_works = np.take_along_axis(six_works, order_by_place, 0)
-        row_of_highest_work = np.clip(np.argmax(six_works, axis=0), 1, len(six_works) - 2)
-        rows_of_bracket = row_of_highest_work + _NEIGHBOUR_OFFSETS
-        bracket_places[:, wide_bracket_numbers] = np.take_along_axis(six_places, rows_of_bracket, 0)
-        bracket_works[:, wide_bracket_numbers] = np.take_along_axis(six_works, rows_of_bracket, 0)
-        width = bracket_places[2, wide_bracket_numbers] - bracket_places[0, wide_bracket_numbers]
+        # of the six places those about the highest W
+        new_bracket, works_of_new_bracket = _bracket_about_highest(
+            np.concatenate([former_places, new_places]),
+            np.concatenate([bracket_works[:, wide_bracket_numbers], new_works]),
+        )
+        bracket_places[:, wide_bracket_numbers] = new_bracket
+        bracket_works[:, wide_bracket_numbers] = works_of_new_bracket
+        width = new_bracket[2] - new_bracket[0]
         narrows_slowly[wide_bracket_numbers] = width > former_width / 2
     return bracket_places, bracket_works
+
+
+def _bracket_about_highest(places: Array, works: Array) -> tuple[Array, Array]:
+    """The place of the highest W(x) of six, with its neighbours, and W(x) there, (3, n) each, for
+    each of n maxima; places ascending.
+
+    `places` and `works` (6, n) are in any order. The middle place of a bracket has a neighbour on
+    each side: the outermost of the six are never in the middle.
+    """
+    order_by_place = np.argsort(places, axis=0, kind="stable")
+    ascending_places = np.take_along_axis(places, order_by_place, 0)
+    works_in_order = np.take_along_axis(works, order_by_place, 0)
+    row_of_highest_work = np.clip(np.argmax(works_in_order, axis=0), 1, len(works) - 2)
+    rows_of_bracket = row_of_highest_work + _NEIGHBOUR_OFFSETS
+    return (
+        np.take_along_axis(ascending_places, rows_of_bracket, 0),
+        np.take_along_axis(works_in_order, rows_of_bracket, 0),
+    )
 
 
 def _next_trial_places(bracket: Array, vertex_place: Array) -> Array:
@@ -802,7 +882,7 @@ def dissipation(
         notes.extend(notes_of_batch(effects))
     # the first four come times pi E*/(2 f^2)
     rows_of_results, reason = _results_of_members(
-        profile, material, loads, works_of_members, n_results=5, n_normalised_results=4
+        profile, material, loads, _MemberResults(works_of_members, n_results=5, n_normalised=4)
     )
     work, forward_work, reverse_work, work_error, permanent_stick_load = rows_of_results
     return DissipationBatch(
@@ -875,76 +955,104 @@ def _works_with_effects(curvatures: Curvatures, members: Members) -> Array:
     whose loads add `curvatures` to gap and faces; rows (5, m): the work, its parts by forward and
     by reverse slip, the error of the work, and the load of the permanent stick zone.
 
-    `members` holds the loads as given, E* as `modulus`, and a contact for all, or None where
-    profiles vary; groups by shape have one contact each, in units of length and load. The work is
-    that on half-planes, exact, plus the change by the curvatures (columns (k, 1) over k ellipses).
-    One quadrature rule gives the works with and without curvatures, so that its error nearly
-    cancels in the change. A curvature is a second derivative of the gap, or of the displacement of
-    the faces, per unit of load [1/(stress length^2)].
+    The work is that on half-planes, exact, plus the change by the curvatures. One quadrature rule
+    gives the works with and without curvatures, so that its error nearly cancels in the change. A
+    curvature is a second derivative of the gap, or of the displacement of the faces, per unit of
+    load [1/(stress length^2)]. Members are taken in groups whose profiles have one shape.
     """
     # on half-planes
     rows_of_results = _works_of_members(members)
-    work, forward_work, reverse_work, work_error, permanent_stick_load = (
-        rows_of_results  # views: set below
-    )
+    # views: they are changed below
+    work, forward_work, reverse_work, work_error, permanent_stick_load = rows_of_results
     for group in members.shape_groups():
         member_numbers = group.members
-        # as columns (k, 1)
-        loads_of_group = LoadArrays(*(column[member_numbers, None] for column in members.loads))
-        # One column (k, 1) also where one unit serves all.
-        ones = np.ones((len(member_numbers), 1))
-        load_units = np.reshape(group.load_unit, (-1, 1)) * ones
-        squared_length_units = np.reshape(np.square(group.length_unit), (-1, 1)) * ones
-
-        # loads in units of the shape
-        loads = EllipseOfLoads(
-            mean_normal=loads_of_group.mean_normal,
-            normal_amplitude=loads_of_group.normal_amplitude,
-            mean_tangential=loads_of_group.mean_tangential,
-            tangential_amplitude=loads_of_group.tangential_amplitude,
-            phase=loads_of_group.phase,
-            friction=loads_of_group.friction,
-        ).divided_by(load_units)
-        # Of profiles that vary the contact has E* = 1 in its own units, of one profile its own E*.
-        contact_modulus = members.modulus if members.contact is not None else 1.0
-
-        # works with and without curvatures
-        columns_of_curvatures = CurvatureColumns.from_curvatures(
-            curvatures, members.modulus / contact_modulus * squared_length_units
-        )
-        columns_of_no_curvatures = CurvatureColumns.from_curvatures(Curvatures(), ones)
-        # forward and reverse work of each ellipse, and half-width of permanent stick
-        works_of_half_planes = works_of_ellipses(
-            loads, columns_of_no_curvatures, group.contact, contact_modulus
-        )
-        works_of_bodies = works_of_ellipses(
-            loads, columns_of_curvatures, group.contact, contact_modulus
-        )
-
-        # The change by the curvatures, in units of the scene. Works of ellipses are times pi E*/2,
-        # without 1/f^2.
-        work_unit = np.square(group.load_unit / members.loads.friction[member_numbers])
-        forward_change = work_unit * (
-            works_of_bodies.forward_work - works_of_half_planes.forward_work
-        )
-        reverse_change = work_unit * (
-            works_of_bodies.reverse_work - works_of_half_planes.reverse_work
-        )
-        half_plane_work_by_rule = work_unit * (
-            works_of_half_planes.forward_work + works_of_half_planes.reverse_work
-        )
+        change = _change_by_curvatures(curvatures, members, group)
         # what the rule misses of the exact work on half-planes; four times that is allowed for the
         # change
-        rule_error = np.abs(half_plane_work_by_rule - work[member_numbers])
-        work[member_numbers] += forward_change + reverse_change
-        forward_work[member_numbers] += forward_change
-        reverse_work[member_numbers] += reverse_change
+        rule_error = np.abs(change.half_plane_work - work[member_numbers])
+        work[member_numbers] += change.forward_work + change.reverse_work
+        forward_work[member_numbers] += change.forward_work
+        reverse_work[member_numbers] += change.reverse_work
         work_error[member_numbers] += _FACTOR_ON_RULE_ERROR * rule_error
-        stick_half_width = works_of_bodies.permanent_stick_half_width
-        permanent_stick_load[member_numbers] = group.load_unit * group.contact.load(
-            stick_half_width
-        )
+        permanent_stick_load[member_numbers] = change.permanent_stick_load
     return rows_of_results
+
+
+class _ChangeOfWorks(NamedTuple):
+    """What curvatures that the loads give to the faces change for k load ellipses, (k,) each; works
+    times pi E*/(2 f^2) [(force per thickness)^2], by one quadrature rule over the punches.
+
+    Attributes
+    ----------
+    forward_work, reverse_work
+        change of the work of forward and of reverse slip
+    half_plane_work
+        work without curvatures by the same rule
+    permanent_stick_load
+        normal load whose contact is as wide as the permanent stick zone, with curvatures
+    """
+
+    forward_work: Array
+    reverse_work: Array
+    half_plane_work: Array
+    permanent_stick_load: Array
+
+
+def _change_by_curvatures(
+    curvatures: Curvatures, members: Members, group: ShapeGroup
+) -> _ChangeOfWorks:
+    """What curvatures change of the friction work of a group of members, whose profiles have one
+    shape and one contact, in units of length and load.
+
+    `members` holds the loads of all members as given, E* as `modulus`, and a contact for all, or
+    None where profiles vary; `group` holds the numbers of its members. A curvature is a second
+    derivative of the gap, or of the displacement of the faces, per unit of load [1/(stress
+    length^2)].
+    """
+    # columns (k, 1), also where one unit serves all
+    ones = np.ones((len(group.members), 1))
+    squared_length_units = np.reshape(np.square(group.length_unit), (-1, 1)) * ones
+    loads = _loads_in_units(members, group)
+    # Of profiles that vary the contact has E* = 1 in its own units, of one profile its own E*.
+    contact_modulus = members.modulus if members.contact is not None else 1.0
+    columns_of_curvatures = CurvatureColumns.from_curvatures(
+        curvatures, members.modulus / contact_modulus * squared_length_units
+    )
+    columns_of_no_curvatures = CurvatureColumns.from_curvatures(Curvatures(), ones)
+    # forward and reverse work of each ellipse, and half-width of permanent stick
+    works_of_half_planes = works_of_ellipses(
+        loads, columns_of_no_curvatures, group.contact, contact_modulus
+    )
+    works_of_bodies = works_of_ellipses(
+        loads, columns_of_curvatures, group.contact, contact_modulus
+    )
+    # Works of ellipses are times pi E*/2, without 1/f^2.
+    work_unit = np.square(group.load_unit / members.loads.friction[group.members])
+    return _ChangeOfWorks(
+        forward_work=work_unit * (works_of_bodies.forward_work - works_of_half_planes.forward_work),
+        reverse_work=work_unit * (works_of_bodies.reverse_work - works_of_half_planes.reverse_work),
+        half_plane_work=work_unit
+        * (works_of_half_planes.forward_work + works_of_half_planes.reverse_work),
+        permanent_stick_load=group.load_unit
+        * group.contact.load(works_of_bodies.permanent_stick_half_width),
+    )
+
+
+def _loads_in_units(members: Members, group: ShapeGroup) -> EllipseOfLoads:
+    """P0, P1, Q0, Q1, phase and friction of the members of a group, as columns (k, 1); loads over
+    the unit of load of each member. `members` has the loads of all as given, the group the numbers
+    of its own.
+    """
+    loads = LoadArrays(*(load_array[group.members, None] for load_array in members.loads))
+    load_units = np.reshape(group.load_unit, (-1, 1)) * np.ones((len(group.members), 1))
+    return EllipseOfLoads(
+        mean_normal=loads.mean_normal,
+        normal_amplitude=loads.normal_amplitude,
+        mean_tangential=loads.mean_tangential,
+        tangential_amplitude=loads.tangential_amplitude,
+        phase=loads.phase,
+        friction=loads.friction,
+    ).divided_by(load_units)
 
 
 @accepts_phase
@@ -1010,7 +1118,7 @@ def peak_dissipation(
     material = _materials_of_both_bodies(material)
     # six rows; the first three, W(x), come times pi E*/(2 f^2)
     rows_of_results, reason = _results_of_members(
-        profile, material, loads, _maxima_of_members, n_results=6, n_normalised_results=3
+        profile, material, loads, _MemberResults(_maxima_of_members, n_results=6, n_normalised=3)
     )
     largest_density, second_density, density_error, place, second_place, place_fraction = (
         rows_of_results
@@ -1188,30 +1296,37 @@ def _materials_of_both_bodies(material: Materials | Elastic) -> Materials:
     return Materials(upper=material, lower=material) if isinstance(material, Elastic) else material
 
 
+class _MemberResults(NamedTuple):
+    """What is computed for each member of a batch.
+
+    Attributes
+    ----------
+    compute
+        results (n, m) of m members with admissible loads; where the first one of a member is not
+        finite the quadrature did not converge
+    n_results
+        n
+    n_normalised
+        how many results, from the first on, come times pi E*/(2 f^2), E* the composite modulus, f
+        the friction
+    """
+
+    compute: Callable[[Members], Array]
+    n_results: int
+    n_normalised: int
+
+
 def _results_of_members(
     profile: Profile | Mapping[str, Any],
     material: Materials,
     loads: EllipseLoads,
-    results_of: Callable[[Members], Array],
-    n_results: int,
-    n_normalised_results: int,
+    wanted_results: _MemberResults,
 ) -> tuple[list[Array], NDArray[np.int8]]:
-    """The `n_results` values of each member of a batch of steady load ellipses, and the code of the
-    `Reason` why a member has none, 0 else; computed block by block.
+    """The results of each member of a batch of steady load ellipses, and the code of the `Reason`
+    why a member has none, 0 else; computed block by block.
 
-    All arrays have the broadcast shape of the inputs and are read-only. A member without values has
-    NaN.
-
-    Parameters
-    ----------
-    profile, material, loads
-        of all members; keys of the profile and loads may be arrays that broadcast
-    results_of
-        results (n_results, m) of m members with admissible loads; where the first one is not
-        finite the quadrature did not converge
-    n_normalised_results
-        how many results, from the first on, `results_of` gives times pi E*/(2 f^2), E* the
-        composite modulus, f the friction
+    All arrays have the broadcast shape of the inputs and are read-only. A member without results
+    has NaN. Keys of the profile and loads may be arrays that broadcast.
 
     Raises
     ------
@@ -1221,43 +1336,96 @@ def _results_of_members(
     """
     material = validated(material, Materials)
     profile = validated(profile, Frozen) if isinstance(profile, Frozen) else profile
-    # kind of the profile, and its parameters by name, numbers or arrays
-    kind, parameters = _parameters_of(profile)
-    arguments = [real_numbers(value, name) for name, value in zip(_LOAD_NAMES, loads, strict=True)]
-    arguments += [real_numbers(value, f"profile: {name}") for name, value in parameters.items()]
-    try:
-        batch_shape = np.broadcast_shapes(*(array.shape for array in arguments))
-    except ValueError as mismatch:
-        raise InputError(f"the arrays of a batch must broadcast: {mismatch}") from mismatch
-
+    arguments = _BatchArguments.checked(profile, loads)
     # E*, and the contact of a single profile
-    batch = _Batch(kind, material, profile)
-    n_members = math.prod(batch_shape)
-    rows_of_results = np.full((n_results, n_members), np.nan)
+    batch = _Batch(arguments.kind, material, profile)
+    n_members = math.prod(arguments.shape)
+    rows_of_results = np.full((wanted_results.n_results, n_members), np.nan)
     reason_codes = np.zeros(n_members, dtype=np.int8)
-
     # _MEMBERS_AT_ONCE: 16,384
     for first_member in range(0, n_members, _MEMBERS_AT_ONCE):
-        end_member = min(first_member + _MEMBERS_AT_ONCE, n_members)
-        # each array at the members of the block, (members,)
-        arrays_of_block = [
-            _values_of_block(array, batch_shape, first_member, end_member) for array in arguments
-        ]
-        # why members are left out, numbers of the others in the block, and these members
-        reasons_of_block, admissible_numbers, members = batch.members_of(
-            LoadArrays(*arrays_of_block[: len(loads)]), arrays_of_block[len(loads) :]
+        block = slice(first_member, min(first_member + _MEMBERS_AT_ONCE, n_members))
+        rows_of_results[:, block], reason_codes[block] = _results_of_block(
+            batch, *arguments.of_block(block), wanted_results
         )
-        if len(admissible_numbers):
-            rows_of_block = results_of(members)
-            friction = members.loads.friction
-            rows_of_block[:n_normalised_results] *= 2 / (math.pi * batch.modulus) * friction**2
-            rows_of_results[:, first_member + admissible_numbers] = rows_of_block
-            unsettled_numbers = admissible_numbers[~np.isfinite(rows_of_block[0])]
-            reasons_of_block[unsettled_numbers] = Reason.UNSETTLED
-        reason_codes[first_member:end_member] = reasons_of_block
     rows_of_results.flags.writeable = False
     reason_codes.flags.writeable = False
-    return [row.reshape(batch_shape) for row in rows_of_results], reason_codes.reshape(batch_shape)
+    return (
+        [row.reshape(arguments.shape) for row in rows_of_results],
+        reason_codes.reshape(arguments.shape),
+    )
+
+
+def _results_of_block(
+    batch: _Batch, loads: LoadArrays, parameters: list[Array], wanted_results: _MemberResults
+) -> tuple[Array, NDArray[np.int8]]:
+    """The results of m members of a batch, (n, m), NaN for a member without; and the code of the
+    `Reason` why it has none, 0 else, (m,).
+
+    `loads` and `parameters` of the profile are (m,) each; the batch holds E* as `modulus`.
+    """
+    # why members are left out, numbers of the others in the block, and these members
+    reason_codes, admissible_numbers, members = batch.members_of(loads, parameters)
+    rows_of_results = np.full((wanted_results.n_results, len(reason_codes)), np.nan)
+    if len(admissible_numbers):
+        results = wanted_results.compute(members)
+        results[: wanted_results.n_normalised] *= (
+            2 / (math.pi * batch.modulus) * members.loads.friction**2
+        )
+        rows_of_results[:, admissible_numbers] = results
+        unsettled_numbers = admissible_numbers[~np.isfinite(results[0])]
+        reason_codes[unsettled_numbers] = Reason.UNSETTLED
+    return rows_of_results, reason_codes
+
+
+class _BatchArguments(NamedTuple):
+    """Arguments of a batch that broadcast to one shape.
+
+    Attributes
+    ----------
+    kind
+        of the profile
+    loads, parameters
+        P0, P1, Q0, Q1, phase [rad] and f; parameters of the profile, none where they do not vary:
+        arrays, or numbers as arrays without dimension
+    shape
+        of the batch
+    """
+
+    kind: str
+    loads: list[Array]
+    parameters: list[Array]
+    shape: tuple[int, ...]
+
+    @classmethod
+    def checked(cls, profile: Profile | Mapping[str, Any], loads: EllipseLoads) -> _BatchArguments:
+        """The loads, and the keys of the profile that may be arrays, as arrays of real numbers.
+
+        Raises
+        ------
+        InputError
+            For keys that are no profile's, for what is no number, for shapes that do not broadcast.
+        """
+        kind, parameters = _parameters_of(profile)
+        load_arrays = [
+            real_numbers(value, name) for name, value in zip(_LOAD_NAMES, loads, strict=True)
+        ]
+        parameter_arrays = [
+            real_numbers(value, f"profile: {name}") for name, value in parameters.items()
+        ]
+        try:
+            shape = np.broadcast_shapes(
+                *(array.shape for array in (*load_arrays, *parameter_arrays))
+            )
+        except ValueError as mismatch:
+            raise InputError(f"the arrays of a batch must broadcast: {mismatch}") from mismatch
+        return cls(kind, load_arrays, parameter_arrays, shape)
+
+    def of_block(self, block: slice) -> tuple[LoadArrays, list[Array]]:
+        """Loads and parameters of the m members of a block of the batch, (m,) each."""
+        load_arrays = [_values_of_block(array, self.shape, block) for array in self.loads]
+        parameter_arrays = [_values_of_block(array, self.shape, block) for array in self.parameters]
+        return LoadArrays(*load_arrays), parameter_arrays
 
 
 class _Batch:
@@ -1292,9 +1460,8 @@ class _Batch:
         self, loads: LoadArrays, parameters: list[Array]
     ) -> tuple[NDArray[np.int8], Indices, Members]:
         """The members of a block of a batch whose loads and profile are admissible, from `loads`
-        and `parameters` of the profile, (m,) each. `largest_load` is what the profile carries up to
-        its end. Loads are P0, P1, Q0, Q1 and the phase of P = P0 + P1 cos t, Q = Q0 + Q1 cos(t -
-        phase), and f.
+        and `parameters` of the profile, (m,) each. Loads are P0, P1, Q0, Q1 and the phase of P = P0
+        + P1 cos t, Q = Q0 + Q1 cos(t - phase), and f.
 
         Returns
         -------
@@ -1323,17 +1490,9 @@ class _Batch:
                 loads.phase,
                 friction,
             )
-
         # the mirrored loop, Q -> -Q, goes round the other way
         is_mirrored = np.tan(loads.phase / 2) < 0
-        mean_tangential = np.where(is_mirrored, -loads.mean_tangential, loads.mean_tangential)
-        # separation or gross sliding, 0 for admissible loads; then EXTENT, a contact wider than the
-        # profile, and INVALID, values that are not admitted
-        reason_codes = _reasons_of_loads(
-            ellipses, mean_tangential, loads.tangential_amplitude, loads.friction
-        )
-        is_too_large = loads.mean_normal + loads.normal_amplitude > self.largest_load
-        reason_codes[(reason_codes == Reason.NONE) & is_too_large] = Reason.EXTENT
+        reason_codes = self._reasons(loads, ellipses, is_mirrored)
         reason_codes[is_invalid] = Reason.INVALID
 
         # keep the admissible members
@@ -1355,6 +1514,23 @@ class _Batch:
         )
         return reason_codes, admissible_numbers, members
 
+    def _reasons(
+        self, loads: LoadArrays, ellipses: Ellipses, is_mirrored: NDArray[np.bool_]
+    ) -> NDArray[np.int8]:
+        """Why the loads of each of m members are inadmissible, (m,): separation, gross sliding, or
+        EXTENT, a contact wider than the profile; else 0. Codes of `Reason`.
+
+        `ellipses` are the steady load ellipses of these loads, with Q -> -Q where `is_mirrored`
+        (m,). `largest_load` is what the profile carries up to its end.
+        """
+        mean_tangential = np.where(is_mirrored, -loads.mean_tangential, loads.mean_tangential)
+        reason_codes = _reasons_of_loads(
+            ellipses, mean_tangential, loads.tangential_amplitude, loads.friction
+        )
+        is_too_large = loads.mean_normal + loads.normal_amplitude > self.largest_load
+        reason_codes[(reason_codes == Reason.NONE) & is_too_large] = Reason.EXTENT
+        return reason_codes
+
     def _is_invalid(self, loads: LoadArrays, parameters: list[Array]) -> NDArray[np.bool_]:
         """Whether a member has loads or parameters of its profile that are not admitted, (m,)."""
         is_invalid = _has_invalid_loads(loads)
@@ -1365,17 +1541,15 @@ class _Batch:
         return is_invalid
 
 
-def _values_of_block(
-    array: Array, batch_shape: tuple[int, ...], first_member: int, end_member: int
-) -> Array:
-    """Values of the members `first_member` to `end_member` - 1 of an array that broadcasts to
-    `batch_shape`; the others are not made.
+def _values_of_block(array: Array, batch_shape: tuple[int, ...], block: slice) -> Array:
+    """Values of the members of a block, from `block.start` to `block.stop` - 1, of an array that
+    broadcasts to `batch_shape`; the others are not made.
     """
     if array.size == 1:
-        return np.full(end_member - first_member, array.item())
+        return np.full(block.stop - block.start, array.item())
     if array.shape == batch_shape and array.flags.c_contiguous:
-        return array.reshape(-1)[first_member:end_member]
-    return np.broadcast_to(array, batch_shape).flat[first_member:end_member]
+        return array.reshape(-1)[block]
+    return np.broadcast_to(array, batch_shape).flat[block]
 
 
 def _has_invalid_loads(loads: LoadArrays) -> NDArray[np.bool_]:
