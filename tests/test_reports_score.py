@@ -157,6 +157,16 @@ def test_a_load_that_is_stated_is_kept_and_checked(
         assert laws["loads"].value == pytest.approx(0.003, rel=1e-4)
 
 
+def test_times_printed_with_nine_digits_break_no_law_of_the_reference() -> None:
+    """Theory takes an instant just behind the end of the cycle that it follows as that end."""
+    path = HERTZ.scene.load.path()
+    time = path.cycle_start + path.period * (1 + np.linspace(0, 1, 41) + 2e-9)
+    reference = semi_analytic.solve(HERTZ.scene, x=[0.0], time=time)
+    loads = {law.name: law for law in certificates(reference)}["loads"]
+    assert 1e-9 < loads.value < 1e-8
+    assert loads.holds
+
+
 def _on_path(name: str, time: np.ndarray, noise: float = 0.0) -> np.ndarray:
     """The times that the loads at `time` are matched to."""
     scene = scene_of(name)

@@ -5,6 +5,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from halfplane_fe.dundurs import dundurs
@@ -40,7 +42,8 @@ def size_in_words(cause: Cause, size: float) -> str:
     key = key_of_sentence(cause, size)
     if key not in WORDS["sizes"]:
         return ""
-    return minus(str(WORDS["sizes"][key].format(**_numbers_of_size(cause, size))))
+    template = WORDS["sizes"][key]
+    return minus(str(template.format(**_numbers_of_size(cause, size), late=_late_or_early(size))))
 
 
 def _numbers_of_size(cause: Cause, size: float) -> dict[str, float]:
@@ -55,7 +58,12 @@ def _numbers_of_size(cause: Cause, size: float) -> dict[str, float]:
     factor = float(np.exp(size))
     if key_of_sentence(cause, size) == "units":
         factor = nearest_power_of_ten(factor) or factor
-    return {"factor": factor, "distance": size, "delay": size}
+    return {"factor": factor, "distance": size, "delay": abs(size)}
+
+
+def _late_or_early(delay: float) -> str:
+    """The word for the sign of a delay."""
+    return "early" if delay < 0 else "late"
 
 
 def sentence_on_cause(discrepancy: Discrepancy, cause: Cause, size: float, fit: Fit) -> str:
@@ -88,7 +96,7 @@ def sentence_on_cause(discrepancy: Discrepancy, cause: Cause, size: float, fit: 
         return coupling_sentence(discrepancy)
     if cause.key == "coarse_edge":
         return _coarse_mesh_sentence(discrepancy, is_only_cause=len(fit.causes) == 1)
-    words_in_sentence = {"likely": ""}
+    words_in_sentence = {"likely": "", "late": _late_or_early(size)}
     if cause.key == "stiffness":
         words_in_sentence["likely"] = _origin_of_stiffness_factor(discrepancy, float(np.exp(size)))
     # key of the sentence: some sizes, such as a power of ten, have one of their own
@@ -109,20 +117,33 @@ def _coarse_mesh_sentence(discrepancy: Discrepancy, *, is_only_cause: bool) -> s
 
     `discrepancy` holds the result's pressure; `is_only_cause` is whether no other cause is named.
     """
-    pressure = discrepancy.result_tractions[PRESSURE]
-    carries_load = pressure > 1e-3 * np.max(pressure)
-    # nodes that carry load at one instant
-    largest_number_of_nodes = int(np.max(np.sum(carries_load, axis=1)))
-    # template of the sentence; _ENOUGH_ELEMENTS: ten over the half-width
-    sentence = WORDS["others"]["coarse_mesh"].format(
-        elements=discrepancy.elements_per_half_width,
-        carrying=largest_number_of_nodes,
-        wanted=discrepancy.half_width / _ENOUGH_ELEMENTS,
-        enough=_ENOUGH_ELEMENTS,
-    )
+    # template of the sentence
+    sentence = WORDS["others"]["coarse_mesh"].format(**_numbers_of_mesh(discrepancy))
     if is_only_cause:
         return f"{sentence} {WORDS['others']['coarse_mesh_alone']}"
     return str(sentence)
+
+
+def sentence_on_few_points(discrepancy: Discrepancy) -> Iterator[str]:
+    """A sentence on a result with fewer than ten points over the half-width: so coarse a mesh may
+    make a difference that no known fault makes. Nothing with more points.
+    """
+    if discrepancy.elements_per_half_width < _ENOUGH_ELEMENTS:
+        yield WORDS["others"]["few_points"].format(**_numbers_of_mesh(discrepancy))
+
+
+def _numbers_of_mesh(discrepancy: Discrepancy) -> dict[str, float]:
+    """Numbers for a sentence on a coarse mesh: elements over the half-width, nodes that carry load
+    at an instant, enough elements, and the size that these have [length].
+    """
+    pressure = discrepancy.result_tractions[PRESSURE]
+    carries_load = pressure > 1e-3 * np.max(pressure)
+    return {
+        "elements": discrepancy.elements_per_half_width,
+        "carrying": int(np.max(np.sum(carries_load, axis=1))),
+        "enough": _ENOUGH_ELEMENTS,
+        "wanted": discrepancy.half_width / _ENOUGH_ELEMENTS,
+    }
 
 
 def _origin_of_stiffness_factor(discrepancy: Discrepancy, factor: float) -> str:

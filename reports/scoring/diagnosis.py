@@ -13,7 +13,12 @@ import numpy as np
 
 from reports.comparison import Comparison
 from reports.scoring.causes import SHEAR_SIGN, SOFT_NORMAL, Cause
-from reports.scoring.causes_in_words import key_of_sentence, sentence_on_cause, size_in_words
+from reports.scoring.causes_in_words import (
+    key_of_sentence,
+    sentence_on_cause,
+    sentence_on_few_points,
+    size_in_words,
+)
 from reports.scoring.discrepancy import PRESSURE, TRACTIONS, Discrepancy, discrepancy_of
 from reports.scoring.fits import (
     LARGEST_PROBABILITY_BY_CHANCE,
@@ -331,8 +336,8 @@ def _finding_of_mesh_at_edges(judgement: Judgement) -> Iterator[Diagnosis]:
 
 def _finding_of_no_cause(judgement: Judgement, attribution: Attribution) -> Diagnosis:
     """The finding that no cause was found, with its evidence: errors; causes that explain the
-    result equally well; causes that are excluded, with the reasons; and the place of the largest
-    difference.
+    result equally well; causes that are excluded, with the reasons; a mesh with few points; and the
+    place of the largest difference.
 
     `judgement` holds the causes that were tried, `attribution` the best explanation and its rivals.
     """
@@ -355,6 +360,7 @@ def _finding_of_no_cause(judgement: Judgement, attribution: Attribution) -> Diag
             for key, reason in judgement.reason_by_cause.items()
         )
         sentences.append(f"excluded: {exclusions_in_words}")
+    sentences += sentence_on_few_points(discrepancy)
     # what each cause alone leaves of the difference
     sentences += _shares_left_by_single_causes(judgement)
     sentences += _place_of_largest_difference(discrepancy)

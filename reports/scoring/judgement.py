@@ -27,6 +27,8 @@ from reports.scoring.causes import (
     CAUSES,
     COUPLING,
     ODD_PART,
+    OFFSET,
+    OTHER_TIMES,
     SHEAR_FACTOR,
     SMALL_BODY,
     SOFT_NORMAL,
@@ -56,8 +58,10 @@ _LARGEST_SQUARE_RATIO_OF_PAIR = 1 / 4
 _SHARE_OF_FACTOR_IN_SUM = 1 / 3
 # Over P, by which nodal forces may differ from it: they add up to P on any mesh, but for noise.
 _LARGEST_ERROR_OF_SUM = 0.05
-# A fitted factor this near to 1 is the error of a mesh, and no fault.
+# A fitted factor this near to 1 is the error of a mesh, and no fault; so is a delay of so much of a
+# radian, here as a share of a period.
 _LEAST_SIZE_OF_FAULT = 0.005
+_LEAST_DELAY = _LEAST_SIZE_OF_FAULT / (2 * np.pi)
 # Share of the difference that a cause alone must not exceed for pairs with it to be tried.
 _LEAST_SHARE_LEFT_WITHOUT_HELP = 0.98
 # Values in contact of which neighbours do not tell noise from what two causes at once make.
@@ -503,12 +507,36 @@ class Judgement:
         pressure over x, nor that of the shear, nor fitted sizes that are next to none. `fit_before`
         is a fit of fewer causes.
         """
-        if _is_no_change(fit, fit_before, channels):
+        if self._has_cause_without_change(fit, fit_before, channels):
             return False
         # a wrong factor of all shear tractions
         if SHEAR_FACTOR in fit.causes and not self._is_factor_of_shear(fit, fit_before):
             return False
         return not self._sum_of_pressures_contradicts(fit)
+
+    def _has_cause_without_change(self, fit: Fit, fit_before: Fit, channels: Sequence[int]) -> bool:
+        """Whether a cause (known fault) in a fit has a fitted size next to 0, so that it explains
+        nothing: the difference may then be the error of a mesh. It has not where, next to 0 as it
+        is, it leaves less than 3 % of the difference (norm) that is left without it.
+
+        Next to 0 is below 0.005, and below 0.005/(2 pi) of a period for a delay. The size of a
+        factor is its logarithm; that of an offset does not count. `fit_before` is a fit of fewer
+        causes.
+        """
+        for cause, size in zip(fit.causes, fit.sizes, strict=True):
+            least_size = _LEAST_DELAY if cause is OTHER_TIMES else _LEAST_SIZE_OF_FAULT
+            if not cause.has_size or cause is OFFSET or abs(size) >= least_size:
+                continue
+            fit_without_cause: Fit | None = fit_before
+            if cause not in fit_before.causes:
+                other_causes = tuple(other for other in fit.causes if other is not cause)
+                fit_without_cause = self.search.best_fit(
+                    other_causes, tuple(channels), known_sizes=fit_before.sizes
+                )
+            share_left = share_of_difference_left(fit, fit_without_cause or fit_before, channels)
+            if share_left > _LARGEST_SHARE_LEFT_IF_COMPLETE:
+                return True
+        return False
 
     def _is_factor_of_shear(self, fit: Fit, fit_before: Fit) -> bool:
         """Whether the shear tractions of a result are right but for one constant factor, as a fit
@@ -802,21 +830,3 @@ def _may_occur_together(causes: tuple[Cause, ...]) -> bool:
     groups = [cause.group for cause in causes if cause.group]
     keys = [cause.key for cause in causes]
     return len(set(groups)) == len(groups) and len(set(keys)) == len(keys)
-
-
-def _is_no_change(fit: Fit, fit_before: Fit, channels: Sequence[int]) -> bool:
-    """Whether a cause (known fault) in a fit has a fitted size next to 0, below 0.005, so that it
-    explains nothing: the difference may then be the error of a mesh. The size of a factor is its
-    logarithm; sizes of a delay or an offset do not count. False where the fit leaves less than 3 %
-    of the difference (norm) that `fit_before` leaves.
-    """
-    # keys of a delay and of an offset
-    is_small = any(
-        cause.has_size and abs(size) < _LEAST_SIZE_OF_FAULT
-        for cause, size in zip(fit.causes, fit.sizes, strict=True)
-        if cause.key not in ("other_times", "offset")
-    )
-    return (
-        is_small
-        and share_of_difference_left(fit, fit_before, channels) > _LARGEST_SHARE_LEFT_IF_COMPLETE
-    )
