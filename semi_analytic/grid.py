@@ -2555,6 +2555,61 @@ def cycle_works(
     ).works
 
 
+class RatioOnGrids(NamedTuple):
+    """q/(f p) at n instants and k points (n, k), the mean over 16 grids, 0 where a grid has no
+    contact, and the width of their cells [length].
+    """
+
+    friction_ratio: Array
+    cell_width: float
+
+
+def friction_ratio_on_grids(
+    loads: PathLoads,
+    contact: TiltedProfile,
+    height: Callable[[Array], Array],
+    friction: float,
+    x: Array,
+    time: Array,
+    request: GridRequest,
+) -> RatioOnGrids:
+    """q/(f p) at n instants and k points by 16 grids alone, without coarser ones that estimate an
+    error or find the number of cycles.
+
+    Parameters
+    ----------
+    loads
+        P, Q, bulk strain and tilt along the path
+    contact
+        normal contact of the profile under load and tilt
+    height
+        h(x), the gap between the unloaded faces [length]
+    friction
+        f
+    x, time
+        (k,) points; (n,) instants
+    request
+        how fine the grids are, and how many cycles are followed, whether steady or not
+
+    Raises
+    ------
+    InputError
+        Where an increment does not converge.
+    """
+    # _GRID_SHIFTS: 16 shifts by fractions of a cell.
+    grids = _setup_along_path(loads, contact, height, friction).moved_grids(
+        request.cells, _GRID_SHIFTS
+    )
+    path_in_increments = _PathInIncrements(loads, request.increments)
+    n_cycles = request.most_cycles if loads.path.cycle else 0
+    # Number -1 is the initial loading before the first cycle, 0.
+    cycle_numbers = range(-1, n_cycles)
+    answers = _follow_cycles(
+        grids, path_in_increments, x, time, cycle_numbers, least_cycles=len(cycle_numbers)
+    )
+    return RatioOnGrids(answers.friction_ratio, grids.cell_width)
+
+
 def _default_times(path: LoadPath, cycles: int, increments: int, last_cycle_alone: bool) -> Array:
     """Times at which a solution on grids is given where the caller asks for none, (n,) ascending.
 

@@ -45,7 +45,8 @@ from semi_analytic.grid import (
     CELLS_ACROSS_CONTACT,
     INCREMENTS_PER_CYCLE,
     GridRequest,
-    follow_on_grid,
+    RatioOnGrids,
+    friction_ratio_on_grids,
 )
 from semi_analytic.memory import CurvePart, Snapshot, pieces
 from semi_analytic.profiles import SymmetricContact
@@ -75,11 +76,19 @@ _WIDTH_SHARES_FROM_EDGE = 10.0 ** np.arange(-7, -1.5, 0.2)
 # Places across a contact at which the pressure is taken for a tension.
 _PLACES_OF_TENSION = 512
 # Error of a tension on grids that its change by coarse grids does not show, over the error of the
-# shear, each as share of its largest value: measured up to 0.35, most below 0.03.
-_TENSION_ERROR_OVER_SHEAR_ERROR = 0.125
-# What straight lines of q/p between places leave of the tension, as share of f times the largest
-# pressure: measured 5e-4.
+# shear, each as share of its largest value: most below 0.005; 0.07 once, where a load has turned in
+# between two increments.
+_TENSION_ERROR_OVER_SHEAR_ERROR = 0.025
+# What straight lines of q/p between places leave of the tension without grids, as share of f times
+# the largest pressure: measured 5e-4.
 _TENSION_ERROR_SHARE_BETWEEN_PLACES = 1e-3
+# What is left of the change by half of the points, 1/(2^2 - 1): straight lines err by the square of
+# the distance of points.
+_ERROR_OVER_CHANGE_BY_POINTS = 1 / 3
+# Tension that a slip zone adds which is narrower than a cell, over that of q = f p in the cell and
+# the root of the difference of q/(f p) there: 2.7 if the cells had nothing of it. Measured 0.6 at
+# most beside dense points, 1.4 where the nearest point is as far from the edge as a cell is wide.
+_TENSION_OF_NARROW_SLIP_ZONE = 1.4
 # Powers of omega below this are left out.
 _NEGLIGIBLE_POWER = 1e-17
 # Error of a tension by quadrature, as share of P/a.
@@ -254,9 +263,9 @@ def edge_tension(
         answers = _answers_with_tractions(source, times)
         path_loads, profile = path_loads_and_contact(scene)
         for instant_number, (answer, row) in enumerate(answers):
-            coarse_shear = _shear_on_coarse_grids(answer, path_loads, profile)
+            coarse_grids = _ratio_on_coarse_grids(answer, path_loads, profile)
             tension, uncertainties[instant_number] = _edge_tensions_of_answer(
-                answer, row, profile, None if coarse_shear is None else coarse_shear[row]
+                answer, row, profile, coarse_grids
             )
             values[instant_number] = sign_of_body * tension
         return values + _bulk_stresses(answers)[..., None], uncertainties
@@ -496,17 +505,17 @@ def _bulk_stresses(answers: list[tuple[ContactSolution, int]]) -> Array:
     return stresses
 
 
-# Shear (n, k) of a solution on grids, at its instants and points, by coarse grids: cached as long
+# q/(f p) (n, k) of a solution on grids, at its instants and points, by coarse grids: cached as long
 # as the solution exists.
-_coarse_shear_by_answer: WeakKeyDictionary[ContactSolution, Array] = WeakKeyDictionary()
+_coarse_ratio_by_answer: WeakKeyDictionary[ContactSolution, RatioOnGrids] = WeakKeyDictionary()
 
 
-def _shear_on_coarse_grids(
+def _ratio_on_coarse_grids(
     answer: ContactSolution, path_loads: PathLoads, profile: TiltedProfile
-) -> Array | None:
-    """Shear (n, k) at the n instants and k points of an answer [stress], by grids of half as many
-    cells and increments; None where the answer is not from grids, NaN where the coarse ones do
-    not follow its path. It is followed once.
+) -> RatioOnGrids | None:
+    """q/(f p) at the n instants and k points of an answer, by grids of half as many cells and
+    increments, along as many cycles; None where the answer is not from grids, NaN where the coarse
+    ones do not follow its path. It is followed once.
 
     Parameters
     ----------
@@ -519,16 +528,16 @@ def _shear_on_coarse_grids(
     """
     if "grids" not in answer.work.counts:
         return None
-    if answer not in _coarse_shear_by_answer:
+    if answer not in _coarse_ratio_by_answer:
         scene = answer.scene
         # Half of the usual 160 cells across the contact, and of 320 increments a cycle.
         request = GridRequest(
-            most_cycles=max(scene.cycles, 2),
+            most_cycles=answer.work.counts["cycles_solved"],
             cells=CELLS_ACROSS_CONTACT // 2,
             increments=INCREMENTS_PER_CYCLE // 2,
         )
         try:
-            coarse_shear = follow_on_grid(
+            coarse_ratio = friction_ratio_on_grids(
                 path_loads,
                 profile,
                 scene.profile.height,
@@ -536,15 +545,19 @@ def _shear_on_coarse_grids(
                 answer.x,
                 answer.time,
                 request,
-            ).shear
+            )
         except InputError:  # near sliding all of the coarse cells may slip
-            coarse_shear = np.full((len(answer.time), len(answer.x)), np.nan)
-        _coarse_shear_by_answer[answer] = coarse_shear
-    return _coarse_shear_by_answer[answer]
+            nowhere_known = np.full((len(answer.time), len(answer.x)), np.nan)
+            coarse_ratio = RatioOnGrids(nowhere_known, math.nan)
+        _coarse_ratio_by_answer[answer] = coarse_ratio
+    return _coarse_ratio_by_answer[answer]
 
 
 def _edge_tensions_of_answer(
-    answer: ContactSolution, row: int, profile: TiltedProfile, coarse_shear: Array | None = None
+    answer: ContactSolution,
+    row: int,
+    profile: TiltedProfile,
+    coarse_grids: RatioOnGrids | None = None,
 ) -> tuple[Array, Array]:
     """Stress s_xx of the lower face at the left and the right edge of contact, without the bulk
     stress, and its uncertainty, (2,) each [stress].
@@ -553,10 +566,13 @@ def _edge_tensions_of_answer(
     cos(phi) that is the mean over phi of 2 q cot(phi/2) at the left edge, of -2 q tan(phi/2) at the
     right one.
 
-    The uncertainty is a sum: the change if half of the points are used, and 1e-3 of f times the
-    largest pressure, since q/p is taken as straight lines between points. For an answer from grids
-    the change by coarse grids and a fraction of the stated error of the shear are added; it is NaN
-    where `coarse_shear` is. Stress and uncertainty are 0 where no point is in contact.
+    The uncertainty is the root of a sum of squares, of errors of different causes: a third of the
+    change if half of the points are used, since q/p is taken as straight lines between points, and
+    the tension of a slip zone that is narrower than a cell, or than the distance of the first
+    point. For an answer from grids the change by coarse grids and a fraction of the stated error of
+    the shear are added; it is NaN where coarse grids do not follow its path. For other answers it
+    is 1e-3 of f times the largest pressure. Stress and uncertainty are 0 where no point is in
+    contact.
 
     Parameters
     ----------
@@ -564,41 +580,108 @@ def _edge_tensions_of_answer(
         half-plane solution, and the number of its instant
     profile
         the gap, as a contact under load and tilt
-    coarse_shear
-        (k,) shear at the points of the answer by coarse grids [stress]; None of other answers
+    coarse_grids
+        q/(f p) at the instants and points of the answer by grids of cells twice as wide; None of
+        other answers
     """
     pressure_at_points = answer.pressure[row]
     points_in_contact = np.flatnonzero(pressure_at_points > 0)
     if not len(points_in_contact):
         return np.zeros(2), np.zeros(2)
+    friction = answer.scene.friction.coefficient
 
-    # Angles phi and 512 places across the contact, with the exact pressure there.
+    # Angles phi and 512 places across the contact, with the exact f p there.
     phi, places = _places_across(answer, row, _PLACES_OF_TENSION)
-    pressure = _pressure_across(answer, row, profile, places)
-    weighted_pressures = 2 * pressure * np.stack([1 / np.tan(phi / 2), -np.tan(phi / 2)])
+    friction_limit = friction * _pressure_across(answer, row, profile, places)
+    # Tension at the left and at the right edge by q = f p, for each place: (2, 512).
+    tension_of_sliding = 2 * friction_limit * np.stack([1 / np.tan(phi / 2), -np.tan(phi / 2)])
 
-    def tensions_by(shear: Array, points: Indices) -> Array:
-        """The stress at both edges from the shear at some of the points, (2,) [stress]."""
-        shear_ratio = np.interp(
-            places, answer.x[points], shear[points] / pressure_at_points[points]
-        )
-        return np.mean(weighted_pressures * shear_ratio, axis=1)
+    def tensions_by(friction_ratio: Array, points: Indices) -> Array:
+        """The stress at both edges from q/(f p) at some of the points, (2,) [stress]."""
+        ratio_at_places = np.interp(places, answer.x[points], friction_ratio[points])
+        return np.mean(tension_of_sliding * ratio_at_places, axis=1)
 
-    tension = tensions_by(answer.shear[row], points_in_contact)
-    # Uncertainty: 1e-3 of the largest f p, then changes by points and grids.
-    largest_friction = answer.scene.friction.coefficient * float(pressure_at_points.max())
-    uncertainty = np.full(2, _TENSION_ERROR_SHARE_BETWEEN_PLACES * largest_friction)
+    limit_at_points = friction * np.where(pressure_at_points > 0, pressure_at_points, math.inf)
+    friction_ratio = answer.shear[row] / limit_at_points
+    tension = tensions_by(friction_ratio, points_in_contact)
     changes_by_points = [
-        np.abs(tensions_by(answer.shear[row], half_of_points) - tension)
+        np.abs(tensions_by(friction_ratio, half_of_points) - tension)
         for half_of_points in (points_in_contact[::2], points_in_contact[1::2])
         if len(half_of_points)
     ]
-    uncertainty += np.max(changes_by_points, axis=0)
-    if coarse_shear is not None:
-        error_of_shear = answer.record.errors.get("shear", 0.0)
-        uncertainty += np.abs(tensions_by(coarse_shear, points_in_contact) - tension)
-        uncertainty += _TENSION_ERROR_OVER_SHEAR_ERROR * error_of_shear * largest_friction
+    error_between_points = _ERROR_OVER_CHANGE_BY_POINTS * np.max(changes_by_points, axis=0)
+
+    largest_friction = friction * float(pressure_at_points.max())
+    cell_width = 0.0
+    change_by_grids = np.zeros(2)
+    error_by_shear = _TENSION_ERROR_SHARE_BETWEEN_PLACES * largest_friction
+    if coarse_grids is not None:
+        cell_width = coarse_grids.cell_width / 2
+        coarse_tension = tensions_by(coarse_grids.friction_ratio[row], points_in_contact)
+        change_by_grids = coarse_tension - tension
+        share_of_shear_error = _TENSION_ERROR_OVER_SHEAR_ERROR * answer.record.errors.get(
+            "shear", 0.0
+        )
+        error_by_shear = share_of_shear_error * largest_friction
+
+    # Of slip zones beside either edge: points and places by their distance from it.
+    tension_of_slip_zones = np.array(
+        [
+            _tension_of_narrow_slip_zone(
+                np.abs(answer.x[points_in_contact] - edge),
+                friction_ratio[points_in_contact],
+                cell_width,
+                np.abs(places - edge),
+                np.abs(tension_of_sliding[edge_number]),
+            )
+            for edge_number, edge in enumerate(answer.contact_edges[row].tolist())
+        ]
+    )
+    uncertainty = np.sqrt(
+        error_between_points**2 + change_by_grids**2 + error_by_shear**2 + tension_of_slip_zones**2
+    )
     return tension, uncertainty
+
+
+def _tension_of_narrow_slip_zone(
+    distances: Array,
+    friction_ratio: Array,
+    cell_width: float,
+    distances_of_places: Array,
+    tension_of_sliding: Array,
+) -> float:
+    """Tension at an edge of contact that a slip zone may add which has just begun there, and is
+    too narrow for the cells and points of an answer [stress].
+
+    Beside an edge p = K sqrt(d) at the distance d. Where a load has turned, a slip zone of width z
+    changes q by -F (sqrt(d) - sqrt(d - z)), with F = f K |s - r|: r is q/(f p) before, s = +-1 its
+    value in slip. That is F z/(2 sqrt(d)) farther in, and 2 F sqrt(z) of the tension. A zone within
+    a cell is seen by what it leaves farther in. This grows as z, so that its tension grows as the
+    root of the difference of q/(f p) in the cell beside the edge from that in the next one, times
+    |s - r|. s is the sign of the difference. Where the cell beside the edge slips that way already,
+    the zone is wider than the cell, and nothing is added.
+
+    Parameters
+    ----------
+    distances, friction_ratio
+        (k,) distances of points in contact from the edge [length], and q/(f p) there
+    cell_width
+        of the grids; 0 without grids [length]
+    distances_of_places, tension_of_sliding
+        (m,) distances of places across the contact from the edge, and the tension by q = f p there,
+        whose mean is that of the whole contact [stress]
+    """
+    order = np.argsort(distances)
+    # Nothing is known nearer to the edge than the nearest point, and within a cell.
+    unresolved_width = cell_width + float(distances[order[0]])
+    ratio_at_edge, ratio_farther_in = np.interp(
+        [0.0, unresolved_width], distances[order], friction_ratio[order]
+    )
+    difference = float(ratio_at_edge - ratio_farther_in)
+    rest_to_slip = 1 - math.copysign(1.0, difference) * float(ratio_at_edge)
+    tension_of_cell = float(np.mean(tension_of_sliding * (distances_of_places < unresolved_width)))
+    share = math.sqrt(abs(difference) * max(rest_to_slip, 0.0) / 2)
+    return _TENSION_OF_NARROW_SLIP_ZONE * tension_of_cell * share
 
 
 def _places_across(answer: ContactSolution, row: int, count: int) -> tuple[Array, Array]:

@@ -19,6 +19,7 @@ from semi_analytic.subsurface import (
     _curve_parts,
     _edge_tensions_of_answer,
     _stress_by_sine_series,
+    _tension_of_narrow_slip_zone,
 )
 from semi_analytic_cases import extreme
 
@@ -262,7 +263,8 @@ def flat_pad_on_grids():
 
 def test_on_grids_the_tension_is_known_at_each_edge_and_does_not_hang_on_the_points():
     """A flat pad under bulk stress. Half to eight tenths of f times the largest pressure was stated
-    of a solution's own 200 points, a tenth at every edge and instant of points beside the edges.
+    of a solution's own 200 points at every edge. Where slip has just begun 0.22 is missing beside
+    grids of three times the cells, also of points beside the edges: at most 0.15 was stated.
     """
     scene, answer = flat_pad_on_grids()
     time = answer.time[answer.last_cycle[[0, 40, 80, 120]]]
@@ -272,9 +274,44 @@ def test_on_grids_the_tension_is_known_at_each_edge_and_does_not_hang_on_the_poi
     np.testing.assert_array_less(np.abs(of_answer - of_scene), uncertainty_of_answer)
     assert np.median(np.abs(of_answer - of_scene)) < 9e-3 * largest_friction
     # the edge beside which slip has just begun is known least: each edge has its own uncertainty
-    assert uncertainty_of_scene.min() < 0.015 * largest_friction
-    assert uncertainty_of_scene.max() < 0.15 * largest_friction
-    assert np.median(uncertainty_of_answer) < 0.2 * largest_friction
+    assert uncertainty_of_scene.min() < 0.005 * largest_friction
+    assert 0.22 * largest_friction < uncertainty_of_scene.max() < 0.6 * largest_friction
+    assert uncertainty_of_answer.min() < 0.005 * largest_friction
+
+
+def test_a_slip_zone_within_a_cell_is_estimated_by_what_it_leaves_beside_it():
+    """p = K sqrt(d) at the distance d from an edge; Q has turned, and a zone of width z slips back:
+    the tension changes by 2 F sqrt(z), F = f K |s - r|. A cell that sticks has the mean of q.
+    """
+    cell_width = 0.01
+    factor = 3.0  # f K
+    ratio_before = 1.0
+    places = np.linspace(0.0, 1.0, 200_001)[1:]
+    friction_limit = factor * np.sqrt(places)
+    tension_of_sliding = 2 / np.pi * friction_limit / places  # over a length of 1
+    distances = cell_width * (np.arange(40) + 0.5)
+    for width in (0.003, 0.03, 0.3) * np.array(cell_width):
+        change = (
+            -(1 + ratio_before)
+            * factor
+            * (np.sqrt(places) - np.sqrt(np.maximum(places - width, 0)))
+        )
+        ratio = ratio_before + change / friction_limit
+        ratio_of_cells = [
+            np.mean(ratio[np.abs(places - distance) < cell_width / 2]) for distance in distances
+        ]
+        tension = 2 * (1 + ratio_before) * factor * math.sqrt(width)
+        tension_of_cells = np.mean(
+            tension_of_sliding * (ratio_before - np.interp(places, distances, ratio_of_cells))
+        )
+        estimate = _tension_of_narrow_slip_zone(
+            distances, np.array(ratio_of_cells), cell_width, places, tension_of_sliding
+        )
+        assert tension - tension_of_cells < estimate < 8 * (tension - tension_of_cells)
+    # all sticks or slips alike, or the cell at the edge slips back already
+    for ratio in (np.full(40, 0.3), np.full(40, 1.0), np.where(distances < cell_width, -1.0, 0.9)):
+        estimate = _tension_of_narrow_slip_zone(distances, ratio, 0.0, places, tension_of_sliding)
+        assert estimate == 0.0
 
 
 def test_coarse_grids_follow_a_solution_once_and_the_contact_is_not_solved_for_its_edges(
@@ -283,7 +320,7 @@ def test_coarse_grids_follow_a_solution_once_and_the_contact_is_not_solved_for_i
     """Whatever instants are asked for together, each has the same uncertainty."""
     scene, answer = flat_pad_on_grids()
     calls = []
-    for name in ("follow_on_grid", "solve"):
+    for name in ("friction_ratio_on_grids", "solve"):
         function = getattr(subsurface, name)
         monkeypatch.setattr(
             subsurface,
@@ -292,11 +329,11 @@ def test_coarse_grids_follow_a_solution_once_and_the_contact_is_not_solved_for_i
                 calls.append(name) or function(*given, **options)
             ),
         )
-    subsurface._coarse_shear_by_answer.pop(answer, None)
+    subsurface._coarse_ratio_by_answer.pop(answer, None)
     time = answer.time[answer.last_cycle[[0, 40, 80, 120]]]
     together = edge_tension(answer, time)
     apart = [edge_tension(answer, instant) for instant in time]
-    assert calls == ["follow_on_grid"]
+    assert calls == ["friction_ratio_on_grids"]
     for k in range(2):
         assert np.array_equal(together[k], np.concatenate([one[k] for one in apart]))
     calls.clear()
@@ -314,8 +351,8 @@ def test_where_coarse_grids_do_not_follow_the_path_the_tension_has_no_uncertaint
     def refuse(*_arguments):
         raise InputError("all cells slip")
 
-    monkeypatch.setattr(subsurface, "follow_on_grid", refuse)
-    monkeypatch.setattr(subsurface, "_coarse_shear_by_answer", {})
+    monkeypatch.setattr(subsurface, "friction_ratio_on_grids", refuse)
+    monkeypatch.setattr(subsurface, "_coarse_ratio_by_answer", {})
     values_alone, unknown = edge_tension(answer, time)
     np.testing.assert_array_equal(values_alone, values)
     assert np.isnan(unknown).all()
