@@ -20,6 +20,7 @@ from __future__ import annotations
 import gc
 from array import array
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -213,6 +214,8 @@ class Recorder:
     def __init__(self, stores_curves: bool) -> None:
         self.lines: list[Line | None] = []
         self.numbers = array("d")
+        # how many numbers there were before the first step and after each step
+        self._counts_of_numbers = [0]
         self._add_line = self.lines.append if stores_curves else None
         self._add_numbers = self.numbers.extend
 
@@ -262,6 +265,26 @@ class Recorder:
                 force_rise,
             )
         )
+
+    def end_step(self) -> None:
+        """State that the records that come next belong to the next load step."""
+        self._counts_of_numbers.append(len(self.numbers))
+
+    def _columns(self) -> Array:
+        """The numbers of all m records as columns, (11, m): those of `Records` without the step,
+        then those of `LineTable`.
+        """
+        return np.frombuffer(self.numbers).reshape(-1, _COUNT_OF_RECORD_AND_LINE_NUMBERS).T
+
+    def records(self) -> Records:
+        """The records of all steps, with the number of the step that each belongs to."""
+        n_records_of_steps = np.diff(self._counts_of_numbers) // _COUNT_OF_RECORD_AND_LINE_NUMBERS
+        step_of_record = np.repeat(np.arange(len(n_records_of_steps)), n_records_of_steps)
+        return Records._make([*self._columns()[:_COUNT_OF_RECORD_NUMBERS], step_of_record])
+
+    def line_table(self) -> LineTable:
+        """The line of the memory curve that each record goes through."""
+        return LineTable(*self._columns()[_COUNT_OF_RECORD_NUMBERS:])
 
 
 def kinds_of_steps(rows: Array, friction: float) -> NDArray[np.int8]:
@@ -749,44 +772,63 @@ def follow(
     ([0.0, 1.0, 1.0], 2)
     """
     recorder = Recorder(stores_curves)
-    counts_of_numbers = [0]  # how many numbers the recorder holds after each step
-    largest_line_count = 0
     # A path that unloads fully may end below 0 by rounding.
     rows = np.stack([np.maximum(rows[:, 0], 0.0), rows[:, 1]], axis=1)
-    load, force = rows[0].tolist()
-    # No object here refers to itself: the garbage collector would look at all others again and
-    # again, for half of the time.
+    with _garbage_collector_off():
+        curve, largest_line_count = _follow_rows(curve, rows, friction, recorder)
+    return StepBlock(
+        rows=rows,
+        records=recorder.records().with_stick_edge_in_contact(),
+        line_table=recorder.line_table(),
+        lines=recorder.lines,
+        curve=curve,
+        largest_line_count=largest_line_count,
+    )
+
+
+@contextmanager
+def _garbage_collector_off() -> Iterator[None]:
+    """Context without Python's garbage collector, for millions of lines of memory curves.
+
+    None of these objects refers to itself. The collector would look at all of them again and again,
+    for half of the time.
+    """
     was_collecting = gc.isenabled()
     gc.disable()
     try:
-        # by Coulomb's law: slip forward or in reverse, full stick, or unloading
-        kinds = kinds_of_steps(rows, friction).tolist()
-        for (next_load, next_force), kind in zip(rows[1:].tolist(), kinds, strict=True):
-            station = (load, force, 0.0)
-            next_station = (next_load, next_force, 1.0)
-            curve = _curve_after_step(curve, kind, station, next_station, friction, recorder)
-            if next_load == 0:
-                curve = None  # unloaded: a line that rounding left has no length
-            load = next_load
-            force = next_force
-            counts_of_numbers.append(len(recorder.numbers))
-            if curve is not None and curve.line_count > largest_line_count:
-                largest_line_count = curve.line_count
+        yield
     finally:
         if was_collecting:
             gc.enable()
 
-    # the numbers of all records as columns: those of `Records` without the step, then those of
-    # `LineTable`
-    number_columns = (
-        np.frombuffer(recorder.numbers).reshape(-1, _COUNT_OF_RECORD_AND_LINE_NUMBERS).T
-    )
-    records_of_steps = np.diff(counts_of_numbers) // _COUNT_OF_RECORD_AND_LINE_NUMBERS
-    step_of_record = np.repeat(np.arange(len(rows) - 1), records_of_steps)
-    columns = [*number_columns[:_COUNT_OF_RECORD_NUMBERS], step_of_record]
-    records = Records._make(columns).with_stick_edge_in_contact()
-    line_table = LineTable(*number_columns[_COUNT_OF_RECORD_NUMBERS:])
-    return StepBlock(rows, records, line_table, recorder.lines, curve, largest_line_count)
+
+def _follow_rows(
+    curve: Line | None, rows: Array, friction: float, recorder: Recorder
+) -> tuple[Line | None, int]:
+    """The memory curve at the last of `rows` of P and Q, (n + 1, 2), and the largest number of
+    straight lines that it had on the way.
+
+    The memory curve is the tangential force carried up to each load, a chain of straight lines;
+    `curve` is that at the first row, None for bodies out of contact. `recorder` takes a record for
+    each line that a step goes through; f is `friction`.
+    """
+    largest_line_count = 0
+    load, force = rows[0].tolist()
+    # by Coulomb's law: slip forward or in reverse, full stick, or unloading
+    kinds = kinds_of_steps(rows, friction).tolist()
+    for (next_load, next_force), kind in zip(rows[1:].tolist(), kinds, strict=True):
+        # P, Q and the share of the step that is over
+        station = (load, force, 0.0)
+        next_station = (next_load, next_force, 1.0)
+        curve = _curve_after_step(curve, kind, station, next_station, friction, recorder)
+        if next_load == 0:
+            curve = None  # unloaded: a line that rounding left has no length
+        load = next_load
+        force = next_force
+        recorder.end_step()
+        if curve is not None and curve.line_count > largest_line_count:
+            largest_line_count = curve.line_count
+    return curve, largest_line_count
 
 
 def _knots_of(curve: Line | None) -> Array:
@@ -913,14 +955,11 @@ class LoadSeries:
         """Instants of the answer where the user gives none, ascending, and the number of rows that
         are left out of them.
 
-        # notation: parts (`parts`) initial loading and cycles, each with its rows of time, P and Q
-        #           and the memory curve (tangential force up to each load) at its first row;
-        #           `first_steps` number of the first step of each part; `times` of all rows
-
-        About 400 a cycle and 100 of the initial loading, evenly spread over each portion of a load
-        step, with both its ends; in a portion the stick edge moves along one line of the memory
-        curve. Of a measured path of more than 1,000 rows, `is_long_record`, they are all rows, or
-        about 400 of them if `thinned`. With `last_cycle_only` only the last part counts.
+        Of a measured path of more than 1,000 rows, `is_long_record`, the instants are all rows, or
+        about 400 of them if `thinned`. Else they are about 400 a cycle and 100 of the initial
+        loading, evenly spread over the portions of the load steps. With `last_cycle_only` only the
+        last part of the path counts. `first_steps` is the number of the first step of each part,
+        `times` are those of all rows.
         """
         first_part = len(self.parts) - 1 if last_cycle_only else 0
         if self.is_long_record:
@@ -928,21 +967,30 @@ class LoadSeries:
             stride = max(len(row_times) // _ROWS_OF_THINNED_ANSWER, 1) if thinned else 1
             times_of_answer = np.unique(np.append(row_times[::stride], row_times[-1]))
             return times_of_answer, len(row_times) - len(times_of_answer)
-        times_of_parts = []
-        for part_number, part in enumerate(self.parts[first_part:], first_part):
-            # the portions of the steps of this part
-            portions = follow(part.curve, part.rows[:, 1:], self.friction).records
-            row_times = self.times[self.first_steps[part_number] :]
-            step_begin = row_times[portions.step_number]
-            step_end = row_times[portions.step_number + 1]
-            # A portion ends at the share `step_share_at_end` of its step.
-            time_inside_step = step_begin + portions.step_share_at_end * (step_end - step_begin)
-            portion_ends = np.where(portions.step_share_at_end == 1, step_end, time_inside_step)
-            ends_of_portions = np.unique(np.append(row_times[0], portion_ends))
-            is_initial = part_number < self.first_cycle_part
-            # 100 or 400 in all, with the ends of the portions
-            times_of_parts.append(evenly_spaced_times(ends_of_portions, initial=is_initial))
+        times_of_parts = [
+            self._even_times_of_part(part_number)
+            for part_number in range(first_part, len(self.parts))
+        ]
         return np.unique(np.concatenate(times_of_parts)), 0
+
+    def _even_times_of_part(self, part_number: int) -> Array:
+        """Ascending instants of one part of the path: about 400 of a cycle, 100 of the initial
+        loading, evenly spread over each portion of a load step, with both its ends.
+
+        In a portion of a step the stick edge moves along one line of the memory curve (tangential
+        force carried up to each load). The part has its rows of time, P and Q and the memory curve
+        at its first row.
+        """
+        part = self.parts[part_number]
+        portions = follow(part.curve, part.rows[:, 1:], self.friction).records
+        row_times = self.times[self.first_steps[part_number] :]
+        step_begin = row_times[portions.step_number]
+        step_end = row_times[portions.step_number + 1]
+        # A portion ends at the share `step_share_at_end` of its step.
+        time_inside_step = step_begin + portions.step_share_at_end * (step_end - step_begin)
+        portion_ends = np.where(portions.step_share_at_end == 1, step_end, time_inside_step)
+        ends_of_portions = np.unique(np.append(row_times[0], portion_ends))
+        return evenly_spaced_times(ends_of_portions, initial=part_number < self.first_cycle_part)
 
     def locate(self, time: Array) -> tuple[Indices, Array, Array]:
         """Position of instants (n,) in the load path: number of the load step, share of that step
@@ -1006,35 +1054,45 @@ def series_of(scene: Scene, time: Array | None) -> LoadSeries:
     InadmissibleLoadError
         For gross sliding or separation, with the instant and the loads.
     """
-    friction = scene.friction.coefficient
-    scene_load = scene.load
-    is_long_record = False
-    # _ROWS_OF_SHORT_RECORD: 1000; rows of time, P and Q
-    if isinstance(scene_load, TimeSeriesLoad):
-        # A measured record: its rows are taken, since a load segment for each of a million would
-        # take a gigabyte.
-        rows = scene_load.series()
-        is_long_record = len(scene_load.kept_rows()) > _ROWS_OF_SHORT_RECORD
-        # A record that repeats is loaded from the first row to the second, where the cycle begins.
-        loading = rows[:2] if scene_load.repeats else rows
-        cycle = rows[1:] if scene_load.repeats else rows[:0]
-    else:
-        path = scene_load.path()
-        loading = _rows_of(path.initial_loading)
-        cycle = _rows_of(path.cycle)
-
+    friction_coefficient = scene.friction.coefficient
+    loading, cycle = _rows_of_loading_and_cycle(scene)
+    # _ROWS_OF_SHORT_RECORD: 1000 rows of a measured record
+    is_long_record = (
+        isinstance(scene.load, TimeSeriesLoad)
+        and len(scene.load.kept_rows()) > _ROWS_OF_SHORT_RECORD
+    )
     # InadmissibleLoadError at the first bad instant
-    require_admissible_rows(loading, friction)
+    require_admissible_rows(loading, friction_coefficient)
     if not len(cycle):
-        return replace(_one_way_series(friction, loading), is_long_record=is_long_record)
-    require_admissible_rows(cycle, friction)
-    period = float(cycle[-1, 0] - cycle[0, 0])
+        series = _one_way_series(friction_coefficient, loading)
+        return replace(series, is_long_record=is_long_record)
+    require_admissible_rows(cycle, friction_coefficient)
 
     # number of cycles to follow at most, and of whole cycles up to the last instant
-    most_cycles, n_whole_cycles = cycles_to_follow(float(cycle[0, 0]), period, scene.cycles, time)
-    cycle_parts = (PathPart(cycle, k * period) for k in range(most_cycles))
-    series = _follow_cycles(friction, PathPart(loading, 0.0), cycle_parts, period, n_whole_cycles)
+    cycle_start = float(cycle[0, 0])
+    period = float(cycle[-1, 0] - cycle[0, 0])
+    most_cycles, n_whole_cycles = cycles_to_follow(cycle_start, period, scene.cycles, time)
+    cycle_parts = (PathPart(cycle, number * period) for number in range(most_cycles))
+    series = _follow_cycles(
+        friction_coefficient, PathPart(loading, 0.0), cycle_parts, period, n_whole_cycles
+    )
     return replace(series, is_long_record=is_long_record)
+
+
+def _rows_of_loading_and_cycle(scene: Scene) -> tuple[Array, Array]:
+    """Rows of time, P and Q of the initial loading, (n, 3), and of one cycle, (m, 3), of a scene
+    whose load path is straight between them; (0, 3) where it has none.
+
+    A measured record gives its rows as they are, since a load segment for each of a million would
+    take a gigabyte. A record that repeats is loaded from the first row to the second, where the
+    cycle begins.
+    """
+    load_record = scene.load
+    if isinstance(load_record, TimeSeriesLoad):
+        rows = load_record.series()
+        return (rows[:2], rows[1:]) if load_record.repeats else (rows, rows[:0])
+    path = load_record.path()
+    return _rows_of(path.initial_loading), _rows_of(path.cycle)
 
 
 def _rows_of(segments: Sequence[LoadSegment]) -> Array:
@@ -1081,32 +1139,40 @@ def straight_series(path: LoadPath, friction: float, time: Array) -> LoadSeries:
     if path.period is None or times_with_start[-1] <= path.cycle_start + time_slack:
         return _one_way_series(friction, rows_of_times)
 
-    # rows at the begin of each cycle, where the times have none
     _, whole_cycles = cycles_to_follow(path.cycle_start, path.period, 1, time)
-    cycle_starts = path.cycle_start + path.period * np.arange(whole_cycles + 1)
-    is_among_times = (np.abs(times_with_start[:, None] - cycle_starts) <= time_slack).any(axis=0)
-    missing_cycle_starts = cycle_starts[~is_among_times & (cycle_starts < times_with_start[-1])]
-    row_times = np.sort(np.concatenate([times_with_start, missing_cycle_starts]))
-    rows = np.stack(
+    cycle_starts: Array = path.cycle_start + path.period * np.arange(whole_cycles + 1)
+    loading, *cycles = _parts_between_cycle_starts(rows_of_times, cycle_starts, time_slack)
+    return _follow_cycles(friction, loading, cycles, path.period, whole_cycles, repeats=False)
+
+
+def _parts_between_cycle_starts(
+    rows: Array, cycle_starts: Array, time_slack: float
+) -> Iterator[PathPart]:
+    """The parts of a load path of straight steps: initial loading, then one cycle after the other.
+    The last row of one part is the first row of the next.
+
+    `rows` (n, 3) are time, P and Q. A cycle that starts between two rows gets a row of its own, on
+    the straight line between them. `cycle_starts` (c,) are the times at which cycles start; a row
+    that is nearer to one than `time_slack` is at it.
+    """
+    times = rows[:, 0]
+    # rows at the begin of each cycle, where the times have none
+    is_among_times = (np.abs(times[:, None] - cycle_starts) <= time_slack).any(axis=0)
+    missing_cycle_starts = cycle_starts[~is_among_times & (cycle_starts < times[-1])]
+    row_times = np.sort(np.concatenate([times, missing_cycle_starts]))
+    all_rows = np.stack(
         [
             row_times,
-            np.interp(row_times, times_with_start, normal_load),
-            np.interp(row_times, times_with_start, tangential_load),
+            np.interp(row_times, times, rows[:, 1]),
+            np.interp(row_times, times, rows[:, 2]),
         ],
         axis=1,
     )
-
-    # rows of the initial loading and of each cycle, the first row of one being the last of the
-    # other
     cycle_number = np.searchsorted(cycle_starts - time_slack, row_times[:-1], side="right")
     first_rows_of_cycles = np.flatnonzero(np.diff(cycle_number, prepend=0)).tolist()
     rows_at_ends = [0, *first_rows_of_cycles, len(row_times) - 1]
-    # PathPart: rows of a part of the path, and how much later than their times it is
-    loading, *cycles = (
-        PathPart(rows[first_row : last_row + 1], 0.0)
-        for first_row, last_row in pairwise(rows_at_ends)
-    )
-    return _follow_cycles(friction, loading, cycles, path.period, whole_cycles, repeats=False)
+    for first_row, last_row in pairwise(rows_at_ends):
+        yield PathPart(all_rows[first_row : last_row + 1], 0.0)
 
 
 def require_admissible_rows(rows: Array, friction: float) -> None:
@@ -1259,58 +1325,48 @@ class States:
         self._columns: list[_StateColumns] = []
         self._lines: list[Line | None] = []
 
-    def add(self, block: StepBlock, step: Indices, share_of_step: Array, slack: Array) -> None:
+    def add(
+        self, block: StepBlock, step_number: Indices, share_of_step: Array, slack: Array
+    ) -> None:
         """Add the friction state at instants (n,) within a block of load steps: P, Q, P - P_c,
         direction of slip, and the line of the memory curve at the stick edge.
 
-        `step` is the number within the block of the load step in which each instant lies,
-        `share_of_step` the share of it that is over. A step has a record for each line of the
-        memory curve that it goes through. An instant that is beyond the end of a record by at most
-        `slack`, as a share of the step, counts as that end. The memory curve M(eta) is the
-        tangential force of the flat punches up to the load eta. M(P) - Q, zero but for round-off,
-        is stored as a check. `stores_curves` tells whether the lines themselves are stored. The
-        block holds its rows of P and Q, the records, and a table of the line of each record: eta
-        and M at its upper end, and its growth of eta and M.
-        """
-        if not len(step):
-            return
-        records = block.records
+        The memory curve M(eta) is the tangential force of the flat punches up to the load eta. M(P)
+        - Q, zero but for round-off, is stored as a check. The lines themselves are stored only
+        where `stores_curves`.
 
-        # the record that holds each instant
-        record_number = _record_at(records, step, share_of_step - slack)
+        Parameters
+        ----------
+        block
+            rows of P and Q, records of the steps, and the line of each record. A step has a record
+            for each line of the memory curve that it goes through.
+        step_number, share_of_step
+            (n,) number within the block of the load step in which each instant lies, and share of
+            that step that is over
+        slack
+            (n,) share of the step by which an instant may be beyond the end of a record and count
+            as that end
+        """
+        if not len(step_number):
+            return
+        record_number = _record_at(block.records, step_number, share_of_step - slack)
         # An instant that counts as the end of a record has the loads of that end.
-        share_of_step = np.minimum(share_of_step, records.step_share_at_end[record_number])
-        load, force = _loads_at(block.rows, step, share_of_step)
-        line_at_instants = LineTable(*(column[record_number] for column in block.line_table))
-        direction = records.direction[record_number]
-        slip_zone_load_at_begin = records.slip_zone_load_at_begin[record_number]
-        slip_zone_growth = (records.slip_zone_load_at_end - records.slip_zone_load_at_begin)[
-            record_number
-        ]
-        # share of the record that is over
-        share_of_record = _share_of_record(records, record_number, share_of_step)
-        slip_zone_load = slip_zone_load_at_begin + share_of_record * slip_zone_growth
-        # The stick edge P_c is on the record's line.
-        least_slip_zone_load = np.maximum(load - line_at_instants.top_load, 0.0)
-        largest_slip_zone_load = np.maximum(
-            load - (line_at_instants.top_load - line_at_instants.load_length), 0.0
-        )
-        slip_zone_load = np.where(
-            direction != 0,
-            np.clip(slip_zone_load, least_slip_zone_load, largest_slip_zone_load),
-            0.0,
-        )
-        force_at_stick_edge = line_at_instants.top_force - line_at_instants.slope * (
-            line_at_instants.top_load - (load - slip_zone_load)
+        share_of_step = np.minimum(share_of_step, block.records.step_share_at_end[record_number])
+        load, force = _loads_at(block.rows, step_number, share_of_step)
+        line = LineTable(*(column[record_number] for column in block.line_table))
+        direction = block.records.direction[record_number]
+        slip_zone_load = _slip_zone_load_at(block.records, record_number, share_of_step, load, line)
+        force_at_stick_edge = line.top_force - line.slope * (
+            line.top_load - (load - slip_zone_load)
         )
         force_error = force_at_stick_edge + direction * self.friction * slip_zone_load - force
 
-        # keep each line that is needed once
-        line_number = np.zeros(len(step), dtype=np.intp)
+        # Each line that is needed is stored once.
+        line_number = np.zeros(len(step_number), dtype=np.intp)
         n_lines_before = len(self._lines)
         if self.stores_curves:
             records_with_instants, line_number = np.unique(record_number, return_inverse=True)
-            self._lines += [block.lines[k] for k in records_with_instants.tolist()]
+            self._lines += [block.lines[number] for number in records_with_instants.tolist()]
         self._columns.append(
             _StateColumns(
                 load, force, slip_zone_load, direction, line_number + n_lines_before, force_error
@@ -1351,6 +1407,38 @@ def _record_at(records: Records, step: Indices, share_of_step: Array) -> Indices
     )
     record_number = np.minimum(record_number, len(records.step_number) - 1)
     return record_number + (records.step_number[record_number] < step)
+
+
+def _slip_zone_load_at(
+    records: Records, record_number: Indices, share_of_step: Array, load: Array, line: LineTable
+) -> Array:
+    """P - P_c at n instants, (n,), P_c the load at the stick edge; 0 where nothing slips.
+
+    In a record, a portion of a load step, it changes in proportion to the share of the record that
+    is over. The stick edge stays on the record's line of the memory curve.
+
+    Parameters
+    ----------
+    records, record_number
+        records of the load steps, and (n,) the number of the one that holds each instant
+    share_of_step, load
+        (n,) share of the step that is over, and P
+    line
+        (n,) eta at the upper end of the record's line, and its growth along it
+    """
+    slip_zone_load_at_begin = records.slip_zone_load_at_begin[record_number]
+    slip_zone_growth = (records.slip_zone_load_at_end - records.slip_zone_load_at_begin)[
+        record_number
+    ]
+    share_of_record = _share_of_record(records, record_number, share_of_step)
+    slip_zone_load = slip_zone_load_at_begin + share_of_record * slip_zone_growth
+    least_slip_zone_load = np.maximum(load - line.top_load, 0.0)
+    largest_slip_zone_load = np.maximum(load - (line.top_load - line.load_length), 0.0)
+    return np.where(
+        records.direction[record_number] != 0,
+        np.clip(slip_zone_load, least_slip_zone_load, largest_slip_zone_load),
+        0.0,
+    )
 
 
 def _share_of_record(records: Records, record_number: Indices, share_of_step: Array) -> Array:
