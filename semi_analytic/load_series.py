@@ -1140,7 +1140,9 @@ def straight_series(path: LoadPath, friction: float, time: Array) -> LoadSeries:
         return _one_way_series(friction, rows_of_times)
 
     _, whole_cycles = cycles_to_follow(path.cycle_start, path.period, 1, time)
-    cycle_starts: Array = path.cycle_start + path.period * np.arange(whole_cycles + 1)
+    cycle_starts = np.asarray(
+        path.cycle_start + path.period * np.arange(whole_cycles + 1), dtype=np.float64
+    )
     loading, *cycles = _parts_between_cycle_starts(rows_of_times, cycle_starts, time_slack)
     return _follow_cycles(friction, loading, cycles, path.period, whole_cycles, repeats=False)
 

@@ -144,6 +144,19 @@ class SecondOrderWork:
         next_order_error = _FACTOR_OF_NEXT_ORDER * one_sided_ratio * sum_of_absolute_terms
         return Estimate(work, quadrature_error + next_order_error)
 
+    def added_work_by_effects(self, effects_per_load: Sequence[Estimate]) -> Estimate:
+        """Friction work that tilt and bulk strain add in a cycle, with its uncertainty [energy per
+        thickness], from (alpha_P, alpha_Q, e_P, e_Q) that have uncertainties themselves.
+
+        Those of the four numbers count by the derivative of the quadratic form. They are added to
+        the uncertainty of `added_work`. DeclinedError where that declines.
+        """
+        o = np.array([float(effect.value) for effect in effects_per_load])
+        uncertainties = np.array([float(effect.uncertainty) for effect in effects_per_load])
+        work = self.added_work(o)
+        error_by_effects = 2 * float(np.abs(o) @ np.abs(self.matrix) @ uncertainties)
+        return Estimate(work.value, work.uncertainty + error_by_effects)
+
     def largest_one_sided_ratio(self, tilt_and_strain_per_load: ArrayLike) -> float:
         """How nearly tilt and strain o make one side of the contact slip alone: the largest ratio
         |c . o| over the spans of slip and stick, each by its median in time.
@@ -240,9 +253,7 @@ def second_order_answer(scene: Scene, effects: BodyEffects) -> SecondOrderAnswer
         For profiles other than a parabola, unlike materials, paths of more than 1000 segments;
         where the second order does not hold.
     """
-    profile = scene.profile
-    if not isinstance(profile, Hertz):
-        raise DeclinedError("the second order is known of a parabola")
+    radius = _radius_of_parabola(scene)
     if effects.dundurs_beta:
         raise DeclinedError(
             "the materials are unlike, and tilt and strain count in the first order"
@@ -254,25 +265,26 @@ def second_order_answer(scene: Scene, effects: BodyEffects) -> SecondOrderAnswer
 
     # Two cycles at least: the first may differ from the steady one.
     history = history_of(path, scene.friction.coefficient, max(scene.cycles, 2))
-    # E*.
-    modulus = composite_modulus(scene.material)
-
+    modulus = composite_modulus(scene.material)  # E*
     # TILT_AND_STRAIN_NAMES: alpha_P, alpha_Q, e_P, e_Q among the attributes of the effects.
-    estimates = [getattr(effects, name) for name in TILT_AND_STRAIN_NAMES]
-    tilt_and_strain_per_load = np.array([float(estimate.value) for estimate in estimates])
-    uncertainties = np.array([float(estimate.uncertainty) for estimate in estimates])
-    works = []
-    for spans, span_before, next_span in _cycles_with_neighbours(history):
-        # Spans of stick or slip in the cycle, and the spans next to it.
-        quadratic_form = second_order_work(spans, profile.radius, modulus, span_before, next_span)
-        work = quadratic_form.added_work(tilt_and_strain_per_load)
-        # By the uncertainties of the effects themselves: derivative of the quadratic form.
-        absolute_values = np.abs(tilt_and_strain_per_load)
-        error_by_effects = 2 * float(
-            absolute_values @ np.abs(quadratic_form.matrix) @ uncertainties
+    effects_per_load = [getattr(effects, name) for name in TILT_AND_STRAIN_NAMES]
+    # Of each cycle its spans of stick or slip, and the spans next to it.
+    works = tuple(
+        second_order_work(spans, radius, modulus, span_before, next_span).added_work_by_effects(
+            effects_per_load
         )
-        works.append(Estimate(work.value, work.uncertainty + error_by_effects))
-    return SecondOrderAnswer(history, profile.radius, tilt_and_strain_per_load, tuple(works))
+        for spans, span_before, next_span in _cycles_with_neighbours(history)
+    )
+    values_per_load = np.array([float(effect.value) for effect in effects_per_load])
+    return SecondOrderAnswer(history, radius, values_per_load, works)
+
+
+def _radius_of_parabola(scene: Scene) -> float:
+    """R of the scene's profile [length]; DeclinedError for a profile other than a parabola."""
+    profile = scene.profile
+    if not isinstance(profile, Hertz):
+        raise DeclinedError("the second order is known of a parabola")
+    return profile.radius
 
 
 def _cycles_with_neighbours(
@@ -599,17 +611,13 @@ def _work_in_span(span: Span, radius: float, n_points: int) -> Array:
     direction s, in a span of time: work = o . matrix o, o = (alpha_P, alpha_Q, e_P, e_Q).
 
         int f (-N' D^2/(2R) - a_s' D (P - P_c)) dt,    N = f P - s Q,    a_s = f alpha - s eps
-        - int s f (P - P_c) (v^2 d2M/d eta2/(2R) + v (dM/d eta dalpha/d eta - deps/d eta)) |dP_c|
 
+    and, where the stick edge passes memory that was set in stick, what `_work_along_memory` gives.
     ' is d/dt; alpha = alpha_P P + alpha_Q Q is the tilt, eps = e_P P + e_Q Q the bulk strain. P_c
-    is the load at the stick edge. The memory M(eta) is the tangential force of the flat punches up
-    to the load eta. D is the centre of stick minus that of contact. v (`centre_shift`) is how far
-    tilt and strain have shifted the centre of stick since the memory at P_c was set.
+    is the load at the stick edge, D the centre of stick minus that of contact.
 
-    Slip may have set that memory, at the end of a stroke: then the second integral is 0. Otherwise
-    the growing contact set it in stick, at P = eta and Q = M(eta): the derivatives by eta are of
-    alpha and eps at these loads. Both integrals are taken by Gauss' rule of `n_points` nodes in
-    time; `radius` is R of the parabola. DeclinedError where the contact slides as a whole.
+    The integrals are taken by Gauss' rule of `n_points` nodes in time; `radius` is R of the
+    parabola. DeclinedError where the contact slides as a whole.
     """
     piece_at_edge = span.sticking_piece  # of the memory curve, where the stick edge is
     if piece_at_edge is None:
@@ -634,18 +642,8 @@ def _work_in_span(span: Span, radius: float, n_points: int) -> Array:
     work_matrix = work_matrix - _quadratic_form(
         friction_weights * slip_zone_load, equivalent_tilt_rate, centre_distance
     )
-
-    # Memory that slip set has no second integral.
     if _is_set_by_slip(piece_at_edge, span.friction):
         return work_matrix
-    eta = stick_edge.load - slip_zone_load
-    memory_slope = piece_at_edge.slope_at(eta)
-    ones = np.ones(np.shape(eta))  # dP/d eta along the memory; dQ/d eta is its slope
-    tilt_by_eta = _tilt_coefficients(ones, memory_slope)
-    strain_by_eta = _strain_coefficients(ones, memory_slope)
-
-    # dM/d eta dalpha/d eta - deps/d eta
-    equivalent_tilt_by_eta = memory_slope[:, None] * tilt_by_eta - strain_by_eta
     # s f (P - P_c) |dP_c|, since P_c falls by -N' dt/mu; mu = f - s dM/d eta is the steepness
     weights_along_memory = (
         span.direction
@@ -654,15 +652,43 @@ def _work_in_span(span: Span, radius: float, n_points: int) -> Array:
         * equivalent_load_fall_rate
         / stick_edge.steepness
     )
-    work_by_bend = _quadratic_form(
-        weights_along_memory * _slope_derivative(piece_at_edge, eta) / (2 * radius),
-        stick_edge.centre_shift,
-        stick_edge.centre_shift,
-    )
-    work_by_tilt = _quadratic_form(
-        weights_along_memory, stick_edge.centre_shift, equivalent_tilt_by_eta
+    work_by_bend, work_by_tilt = _work_along_memory(
+        piece_at_edge, stick_edge, weights_along_memory, radius
     )
     return work_matrix - work_by_bend - work_by_tilt
+
+
+def _work_along_memory(
+    piece: Piece, stick_edge: _StickEdge, weights: Array, radius: float
+) -> tuple[Array, Array]:
+    """Two matrices (4, 4) over o = (alpha_P, alpha_Q, e_P, e_Q), tilt and strain per load: friction
+    work, to be subtracted, where the stick edge passes a `piece` of memory that was set in stick.
+
+        int s f (P - P_c) v^2 d2M/d eta2/(2R) |dP_c|,
+        int s f (P - P_c) v (dM/d eta dalpha/d eta - deps/d eta) |dP_c|
+
+    The memory M(eta) is the tangential force of the flat punches up to the load eta. The growing
+    contact set it in stick, at P = eta and Q = M(eta): the derivatives by eta are of the tilt alpha
+    and the bulk strain eps at these loads. v (`centre_shift`) is how far tilt and strain have
+    shifted the centre of stick since the memory at P_c was set.
+
+    `stick_edge` has P, P - P_c and v at n instants, P_c the load at the stick edge. `weights` (n,)
+    are s f (P - P_c) |dP_c|, s the direction of slip. `radius` is R of the parabola.
+    """
+    eta = stick_edge.load - stick_edge.slip_zone_load
+    memory_slope = piece.slope_at(eta)
+    ones = np.ones(np.shape(eta))  # dP/d eta along the memory; dQ/d eta is its slope
+    tilt_by_eta = _tilt_coefficients(ones, memory_slope)
+    strain_by_eta = _strain_coefficients(ones, memory_slope)
+    # dM/d eta dalpha/d eta - deps/d eta
+    equivalent_tilt_by_eta = memory_slope[:, None] * tilt_by_eta - strain_by_eta
+    work_by_bend = _quadratic_form(
+        weights * _slope_derivative(piece, eta) / (2 * radius),
+        stick_edge.centre_shift,
+        stick_edge.centre_shift,
+    )
+    work_by_tilt = _quadratic_form(weights, stick_edge.centre_shift, equivalent_tilt_by_eta)
+    return work_by_bend, work_by_tilt
 
 
 def _work_at_kink(span_before: Span, span: Span, radius: float) -> Array:
@@ -931,45 +957,51 @@ def _one_sided_slip_ratios(span: Span, radius: float, modulus: float) -> Iterato
 
     1. In slip, the distance of the centres of stick and contact over the width a - c of the slip
        zone.
-    2. The slip rate at an edge of contact that tilt and strain cause, a_s' sqrt(a^2 - c^2), over
-       the one that the loads cause, (A/pi) N' arccosh(a/c). In stick c = a: the quotient of root
-       and arccosh is a, and the ratio is taken for slip in each direction.
+    2. The slip rate at an edge of contact that tilt and strain cause over the one that the loads
+       cause. In stick it is taken for slip in each direction.
 
-    N = f P - s Q, a_s = f alpha - s eps, A = 2/E*; alpha is the tilt, eps the bulk strain, s the
-    direction of slip, ' is d/dt. a and c are the half-widths of contact and stick. `radius` is R of
-    the parabola, `modulus` E*.
+    a and c are the half-widths of contact and stick. `radius` is R of the parabola, `modulus` E*.
     """
     # _GAUSS_POINTS: 24, of which half are taken.
     time, _ = _gauss_times(span, _GAUSS_POINTS // 2)
-    # P and the rates of P and Q.
     load = span.segment.loads(time)[0]
-    load_rates = span.segment.rates(time)
-    if not span.direction and np.all(load_rates[0] <= 0):
+    normal_rate, _ = span.segment.rates(time)
+    if not span.direction and np.all(normal_rate <= 0):
         return  # at rest, or unloaded along the memory curve itself
 
     # Hertz' law: a^2 = 4 P R/(pi E*).
     half_width = np.sqrt(4 * load * radius / (np.pi * modulus))
-    directions = (span.direction,) if span.direction else (1, -1)
-    ratio_of_edge_functions = half_width  # sqrt(a^2 - c^2)/arccosh(a/c) for c near a
+    edge_length = half_width  # sqrt(a^2 - c^2)/arccosh(a/c) for c near a
     if span.sticking_piece is not None and span.direction:
         slip_zone_load = span.slip_zone_load(time)
         # c/a = sqrt(P_c/P) of a parabola, kept off 0 and 1.
         stick_ratio = np.sqrt(
             np.clip(1 - slip_zone_load / load, _LEAST_STICK_RATIO**2, 1 - _EQUALITY_TOLERANCE)
         )
-        ratio_of_edge_functions = (
-            half_width * np.sqrt(1 - stick_ratio**2) / np.arccosh(1 / stick_ratio)
-        )
+        edge_length = half_width * np.sqrt(1 - stick_ratio**2) / np.arccosh(1 / stick_ratio)
         # Ratio 1; D of the stick edge, as coefficients (n, 4).
         stick_edge = _stick_edge_at(span, span.sticking_piece, time, slip_zone_load, radius)
-        centre_distance = stick_edge.centre_distance(radius)
-        yield centre_distance / (half_width * (1 - stick_ratio))[:, None]
-    for direction in directions:
-        s_q_minus_f_p = slip_combination(direction, span.friction)
-        rate_of_s_q_minus_f_p = np.abs(span.segment.rate_of(s_q_minus_f_p, time))  # |N'|
-        # Ratio 2; a_s' as coefficients (n, 4).
-        edge_function_over_rate = ratio_of_edge_functions / np.maximum(
-            rate_of_s_q_minus_f_p, np.finfo(float).tiny
-        )
-        tilt_rate = _equivalent_tilt_coefficients(span.friction, direction, *load_rates)
-        yield np.pi * modulus / 2 * edge_function_over_rate[:, None] * tilt_rate
+        yield stick_edge.centre_distance(radius) / (half_width * (1 - stick_ratio))[:, None]
+    for direction in (span.direction,) if span.direction else (1, -1):
+        yield _edge_slip_ratio(span, direction, time, edge_length, modulus)
+
+
+def _edge_slip_ratio(
+    span: Span, direction: int, time: Array, edge_length: Array, modulus: float
+) -> Array:
+    """Slip rate at an edge of contact that tilt and strain cause, over the one that the loads
+    cause, as coefficients (n, 4) of (alpha_P, alpha_Q, e_P, e_Q), at times (n,) of a span.
+
+        a_s' sqrt(a^2 - c^2) / ((A/pi) |N'| arccosh(a/c)),     N = f P - s Q,   a_s = f alpha - s
+        eps
+
+    s is the `direction` of slip, alpha the tilt, eps the bulk strain, ' is d/dt, A = 2/E*, E* the
+    `modulus`. a and c are the half-widths of contact and stick. `edge_length` (n,) is sqrt(a^2 -
+    c^2)/arccosh(a/c), which is a in stick, c = a [length].
+    """
+    s_q_minus_f_p = slip_combination(direction, span.friction)
+    rate_of_s_q_minus_f_p = np.abs(span.segment.rate_of(s_q_minus_f_p, time))  # |N'|
+    edge_length_over_rate = edge_length / np.maximum(rate_of_s_q_minus_f_p, np.finfo(float).tiny)
+    # a_s' as coefficients (n, 4).
+    tilt_rate = _equivalent_tilt_coefficients(span.friction, direction, *span.segment.rates(time))
+    return np.asarray(np.pi * modulus / 2 * edge_length_over_rate[:, None] * tilt_rate)

@@ -221,41 +221,83 @@ def errors_of_sums(contact: Contact, sums: SumsOfKernels) -> dict[str, float]:
     load = sums.loads[:, None]
     # finite values only
     largest_pressure = _largest_finite(contact.pressure(sampled_places, load))
-    largest_values = {"shear": sums.friction * largest_pressure, "slip": sums.largest_slip}
-    # relative errors along curved pieces of the memory curve, tangential force up to each load
-    errors_of_arcs = {
-        name: largest_error(sums.arc_errors[name]) / largest_value
-        if largest_value > _SMALLEST_FLOAT
-        else 0.0
-        for name, largest_value in largest_values.items()
-    }
+    errors_of_arcs = _errors_along_arcs(sums, largest_pressure)
     if contact.has_closed_form or isinstance(contact, TiltedProfile):
         return {name: error for name, error in errors_of_arcs.items() if error > PROMISED_ERROR}
-    errors: dict[str, float] = {}
     if largest_pressure <= _SMALLEST_FLOAT:
-        return errors
+        return {}
     half_width = contact.half_width(load)
     # _NEAR_EDGE: 0.01
     is_off_edge = np.abs(sampled_places - half_width) > _NEAR_EDGE * half_width
     kernel_errors = contact.quadrature_error("pressure", sampled_places, load)
     kernel_error = largest_error(np.where(is_off_edge, kernel_errors, 0.0)) / largest_pressure
+    errors = _errors_of_tractions(
+        contact, sums, largest_pressure, kernel_error, errors_of_arcs["shear"]
+    )
+    if sums.largest_slip > _SMALLEST_FLOAT:
+        slip_kernel_errors = contact.quadrature_error("slip_integral", sampled_places, load)
+        slip_kernel_error = sums.friction * largest_error(slip_kernel_errors) / sums.largest_slip
+        errors["slip"] = errors_of_arcs["slip"] + sums.n_kernels * slip_kernel_error
+    return errors
+
+
+def _errors_of_tractions(
+    contact: SymmetricContact,
+    sums: SumsOfKernels,
+    largest_pressure: float,
+    kernel_error: float,
+    error_along_arcs: float,
+) -> dict[str, float]:
+    """Relative errors of pressure and shear, by the names "pressure" and "shear", farther than 1 %
+    of a half-width from the edges of contact and of stick; and at the points themselves, however
+    near, with "at the edge" behind the name.
+
+    Each is the error of the kernels plus that by the half-widths of contact and, for the shear, of
+    stick.
+
+    Parameters
+    ----------
+    contact
+        normal contact of the profile
+    sums
+        points, half-widths of contact and stick, and the largest number of kernels in a sum
+    largest_pressure
+        largest p [stress]
+    kernel_error
+        error of a pressure kernel, over the largest p
+    error_along_arcs
+        error of the shear along curved pieces of the memory curve, over the largest f p
+    """
+    errors: dict[str, float] = {}
+    # _NEAR_EDGE: 0.01
     for suffix, nearest_share in (("", _NEAR_EDGE), (" at the edge", 0.0)):
-        # by the error of the half-widths of contact and of stick
         error_by_contact_edge, error_by_stick_edge = (
             _error_beside_edges(contact, sums.distances, half_widths, nearest_share)
             / largest_pressure
             for half_widths in (sums.half_widths, sums.stick_half_widths)
         )
         errors[f"pressure{suffix}"] = kernel_error + error_by_contact_edge
-        error_of_shear_sum = errors_of_arcs["shear"] + sums.n_kernels * kernel_error
+        error_of_shear_sum = error_along_arcs + sums.n_kernels * kernel_error
         errors[f"shear{suffix}"] = (
             error_of_shear_sum + error_by_contact_edge + 2 * error_by_stick_edge
         )
-    if sums.largest_slip > _SMALLEST_FLOAT:
-        slip_kernel_errors = contact.quadrature_error("slip_integral", sampled_places, load)
-        slip_kernel_error = sums.friction * largest_error(slip_kernel_errors) / sums.largest_slip
-        errors["slip"] = errors_of_arcs["slip"] + sums.n_kernels * slip_kernel_error
     return errors
+
+
+def _errors_along_arcs(sums: SumsOfKernels, largest_pressure: float) -> dict[str, float]:
+    """Relative errors of the integrals of shear and of slip along curved pieces of the memory curve
+    (tangential force up to each load), by the names "shear" and "slip": over the largest f p and
+    the largest slip; 0 where these are 0.
+
+    `sums` has the errors themselves as `arc_errors`; `largest_pressure` is the largest p [stress].
+    """
+    largest_values = {"shear": sums.friction * largest_pressure, "slip": sums.largest_slip}
+    return {
+        name: largest_error(sums.arc_errors[name]) / largest_value
+        if largest_value > _SMALLEST_FLOAT
+        else 0.0
+        for name, largest_value in largest_values.items()
+    }
 
 
 def _evenly_spread_numbers(count: int, most: int) -> Indices:

@@ -176,44 +176,22 @@ def _change_by_grids(scene: Scene, effects: BodyEffects) -> Estimate:
     bodies: W with them over W without, minus 1, both solved step by step on the same grids.
 
     W is that of the last cycle followed, and must not be 0 without tilt and strain. InputError for
-    a path of more than 60 segments.
-
-    Parameters
-    ----------
-    scene
-        profile, material, friction and load path
-    effects
-        tilt and bulk strain per load, with their uncertainties
+    a path of more than 60 segments. `effects` has tilt and bulk strain per load, with their
+    uncertainties. The change is of second order in these numbers: it errs by twice the sum of their
+    relative uncertainties.
     """
     path = scene.load.path()
-    segment_count = len(path.initial_loading) + len(path.cycle)
-    if segment_count > _MOST_SEGMENTS_ON_GRIDS:
+    n_segments = len(path.initial_loading) + len(path.cycle)
+    if n_segments > _MOST_SEGMENTS_ON_GRIDS:
         raise InputError(
             f"load: grids take a path of {_MOST_SEGMENTS_ON_GRIDS} segments at most, not"
-            f" {segment_count}; take a part of the path"
+            f" {n_segments}; take a part of the path"
         )
-
-    # P and Q of the scene over time, and its contact under any load and tilt.
-    path_loads, contact = path_loads_and_contact(scene)
-    loads_of_scene = {
-        load_field.name: getattr(path_loads, load_field.name) for load_field in fields(path_loads)
-    }
     # TILT_AND_STRAIN_NAMES: attributes with tilt under P and Q, strain under P and Q.
     no_tilt_nor_strain: dict[str, Any] = dict.fromkeys(TILT_AND_STRAIN_NAMES, ZERO_ESTIMATE)
     effects_without_tilt_and_strain = replace(effects, **no_tilt_nor_strain)
-    loads_with_and_without_effects = [
-        FollowingLoads(**loads_of_scene, effects=effects),
-        FollowingLoads(**loads_of_scene, effects=effects_without_tilt_and_strain),
-    ]
-
-    # One range of x for both, so that the errors of their grids cancel.
-    contact_edges = np.concatenate(
-        [contact_edges_along(loads, contact) for loads in loads_with_and_without_effects]
-    )
-    range_of_x = (float(np.min(contact_edges)), float(np.max(contact_edges)))
-    work_with_effects, work_without_effects = (
-        float(np.mean(_last_works_on_grids(scene, loads, range_of_x)))
-        for loads in loads_with_and_without_effects
+    work_with_effects, work_without_effects = _works_on_same_grids(
+        scene, [effects, effects_without_tilt_and_strain]
     )
     change = work_with_effects / work_without_effects - 1
 
@@ -223,9 +201,32 @@ def _change_by_grids(scene: Scene, effects: BodyEffects) -> Estimate:
         for name in TILT_AND_STRAIN_NAMES
         if getattr(effects, name).value
     )
-
-    # The change is of second order in tilt and strain per load.
     return Estimate(change, _uncertainty_of_grids(change) + 2 * relative_uncertainty * abs(change))
+
+
+def _works_on_same_grids(scene: Scene, effects_of_bodies: list[BodyEffects]) -> list[float]:
+    """Friction work W of the last cycle, or of a path without cycle, under the P and Q of a scene
+    and the tilt and bulk strain of each of some bodies [energy per thickness].
+
+    All are solved on the same grids, so that most of their error cancels in a ratio of two works. W
+    is the mean over grids that are moved by fractions of a cell. `effects_of_bodies` are tilt and
+    bulk strain per load of each body.
+    """
+    # P and Q of the scene over time, and its contact under any load and tilt.
+    path_loads, contact = path_loads_and_contact(scene)
+    loads_of_scene = {
+        load_field.name: getattr(path_loads, load_field.name) for load_field in fields(path_loads)
+    }
+    loads_of_bodies = [
+        FollowingLoads(**loads_of_scene, effects=effects) for effects in effects_of_bodies
+    ]
+    contact_edges = np.concatenate(
+        [contact_edges_along(loads, contact) for loads in loads_of_bodies]
+    )
+    range_of_x = (float(np.min(contact_edges)), float(np.max(contact_edges)))
+    return [
+        float(np.mean(_last_works_on_grids(scene, loads, range_of_x))) for loads in loads_of_bodies
+    ]
 
 
 def _last_works_on_grids(scene: Scene, loads: PathLoads, range_of_x: tuple[float, float]) -> Array:
