@@ -24,6 +24,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from scenes import Scene
 from scenes.array_types import Array
@@ -235,18 +236,33 @@ class Stroke:
         slip takes `count` nodes. A slip zone lies on each side of the stick zone, up to the edge of
         contact.
         """
+        point_of_part, begin_fraction, end_fraction = self._parts_with_slip(x)
+        nodes, weights = _end_root_quadrature(count)
+        part_lengths = (end_fraction - begin_fraction)[:, None]
+        # f p |ds/du|
+        power = self.friction_power(
+            x[point_of_part, None], begin_fraction[:, None] + part_lengths * nodes
+        )
+        density_at_points = np.bincount(point_of_part, (part_lengths * power) @ weights, len(x))
+        return np.asarray(density_at_points, dtype=float)
 
-        def depth_in_slip_zone(x: Array, stroke_fraction: Array) -> Array:
-            """Distance to the nearer end of the slip zone, positive within it."""
-            stick_middle, stick_half_width = self.stick_zone(stroke_fraction)
-            contact_middle, half_width = self.contact_at(stroke_fraction)
-            return np.minimum(
-                np.abs(x - stick_middle) - stick_half_width, half_width - np.abs(x - contact_middle)
-            )
+    def _depth_in_slip_zone(self, x: Array, u: Array) -> Array:
+        """Distance of points x to the nearer end of the slip zone that they lie in, positive within
+        it [length], at fractions u of the stroke, arrays that broadcast.
 
-        is_in_slip_zone = depth_in_slip_zone(x, _SAMPLED_STROKE_FRACTIONS[:, None]) > 0
-        # Fractions u at which an edge of the slip zone passes a point, by bisection between 129
-        # samples.
+        A slip zone lies on each side of the stick zone, up to the edge of contact.
+        """
+        stick_middle, stick_half_width = self.stick_zone(u)
+        contact_middle, half_width = self.contact_at(u)
+        return np.minimum(
+            np.abs(x - stick_middle) - stick_half_width, half_width - np.abs(x - contact_middle)
+        )
+
+    def _crossings_of_points(self, x: Array) -> tuple[NDArray[np.intp], Array]:
+        """Where an edge of a slip zone passes the points x (k,): number of the point, and fraction
+        u of the stroke, (n,) each; by bisection between 129 fractions.
+        """
+        is_in_slip_zone = self._depth_in_slip_zone(x, _SAMPLED_STROKE_FRACTIONS[:, None]) > 0
         interval_of_crossing, crossed_points = np.nonzero(
             is_in_slip_zone[1:] != is_in_slip_zone[:-1]
         )
@@ -255,38 +271,31 @@ class Stroke:
         for _ in range(_BISECTIONS_OF_CROSSING):
             middle_fraction = (fraction_before + fraction_after) / 2
             has_crossed = (
-                depth_in_slip_zone(x[crossed_points], middle_fraction) > 0
+                self._depth_in_slip_zone(x[crossed_points], middle_fraction) > 0
             ) != is_in_slip_zone[interval_of_crossing, crossed_points]
             fraction_before = np.where(has_crossed, fraction_before, middle_fraction)
             fraction_after = np.where(has_crossed, middle_fraction, fraction_after)
-        # Parts of the stroke between its ends and these fractions, point by point.
-        all_points = np.arange(len(x))
-        point_of_part = np.concatenate([all_points, crossed_points, all_points])
-        begin_fractions = np.concatenate([0 * x, fraction_before, 0 * x + 1])
-        order_by_point = np.lexsort((begin_fractions, point_of_part))
-        point_of_part = point_of_part[order_by_point]
-        begin_fractions = begin_fractions[order_by_point]
-        part_numbers = np.flatnonzero(point_of_part[1:] == point_of_part[:-1])
-        is_in_slip = (
-            depth_in_slip_zone(
-                x[point_of_part[part_numbers]],
-                (begin_fractions[part_numbers] + begin_fractions[part_numbers + 1]) / 2,
-            )
-            > 0
-        )
-        part_numbers = part_numbers[is_in_slip]
+        return crossed_points, fraction_before
 
-        # integrate f p |ds/du| over each part
-        nodes, weights = _end_root_quadrature(count)
-        part_lengths = (begin_fractions[part_numbers + 1] - begin_fractions[part_numbers])[:, None]
-        power = self.friction_power(
-            x[point_of_part[part_numbers], None],
-            begin_fractions[part_numbers, None] + part_lengths * nodes,
-        )
-        density_at_points = np.bincount(
-            point_of_part[part_numbers], (part_lengths * power) @ weights, len(x)
-        )
-        return np.asarray(density_at_points, dtype=float)
+    def _parts_with_slip(self, x: Array) -> tuple[NDArray[np.intp], Array, Array]:
+        """Parts of the stroke in which the points x (k,) slip: number of the point, and fractions u
+        of the stroke at the begin and at the end of the part, (n,) each, point by point.
+
+        The stroke of a point is divided where an edge of a slip zone passes it.
+        """
+        crossed_points, fractions_of_crossings = self._crossings_of_points(x)
+        all_points = np.arange(len(x))
+        point_of_fraction = np.concatenate([all_points, crossed_points, all_points])
+        fractions = np.concatenate([0 * x, fractions_of_crossings, 0 * x + 1])
+        order_by_point = np.lexsort((fractions, point_of_fraction))
+        point_of_fraction = point_of_fraction[order_by_point]
+        fractions = fractions[order_by_point]
+        # A part lies between two neighbouring fractions of one point.
+        parts = np.flatnonzero(point_of_fraction[1:] == point_of_fraction[:-1])
+        middle_fractions = (fractions[parts] + fractions[parts + 1]) / 2
+        is_in_slip = self._depth_in_slip_zone(x[point_of_fraction[parts]], middle_fractions) > 0
+        parts = parts[is_in_slip]
+        return point_of_fraction[parts], fractions[parts], fractions[parts + 1]
 
 
 def strokes_in_phase(scene: Scene) -> tuple[Stroke, Stroke] | None:
@@ -297,40 +306,52 @@ def strokes_in_phase(scene: Scene) -> tuple[Stroke, Stroke] | None:
     In phase means that these four lie on one line between two turning points, each half of the
     cycle going along it once. Samples are (4, n): P, Q, bulk strain and tilt.
     """
-    friction = scene.friction.coefficient
-    if not scene.load.path().cycle or friction <= 0:
+    friction_coefficient = scene.friction.coefficient
+    if not scene.load.path().cycle or friction_coefficient <= 0:
         return None
     # as a curve that can be tilted, and A = 2/E*
     profile = convex_profile(scene.profile)
     compliance = 2 / composite_modulus(scene.material)
     samples = cycle_samples(scene)
-    load, force = samples[:2]
-    loads_at_begin = samples[:, np.argmin(force)]
-    loads_at_end = samples[:, np.argmax(force)]
-    change_of_loads = loads_at_end - loads_at_begin
+    normal_load, tangential_load = samples[:2]
+    loads_at_begin = samples[:, np.argmin(tangential_load)]
+    loads_at_end = samples[:, np.argmax(tangential_load)]
     # (4,), below which a change of each of them is round-off
-    roundoff_of_loads = LoadSizes.of_samples(samples, profile, compliance, friction).roundoff
-    if change_of_loads[1] <= roundoff_of_loads[1] or not np.min(load) > 0:
+    sizes = LoadSizes.of_samples(samples, profile, compliance, friction_coefficient)
+    _, roundoff_of_tangential_load, *_ = sizes.roundoff
+    if loads_at_end[1] - loads_at_begin[1] <= roundoff_of_tangential_load:
         return None
-    fraction_of_force = (force - loads_at_begin[1]) / change_of_loads[1]
-    deviations = np.abs(
-        samples - loads_at_begin[:, None] - np.outer(change_of_loads, fraction_of_force)
-    )
-    largest_deviations = np.max(deviations, axis=1)
-    # direction of each change, without those of round-off, 1e-12
-    fraction_changes = np.diff(fraction_of_force, append=fraction_of_force[0])
-    signs_of_changes = np.sign(fraction_changes[np.abs(fraction_changes) > _ROUND_OFF_SHARE])
-    # not on one line
-    if np.any(largest_deviations > roundoff_of_loads):
+    if not np.min(normal_load) > 0:
         return None
-    # more than one stroke each way
-    if np.count_nonzero(signs_of_changes != np.roll(signs_of_changes, 1)) != 2:
+    if not _go_to_and_fro_on_line(samples, loads_at_begin, loads_at_end, sizes.roundoff):
         return None
+    load_changes = loads_at_end - loads_at_begin
     strokes = (
-        Stroke(profile, compliance, friction, loads_at_begin, change_of_loads, 1),
-        Stroke(profile, compliance, friction, loads_at_end, -change_of_loads, -1),
+        Stroke(profile, compliance, friction_coefficient, loads_at_begin, load_changes, 1),
+        Stroke(profile, compliance, friction_coefficient, loads_at_end, -load_changes, -1),
     )
     return strokes if all(stroke.stick_zone_recedes() for stroke in strokes) else None
+
+
+def _go_to_and_fro_on_line(
+    samples: Array, loads_at_begin: Array, loads_at_end: Array, roundoff: Array
+) -> bool:
+    """Whether the loads of a cycle go once along the straight line between two points, and once
+    back. `samples` (4, n) are P, Q, bulk strain and tilt in the cycle.
+
+    `loads_at_begin` and `loads_at_end` (4,) are the points of least and of largest Q. A load is on
+    the line within its `roundoff`, (4,).
+    """
+    load_changes = loads_at_end - loads_at_begin
+    tangential_load = samples[1]
+    fraction_of_way = (tangential_load - loads_at_begin[1]) / load_changes[1]
+    deviations = np.abs(samples - loads_at_begin[:, None] - np.outer(load_changes, fraction_of_way))
+    is_on_line = not np.any(np.max(deviations, axis=1) > roundoff)
+    # direction of each change, without those of round-off, 1e-12
+    changes = np.diff(fraction_of_way, append=fraction_of_way[0])
+    signs_of_changes = np.sign(changes[np.abs(changes) > _ROUND_OFF_SHARE])
+    n_reversals = np.count_nonzero(signs_of_changes != np.roll(signs_of_changes, 1))
+    return is_on_line and bool(n_reversals == 2)
 
 
 def work_by_loads(strokes: tuple[Stroke, Stroke]) -> float:

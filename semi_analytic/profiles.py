@@ -832,13 +832,7 @@ def law_of_table(modulus: float, profile: Tabulated) -> ContactLaw:
         return np.asarray(advance_under_load(loads))
 
     if law.has_series:
-        # where dP/da may be least
-        half_widths = law.table_series.sample_half_widths()
-        stiffness = law.stiffness(half_widths - least_half_width)
-        # Round-off may leave that much below 0 where the profile is straight.
-        is_negative = stiffness < -1e-12 * np.max(stiffness)
-        if np.any(is_negative):
-            raise _contact_splits_error(profile, float(np.min(half_widths[is_negative])))
+        law.require_no_split(profile)
     inner_knots = tuple(knots[1:-1].tolist())
     # inner knots: corners of the law, at which dP/da is not smooth
     return ContactLaw(
@@ -868,6 +862,18 @@ class _TableLaw(NamedTuple):
     def has_series(self) -> bool:
         """Whether the table has more than two knots."""
         return len(self.table_series.knots) > 0
+
+    def require_no_split(self, profile: Tabulated) -> None:
+        """Refuse a table under which the contact would split, dP/da < 0: InputError with the row of
+        the `profile` and what to do. It needs more than two knots.
+        """
+        # where dP/da may be least
+        half_widths = self.table_series.sample_half_widths()
+        stiffness = self.stiffness(half_widths - self.least_half_width)
+        # Round-off may leave that much below 0 where the profile is straight.
+        is_negative = stiffness < -1e-12 * np.max(stiffness)
+        if np.any(is_negative):
+            raise _contact_splits_error(profile, float(np.min(half_widths[is_negative])))
 
     def load(self, d: Array) -> Array:
         """P at advances d of the edge [force per thickness]."""
@@ -1312,17 +1318,7 @@ def law_of_function(modulus: float, profile: CallableProfile) -> ContactLaw:
             )
         return advance_under_load(loads)
 
-    # dP/da < 0 somewhere: the contact would split there
-    sample_half_widths = np.unique(
-        np.concatenate([np.linspace(begin, end, 200) for begin, end in half_width_ranges])
-    )
-    sample_stiffness = stiffness(sample_half_widths - least_half_width)
-    is_negative = sample_stiffness < -1e-10 * np.max(sample_stiffness)
-    if np.any(is_negative):
-        half_width_at_split = sample_half_widths[is_negative][0]
-        raise InputError(
-            f"profile: the contact would split near a half-width of {half_width_at_split:.6g}"
-        )
+    _require_no_split(stiffness, least_half_width, half_width_ranges)
     return ContactLaw(
         load=load,
         edge_advance=edge_advance,
@@ -1335,6 +1331,27 @@ def law_of_function(modulus: float, profile: CallableProfile) -> ContactLaw:
         # A derivative was taken of h', and two of h: the rounding of dP/da.
         relative_roundoff=max(1e-11, profile.relative_load_errors.stiffness),
     )
+
+
+def _require_no_split(
+    stiffness: Function, least_half_width: float, half_width_ranges: list[tuple[float, float]]
+) -> None:
+    """Refuse a profile under which the contact would split: InputError with the least half-width at
+    which dP/da < 0, by more than round-off.
+
+    `stiffness` is dP/da as a function of the half-width a beyond `least_half_width`, that without
+    load. It is sampled at 200 half-widths of each of the ranges between two corners of the profile.
+    """
+    half_widths = np.unique(
+        np.concatenate([np.linspace(begin, end, 200) for begin, end in half_width_ranges])
+    )
+    stiffness_at_samples = stiffness(half_widths - least_half_width)
+    is_negative = stiffness_at_samples < -1e-10 * np.max(stiffness_at_samples)
+    if np.any(is_negative):
+        raise InputError(
+            "profile: the contact would split near a half-width of"
+            f" {half_widths[is_negative][0]:.6g}"
+        )
 
 
 def _load_or_stiffness(

@@ -1259,6 +1259,22 @@ class _PanelSeries(NamedTuple):
             self.panels.take(numbers), self.coefficients[numbers], self.truncation_errors[numbers]
         )
 
+    def in_order_of_points(self) -> _PanelSeries:
+        """The series with their panels in the order of the points that they belong to, and of each
+        point outwards, by growing advance of the edge of contact.
+        """
+        panels = self.panels
+        return self.take(np.lexsort((panels.begin_v, panels.advance_at_v0, panels.point_number)))
+
+    @classmethod
+    def joined(cls, parts: list[_PanelSeries]) -> _PanelSeries:
+        """The series of all `parts`, one after the other."""
+        return cls(
+            Panels.joined([part.panels for part in parts]),
+            np.concatenate([part.coefficients for part in parts]),
+            np.concatenate([part.truncation_errors for part in parts]),
+        )
+
 
 def primitive_of(
     kind: IntegralKind, load_power: int, x: Array, largest_advance: float, law: ContactLaw
@@ -1282,12 +1298,7 @@ def primitive_of(
         P(d) of the profile; its `corner_advances` are the d at which dP/dd is not smooth,
         `least_half_width` is a_0
     """
-    # Octaves, so that a small advance has digits of its own.
-    # 23 ends of octaves below the largest advance; `advance_ratio_of_series` is 2, or less for high
-    # powers
-    octave_ends = largest_advance / law.advance_ratio_of_series ** np.arange(1, _OCTAVE_COUNT)
-    corners_inside = law.corner_advances[law.corner_advances < largest_advance]
-    ends_of_ranges = np.append(np.union1d(corners_inside, octave_ends), largest_advance)
+    ends_of_ranges = _ends_of_smooth_ranges(largest_advance, law)
     # smooth ranges of v for each point, which are then cut to the largest length of this kind
     panels_of_points = _panels_of_points(
         kind, x, law.least_half_width, ends_of_ranges, law.corner_advances
@@ -1296,42 +1307,60 @@ def primitive_of(
     # halved until the series are resolved; a point without a panel gets one of zeros
     integrand_series = _with_empty_panels(
         _resolved_series(kind, load_power, panels_to_resolve, law), x
-    )
-    # From here on panels are in order of their points, and of each point outwards.
-    panels = integrand_series.panels
-    integrand_series = integrand_series.take(
-        np.lexsort((panels.begin_v, panels.advance_at_v0, panels.point_number))
-    )
+    ).in_order_of_points()
     panels = integrand_series.panels
 
-    # integrate the series over v, and add the integral over the panels before
-    coefficients = chebyshev.chebint(integrand_series.coefficients.T, lbnd=-1)
-    # without the last terms, where those of all series are round-off
-    coefficients = _without_round_off(coefficients * ((panels.end_v - panels.begin_v) / 2))
-    integrals_of_panels = np.sum(coefficients, axis=0)
     # at x = 0 the first range is integrated as a power of the half-width
     integral_before_panels = _pressure_of_smallest_punches(
         kind, load_power, x, float(ends_of_ranges[1]), law
-    )
-    coefficients[0] += _sums_of_panels_before(
-        panels.point_number, integrals_of_panels, integral_before_panels
     )
     truncation_errors = integrand_series.truncation_errors
     error_before_panel = _sums_of_panels_before(
         panels.point_number, truncation_errors, np.zeros(len(x))
     )
-
-    # begin and end of a panel in v are turned into advances
     return Primitive(
         kind,
         x,
         x - law.least_half_width,
         largest_advance,
         panels,
+        # the begin of a panel in v as an advance
         begin_advances=panels.advance_at_v0 + panels.advance_beyond_v0(kind, panels.begin_v),
-        coefficients=coefficients,
+        coefficients=_integrated_series(integrand_series, integral_before_panels),
         error=error_before_panel + truncation_errors,
     )
+
+
+def _ends_of_smooth_ranges(largest_advance: float, law: ContactLaw) -> Array:
+    """Ascending advances d of the edge of contact between which an integral over flat punches is
+    taken apart, up to `largest_advance` [length]: corners of the profile, and octaves.
+
+    A small advance has digits of its own in its octave. There are 23 ends of octaves below the
+    largest advance; an octave is the factor `advance_ratio_of_series`, 2 or less for high powers.
+    `corner_advances` are the d at which dP/dd is not smooth.
+    """
+    octave_ends = largest_advance / law.advance_ratio_of_series ** np.arange(1, _OCTAVE_COUNT)
+    corners_inside = law.corner_advances[law.corner_advances < largest_advance]
+    return np.append(np.union1d(corners_inside, octave_ends), largest_advance)
+
+
+def _integrated_series(integrand_series: _PanelSeries, integral_before_panels: Array) -> Array:
+    """Coefficients (nodes, n) of the Chebyshev series of an integral on n panels, from those of its
+    integrand: from the begin of all panels of a point on.
+
+    The constant of each holds the sum over the panels before it at the same point, and
+    `integral_before_panels` (k,) of the k points. Panels, ranges of a variable v, are in the order
+    of their points, and of each point outwards. Last terms that are round-off in all series are
+    left out.
+    """
+    panels = integrand_series.panels
+    coefficients = chebyshev.chebint(integrand_series.coefficients.T, lbnd=-1)
+    coefficients = _without_round_off(coefficients * ((panels.end_v - panels.begin_v) / 2))
+    integrals_of_panels = np.sum(coefficients, axis=0)
+    coefficients[0] += _sums_of_panels_before(
+        panels.point_number, integrals_of_panels, integral_before_panels
+    )
+    return coefficients
 
 
 def _sums_of_panels_before(
@@ -1377,20 +1406,13 @@ def _resolved_series(
     for n_halvings in range(_MOST_HALVINGS + 1):
         # (n, nodes) over v
         coefficients = _series_of_integrand(kind, load_power, panels, law)
-        half_length = (panels.end_v - panels.begin_v) / 2
         # size of the last coefficients of each series, (n,)
         last_coefficients = truncation_error(coefficients)
-        size_of_integral = np.abs(coefficients[:, 0]) * half_length
-        if kind != "pressure":
-            # Integrated by parts the integral has a second term, with W at its end: where that is
-            # larger, its last digit counts.
-            end_advance = panels.advance_at_v0 + panels.advance_beyond_v0(kind, panels.end_v)
-            # W: P, or P^2/2 with `load_power` 1
-            term_at_end = _integral_of_load_power(load_power, law.load(end_advance))
-            size_of_integral = np.maximum(size_of_integral, term_at_end)
-        truncation_errors = last_coefficients * half_length
+        truncation_errors = last_coefficients * ((panels.end_v - panels.begin_v) / 2)
         # _NEGLIGIBLE_COEFFICIENT_SHARE: 4e-15
-        has_small_error = truncation_errors <= _NEGLIGIBLE_COEFFICIENT_SHARE * size_of_integral
+        has_small_error = truncation_errors <= _NEGLIGIBLE_COEFFICIENT_SHARE * _sizes_of_integrals(
+            kind, load_power, panels, coefficients, law
+        )
         # _COEFFICIENT_RATIO_WITHOUT_GAIN: 0.9 of the coefficients before halving
         has_roundoff_alone = (
             last_coefficients > _COEFFICIENT_RATIO_WITHOUT_GAIN * former_last_coefficients
@@ -1403,11 +1425,36 @@ def _resolved_series(
             break
         panels = panels.take(np.flatnonzero(~is_finished)).halved()
         former_last_coefficients = np.tile(last_coefficients[~is_finished], 2)
-    return _PanelSeries(
-        Panels.joined([series_of_pass.panels for series_of_pass in finished_series]),
-        np.concatenate([series_of_pass.coefficients for series_of_pass in finished_series]),
-        np.concatenate([series_of_pass.truncation_errors for series_of_pass in finished_series]),
-    )
+    return _PanelSeries.joined(finished_series)
+
+
+def _sizes_of_integrals(
+    kind: IntegralKind, load_power: int, panels: Panels, coefficients: Array, law: ContactLaw
+) -> Array:
+    """Size of the integral over each of n panels, beside which an error is negligible, (n,).
+
+    It is the mean of the integrand, its first Chebyshev coefficient, times half the length of the
+    panel. An integral other than "pressure" has, integrated by parts, a second term, with W at its
+    end. Where that is larger, its last digit counts. W is P, or P^2/2 with `load_power` 1.
+
+    Parameters
+    ----------
+    kind, load_power
+        which integral; with 1 the load stands in front of the integrand
+    panels
+        ranges of the variable v, from `begin_v` to `end_v`
+    coefficients
+        (n, nodes) of the integrand's Chebyshev series over v
+    law
+        P of the profile as a function of the advance of the edge of contact
+    """
+    half_length = (panels.end_v - panels.begin_v) / 2
+    size_of_integral = np.abs(coefficients[:, 0]) * half_length
+    if kind == "pressure":
+        return size_of_integral
+    end_advance = panels.advance_at_v0 + panels.advance_beyond_v0(kind, panels.end_v)
+    term_at_end = _integral_of_load_power(load_power, law.load(end_advance))
+    return np.maximum(size_of_integral, term_at_end)
 
 
 def _series_of_integrand(
