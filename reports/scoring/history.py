@@ -237,43 +237,71 @@ def _history_by_time(
     # notation: P normal load, Q tangential load
     """
     path = scene.load.path()
+    # times that miss a turning point by round-off are put on it
+    time = _times_on_ends_of_segments(stated_time, path, scene)
+    _require_times_on_path(time, scene, surface.source)
+    normal_load, tangential_load = path.at(time)
+    note = "its instants were matched by the times that it states"
+    history = History(time, normal_load, tangential_load, (note,))
+    _require_loads_of_scene(surface, history, sure_of_times=sure_of_times)
+    return history
+
+
+def _require_times_on_path(time: Array, scene: Scene, source: str) -> None:
+    """InputError, naming the file `source` and the first instant at fault, where times (n_steps,)
+    do not ascend or lie outside the load path of the scene.
+    """
+    path = scene.load.path()
     # end of the last load segment, or of the last cycle
     if path.period is None:
         last_time = path.initial_loading[-1].end
     else:
         last_time = path.cycle_start + scene.cycles * path.period
-    # times that miss a turning point by round-off are put on it
-    time = _times_on_ends_of_segments(stated_time, path, scene)
     if np.any(np.diff(time) <= 0):
         instant = int(np.flatnonzero(np.diff(time) <= 0)[0]) + 1
         raise InputError(
-            f"{surface.source}: time does not ascend: instant {instant + 1} is at"
+            f"{source}: time does not ascend: instant {instant + 1} is at"
             f" {time[instant]:.9g} after {time[instant - 1]:.9g}"
         )
     instants_beyond = np.flatnonzero((time < path.start) | (time > last_time))
     if len(instants_beyond):
         cycles_in_words = f" in {scene.cycles} cycles" if path.period is not None else ""
         raise InputError(
-            f"{surface.source}: instant {instants_beyond[0] + 1} is at time"
+            f"{source}: instant {instants_beyond[0] + 1} is at time"
             f" {time[instants_beyond[0]]:.6g}, outside the scene's path, which goes from"
             f" {path.start:.6g} to {last_time:.6g}{cycles_in_words}; state each instant's time"
             " there by the key times of a mapping"
         )
-    normal_load, tangential_load = path.at(time)
-    # At the times stated, loads stated must be the scene's, to 0.5 % of the largest P. So must the
-    # integral of the pressure: to 200 %, or to 20 % where the times are not sure.
-    largest_load = float(np.max(normal_load)) or 1.0
+
+
+def _require_loads_of_scene(
+    surface: SurfaceResult, history: History, *, sure_of_times: bool
+) -> None:
+    """InputError where the loads that a result states, or the integrals of its pressure, are not
+    the scene's at its times. Stated P and Q must be the scene's to 0.5 % of the largest P. The
+    integral of the pressure must be P to 200 % of it, or to 20 % where the times are not sure.
+
+    Parameters
+    ----------
+    surface
+        the external result: its pressure, and P and Q where it states them, else None
+    history
+        times of its instants on the path, with P and Q of the scene there
+    sure_of_times
+        whether the times are known to be the scene's
+
+    # notation: P normal load, Q tangential load
+    """
+    largest_load = float(np.max(history.normal_load)) or 1.0
     # of the pressure over x, at each instant
     integral, _ = resultants(surface)
+    limit_of_integral = (
+        _LARGEST_MISFIT_AT_SURE_TIMES if sure_of_times else _LARGEST_MISFIT_AT_UNSURE_TIMES
+    )
     for name, result_values, scene_values, limit in (
-        ("P", surface.normal_load, normal_load, _LARGEST_MISFIT_OF_LOADS),
-        ("Q", surface.tangential_load, tangential_load, _LARGEST_MISFIT_OF_LOADS),
-        (
-            "the integral of the pressure",
-            integral,
-            normal_load,
-            _LARGEST_MISFIT_AT_SURE_TIMES if sure_of_times else _LARGEST_MISFIT_AT_UNSURE_TIMES,
-        ),
+        ("P", surface.normal_load, history.normal_load, _LARGEST_MISFIT_OF_LOADS),
+        ("Q", surface.tangential_load, history.tangential_load, _LARGEST_MISFIT_OF_LOADS),
+        ("the integral of the pressure", integral, history.normal_load, limit_of_integral),
     ):
         if result_values is None:
             continue
@@ -283,13 +311,11 @@ def _history_by_time(
             instant = int(instants_off_path[0])
             raise InputError(
                 f"{surface.source}: its history is not the scene's: at instant {instant + 1}, time"
-                f" {time[instant]:.6g}, {name} is {result_values[instant]:.6g} and the scene's"
-                f" {scene_values[instant]:.6g}"
+                f" {history.time[instant]:.6g}, {name} is {result_values[instant]:.6g} and the"
+                f" scene's {scene_values[instant]:.6g}"
                 # likely reason where all loads differ by one factor; else ""
                 f"{_hint_on_constant_ratio(result_values, scene_values, largest_load)}"
             )
-    note = "its instants were matched by the times that it states"
-    return History(time, normal_load, tangential_load, (note,))
 
 
 def _times_on_ends_of_segments(time: Array, path: LoadPath, scene: Scene) -> Array:
@@ -354,19 +380,7 @@ def _history_by_loads(
             f" and the scene's {largest_load:.4g}: too little to tell its instants by; see to"
             " thickness and factors of the mapping, or state the times"
         )
-    best_match: tuple[float, Array] | None = None
-    # trial times of the path: of its last cycle, then of all
-    for times in _times_to_search(path, scene):
-        # ascending times near to the loads, by dynamic programming over the trial times
-        candidate = _times_in_order(times, path, scene, loads, largest_load)
-        # largest distance from the path in the plane of P and Q, over the largest P
-        misfit = float(np.max(_distances_from_path(path, candidate, loads))) / largest_load
-        if best_match is None or misfit < best_match[0]:
-            best_match = (misfit, candidate)
-        if misfit <= limit:
-            break
-    assert best_match is not None
-    misfit, time = best_match
+    misfit, time = _best_times(scene, loads, largest_load, limit)
     # the last instant is put a period after an earlier one with the same loads
     time = _with_closed_cycle(time, scene, loads, misfit * largest_load)
     normal_load, tangential_load = path.at(time)
@@ -382,9 +396,54 @@ def _history_by_loads(
         )
     notes = [
         f"its instants were matched to the load path by {source_in_words}; the farthest is"
-        f" {misfit:.1e} of the largest P away"
+        f" {misfit:.1e} of the largest P away",
+        *_notes_on_other_places(time, scene),
     ]
-    # time at which the last two cycles begin
+    return History(time, normal_load, tangential_load, tuple(notes))
+
+
+def _best_times(
+    scene: Scene, loads: Loads, largest_load: float, limit: float
+) -> tuple[float, Array]:
+    """Ascending times (n_steps,) of the load path that are nearest to the loads of a result's
+    instants; first, the largest distance of an instant from the path. They are searched in the last
+    cycle, and on the whole path where the distance there exceeds the limit.
+
+    Distances are in the plane of P and Q, over the largest P of the path.
+
+    Parameters
+    ----------
+    scene
+        gives the path, and the number of cycles
+    loads
+        P and Q of the instants, (n_steps,) each
+    largest_load
+        largest P of the path
+    limit
+        largest distance that is near enough
+
+    # notation: P normal load, Q tangential load
+    """
+    path = scene.load.path()
+    best_match: tuple[float, Array] | None = None
+    for sample_times in _times_to_search(path, scene):
+        time = _times_in_order(sample_times, path, scene, loads, largest_load)
+        misfit = float(np.max(_distances_from_path(path, time, loads))) / largest_load
+        if best_match is None or misfit < best_match[0]:
+            best_match = (misfit, time)
+        if misfit <= limit:
+            break
+    assert best_match is not None
+    return best_match
+
+
+def _notes_on_other_places(time: Array, scene: Scene) -> list[str]:
+    """Notes for the reader of a result that its instants may lie elsewhere on the load path with
+    the same loads: in an earlier cycle, or on another pass of a path without cycles. `time`
+    (n_steps,) are the times at which they were found.
+    """
+    path = scene.load.path()
+    notes = []
     start_of_last_two_cycles = math.inf
     if path.period is not None:
         start_of_last_two_cycles = path.cycle_start + (scene.cycles - 2) * path.period
@@ -399,7 +458,7 @@ def _history_by_loads(
             "where the path passes the same loads more than once between two instants, the wrong"
             " pass may have been taken"
         )
-    return History(time, normal_load, tangential_load, tuple(notes))
+    return notes
 
 
 def _with_closed_cycle(time: Array, scene: Scene, loads: Loads, distance: float) -> Array:
@@ -444,14 +503,14 @@ def _times_to_search(path: LoadPath, scene: Scene) -> Iterator[Array]:
     yield _sample_times(path, scene.cycles)
 
 
-def _sample_times(path: LoadPath, cycles: int) -> Array:
-    """Times (n,) of samples of the load path, ascending: of the initial loading and of so many
-    `cycles`; about 720 for each cycle, at least 8 for each load segment.
+def _sample_times(path: LoadPath, n_cycles: int) -> Array:
+    """Times (n,) of samples of the load path, ascending: of the initial loading and of `n_cycles`
+    cycles; about 720 for each cycle, at least 8 for each load segment.
     """
-    segments = list(path.segments(cycles if path.period is not None else 1))
-    count = max(_N_SAMPLES * (cycles + 1) // len(segments), 8)
+    segments = list(path.segments(n_cycles if path.period is not None else 1))
+    n_samples = max(_N_SAMPLES * (n_cycles + 1) // len(segments), 8)
     return np.unique(
-        np.concatenate([np.linspace(segment.start, segment.end, count) for segment in segments])
+        np.concatenate([np.linspace(segment.start, segment.end, n_samples) for segment in segments])
     )
 
 
@@ -461,12 +520,9 @@ def _times_in_order(
     """Find the time on the load path of each of k instants of a result by its loads P and Q:
     ascending times (k,), near to the loads, and with even steps where several places are as near.
 
-    Dynamic programming: of `times` (n,), samples of the path, those are chosen that cost least in
-    all. A place is the index of a sample. It costs 1000 times (`_COST_OF_DISTANCE`) the square of
-    its distance from the instant's loads over that of the instant that lies farthest from the path.
-    A step of time costs the square of its ratio to the mean step. So of places that are equally
-    near, to and fro on one line or in one revolution after another, the evenest are taken. Noise
-    next to a turning point may put an instant before the last one, by a small part of a revolution.
+    The places of an instant are samples of the path that are nearest to its loads. The cheapest
+    sequence of places is chosen, and the times are refined beside them. Noise next to a turning
+    point may put an instant before the last one, by a small part of a revolution.
 
     Parameters
     ----------
@@ -476,6 +532,35 @@ def _times_in_order(
         the load path, which gives P and Q at a time
     scene
         its number of cycles says where load segments end
+    loads
+        P and Q of the instants, (k,) each
+    largest_load
+        largest P of the path, by which distances between loads are divided
+    """
+    places, costs_by_distance = _places_near_loads(times, path, loads, largest_load)
+    chosen_places = _cheapest_sequence(times, places, costs_by_distance, path.period)
+    # exact times near the samples; those that miss a turning point by round-off are put on it
+    return np.maximum.accumulate(
+        _times_on_ends_of_segments(_refined_times(times, chosen_places, path, loads), path, scene)
+    )
+
+
+def _places_near_loads(
+    times: Array, path: LoadPath, loads: Loads, largest_load: float
+) -> tuple[list[Places], list[Array]]:
+    """Where each of k instants of a result may lie on the load path: for each instant the indices
+    of the samples that are nearest to its loads P and Q, (m,), and the cost of each, (m,).
+
+    The cost is 1000 times (`_COST_OF_DISTANCE`) the square of the distance from the instant's loads
+    in the plane of P and Q. It is counted over the square for the instant that lies farthest from
+    the path.
+
+    Parameters
+    ----------
+    times
+        (n,) times of samples of the path, ascending
+    path
+        the load path, which gives P and Q at a time
     loads
         P and Q of the instants, (k,) each
     largest_load
@@ -491,48 +576,65 @@ def _times_in_order(
         float(squares_of_instant.min()) for squares_of_instant in squared_distances
     ]
     # at least 1e-6 of the largest P, squared
-    largest_misfit = max(least_squared_distances) + _EQUAL_DISTANCE**2
-    duration = times[-1] - times[0]
-    mean_step = duration / len(squared_distances)
-    # a step back by a 3000th of a revolution costs as much as a mean step ahead
-    step_back = (path.period or duration) / _DIVISOR_OF_STEP_BACK
-
-    # places of each instant: samples at which the path is nearest to its loads. The cost of a place
-    # is that of the way to it, and of its distance from the loads.
+    largest_square = max(least_squared_distances) + _EQUAL_DISTANCE**2
     places = [_nearest_samples(squares_of_instant) for squares_of_instant in squared_distances]
-    # of equal matches the earlier one counts
+    costs_by_distance = [
+        _COST_OF_DISTANCE * squares_of_instant[places_of_instant] / largest_square
+        for squares_of_instant, places_of_instant in zip(squared_distances, places, strict=True)
+    ]
+    return places, costs_by_distance
+
+
+def _cheapest_sequence(
+    times: Array, places: list[Places], costs_by_distance: list[Array], period: float | None
+) -> Places:
+    """One place on the load path for each of k instants, (k,): the sequence of samples that costs
+    least in all, by dynamic programming.
+
+    A place costs by its distance from the instant's loads. A step of time costs the square of its
+    ratio to the mean step; a step back by a 3000th of a revolution costs as much as a mean step
+    ahead. So of places that are equally near, to and fro on one line or in one revolution after
+    another, the evenest are taken.
+
+    Parameters
+    ----------
+    times
+        (n,) times of samples of the path, ascending
+    places
+        for each instant the indices of the samples at which it may lie, (m,)
+    costs_by_distance
+        for each instant the costs of these places, (m,)
+    period
+        length of a revolution of the path; None without one
+    """
+    duration = times[-1] - times[0]
+    mean_step = duration / len(places)
+    step_back = (period or duration) / _DIVISOR_OF_STEP_BACK
+    # cost of the way to each place of an instant; of equal matches the earlier one counts
     cost = _COST_OF_A_CYCLE_AHEAD * (times[places[0]] - times[0]) / duration
-    predecessors: list[Places] = []  # of each place of an instant, the best of the one before
-    for number_of_instant, places_of_instant in enumerate(places):
+    cost = cost + costs_by_distance[0]
+    # for each place of an instant the best of the one before
+    predecessors: list[Places] = []
+    for instant_index in range(1, len(places)):
         # from each place of the instant before to each place of this one
-        if number_of_instant:
-            time_step = times[places_of_instant] - times[places[number_of_instant - 1]][:, None]
-            cost_of_pair = (
-                cost[:, None] + (time_step / np.where(time_step < 0, step_back, mean_step)) ** 2
-            )
-            predecessors.append(np.argmin(cost_of_pair, axis=0))
-            cost = np.min(cost_of_pair, axis=0)
-        cost = (
-            cost
-            + _COST_OF_DISTANCE
-            * squared_distances[number_of_instant][places_of_instant]
-            / largest_misfit
+        times_before = times[places[instant_index - 1]]
+        time_step = times[places[instant_index]] - times_before[:, None]
+        cost_of_pair = (
+            cost[:, None] + (time_step / np.where(time_step < 0, step_back, mean_step)) ** 2
         )
+        predecessors.append(np.argmin(cost_of_pair, axis=0))
+        cost = np.min(cost_of_pair, axis=0) + costs_by_distance[instant_index]
 
     # back from the cheapest place of the last instant
     best_numbers_from_end = [int(np.argmin(cost))]
     for predecessor in reversed(predecessors):
         best_numbers_from_end.append(int(predecessor[best_numbers_from_end[-1]]))
     numbers_of_best = reversed(best_numbers_from_end)
-    chosen_places = np.array(
+    return np.array(
         [
             places_of_instant[place_number]
             for places_of_instant, place_number in zip(places, numbers_of_best, strict=True)
         ]
-    )
-    # exact times near the samples; those that miss a turning point by round-off are put on it
-    return np.maximum.accumulate(
-        _times_on_ends_of_segments(_refined_times(times, chosen_places, path, loads), path, scene)
     )
 
 
