@@ -12,6 +12,7 @@ from collections import ChainMap
 from collections.abc import Mapping as Fields
 from collections.abc import Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -71,43 +72,31 @@ def read_fields(path: Path, mapping: Mapping) -> SurfaceResult:
         File and what is wrong: can't be read, broken, too large; no instant; no tractions under a
         known name; no surface; a mesh that changes.
     """
-    # frames: instants, with a mesh and its fields for each body; field_names: quantity -> field
+    # frames: instants, with a mesh and its fields for each body
     frames = read_frames(path)
     _require_one_mesh(path, frames)
-    kind, field_names, source_in_words = _find_tractions(path, frames[0], mapping)
-    names_of_tractions = [name for quantity, name in field_names.items() if quantity != "slip"]
+    source = _find_tractions(path, frames[0], mapping)
     # the parts of an instant that hold all fields, joined as one mesh
     part_numbers, mesh, notes_on_parts = _parts_with_fields(
-        path, frames[0], mapping, names_of_tractions
+        path, frames[0], mapping, source.names_of_tractions
     )
+    field_names = dict(source.field_names)
     if "slip" in field_names and not _has_field(mesh, field_names["slip"]):
         notes_on_parts.append(
             f"{field_names['slip']} is not in all of the files that hold"
-            f" {' and '.join(names_of_tractions)}, and was left out"
+            f" {' and '.join(source.names_of_tractions)}, and was left out"
         )
         del field_names["slip"]
+    if source.kind != "fields" and mapping.columns.slip is not None:
+        notes_on_parts.append(
+            f"columns.slip = {mapping.columns.slip!r} is not read beside a {source.kind}: state"
+            " columns.pressure and columns.shear too"
+        )
 
+    # values at the surface, at every instant, in the scene's unit and sign
     surface_points, body, notes_on_surface = _surface_points(path, mesh, mapping)
-    # what a value of the file is multiplied by, for its unit and its sign
-    factors = {
-        quantity: float(converted_values(mapping, quantity, np.ones(1))[0])
-        for quantity in field_names
-    }
-    # components of a vector or a stress: their signs depend on the body
-    if kind != "fields":
-        if mapping.columns.slip is not None:
-            notes_on_parts.append(
-                f"columns.slip = {mapping.columns.slip!r} is not read beside a {kind}: state"
-                " columns.pressure and columns.shear too"
-            )
-        loaded_body = body
-        if kind == "vector" and mapping.signs.shear:
-            loaded_body = "upper" if mapping.signs.shear == "on upper" else "lower"
-        source_in_words = source_in_words.format(loaded_body)
-        is_turned = kind == "vector" and loaded_body == "upper"
-        factors |= _factors_of_vector(mapping, is_turned=is_turned)
-
-    # values at the surface, at every instant
+    loaded_body = _loaded_body(source, mapping, body)
+    factors = _factors_of_fields(source, mapping, loaded_body)
     fields: dict[str, ArrayLike | None] = {}
     values = _values_on_surface(path, frames, part_numbers, field_names, surface_points)
     for quantity, values_at_instants in values.items():
@@ -116,8 +105,69 @@ def read_fields(path: Path, mapping: Mapping) -> SurfaceResult:
         )
     x = converted_values(mapping, "x", mesh.points[surface_points, 0])
     times = _times_of(path, frames, mapping)
-    notes = [source_in_words, *notes_on_parts, *notes_on_surface]
+    notes = [source.in_words(loaded_body), *notes_on_parts, *notes_on_surface]
     return surface_result(str(path), mapping.code, x, fields, {"time": times}, notes)
+
+
+class _TractionSource(NamedTuple):
+    """Which fields of a field file hold the tractions.
+
+    Attributes
+    ----------
+    kind
+        "fields" for pressure and shear by name, "vector" for a contact traction, "stress" for a
+        stress tensor
+    field_names
+        quantity -> name of the field at points that holds it, or "name:k" for a component of one
+    template
+        a sentence on the fields; {} in that of a vector or a stress stands for the body that the
+        tractions act on
+    """
+
+    kind: str
+    field_names: _FieldNames
+    template: str
+
+    def in_words(self, loaded_body: str) -> str:
+        """The sentence on the fields, with the body that the tractions act on."""
+        return self.template if self.kind == "fields" else self.template.format(loaded_body)
+
+    @property
+    def names_of_tractions(self) -> list[str]:
+        """Names of the fields that hold pressure and shear."""
+        return [name for quantity, name in self.field_names.items() if quantity != "slip"]
+
+
+def _loaded_body(source: _TractionSource, mapping: Mapping, body: str) -> str:
+    """The body, "upper" or "lower", that the tractions of a field file act on. It is the one that
+    the mapping states for a traction vector; else `body`, of whose face the points are.
+    """
+    if source.kind == "vector" and mapping.signs.shear:
+        return "upper" if mapping.signs.shear == "on upper" else "lower"
+    return body
+
+
+def _factors_of_fields(
+    source: _TractionSource, mapping: Mapping, loaded_body: str
+) -> dict[ColumnQuantity, float]:
+    """By quantity, the factor that turns a value of a field file into the scene's unit with this
+    program's sign. Fields that are named have the mapping's units and signs.
+
+    Components of a vector or a stress get the signs of the body, "upper" or "lower", that they act
+    on: the traction on the lower body is (q, -p), that on the upper one is turned, (-q, p). p =
+    -sigma_yy and q = sigma_xy of the stress of either body.
+
+    # notation: p pressure, q shear
+    """
+    if source.kind == "fields":
+        return {
+            quantity: float(converted_values(mapping, quantity, np.ones(1))[0])
+            for quantity in source.field_names
+        }
+    factor = mapping.factors.stress or 1.0
+    if source.kind == "vector" and loaded_body == "upper":
+        factor = -factor
+    return {"pressure": -factor, "shear": factor}
 
 
 def _values_on_surface(
@@ -175,17 +225,6 @@ def _require_one_mesh(path: Path, frames: Sequence[FieldFrame]) -> None:
             )
 
 
-def _factors_of_vector(mapping: Mapping, *, is_turned: bool) -> dict[ColumnQuantity, float]:
-    """Factors that turn components into pressure p and shear q in the scene's unit: the y and the x
-    component of a traction, or sigma_yy and sigma_xy of a stress. The traction on the lower body is
-    (q, -p), that on the upper one is turned (`is_turned`), (-q, p).
-    """
-    factor = mapping.factors.stress or 1.0
-    if is_turned:
-        factor = -factor
-    return {"pressure": -factor, "shear": factor}
-
-
 def _times_of(path: Path, frames: Sequence[FieldFrame], mapping: Mapping) -> Array | None:
     """Times of the instants of a field file, (k,): those that the mapping states, else the file's
     own; None where neither has all.
@@ -196,16 +235,13 @@ def _times_of(path: Path, frames: Sequence[FieldFrame], mapping: Mapping) -> Arr
     return None if None in times else converted_values(mapping, "time", np.array(times, float))
 
 
-def _find_tractions(
-    path: Path, frame: FieldFrame, mapping: Mapping
-) -> tuple[str, _FieldNames, str]:
+def _find_tractions(path: Path, frame: FieldFrame, mapping: Mapping) -> _TractionSource:
     """Find out which fields of a field file hold the tractions, from its first instant (`frame`):
     `parts`, one for each file or body, have fields at points and at cells by name.
 
     Three kinds are looked for in this order: "fields" for pressure and shear, a traction "vector",
-    a "stress" tensor. Returned are the kind, the names of the fields, and a sentence on them, in
-    which {} stands for the body. InputError where the file holds none. `mapping` states columns,
-    units and signs of the file.
+    a "stress" tensor. Returned are the kind, the names of the fields, and a sentence on them.
+    InputError where the file holds none. `mapping` states columns, units and signs of the file.
     """
     # values at points, (n,) or (n, components)
     fields = dict(ChainMap(*(part.point_fields for part in frame.parts)))
@@ -224,29 +260,9 @@ def _find_tractions(
             for name, values in tensor_fields.items():
                 names += [f"{name}:{number}" for number in range(values.shape[1])]
         return _find_named_tractions(path, names, mapping)
-    # known names of traction vectors, then of stress tensors; normalised, spellings of one name
-    # compare equal
-    for name, values in tensor_fields.items():
-        if values.shape[1] >= 2 and normalised_name(name) in map(
-            normalised_name, _NAMES_OF_VECTORS
-        ):
-            # y and x component; {} is the body
-            field_names: _FieldNames = {"pressure": f"{name}:1", "shear": f"{name}:0"}
-            source_in_words = f"tractions are the field {name}, taken to act on the {{}} body"
-            return "vector", field_names, source_in_words
-    for name, values in tensor_fields.items():
-        if values.shape[1] >= 3 and normalised_name(name) in map(
-            normalised_name, _NAMES_OF_STRESSES
-        ):
-            # indices among the components, and the order of all in words
-            place_of_yy, place_of_xy, order_in_words = _places_of_yy_and_xy(path, name, values)
-            field_names = {"pressure": f"{name}:{place_of_yy}", "shear": f"{name}:{place_of_xy}"}
-            source_in_words = (
-                "no contact tractions in the file: p = -sigma_yy and q = sigma_xy of the {} body's"
-                f" nodal {name} (components {order_in_words}), which is extrapolated to the"
-                " surface and coarser than contact tractions"
-            )
-            return "stress", field_names, source_in_words
+    source = _traction_vector(tensor_fields) or _stress_tensor(path, tensor_fields)
+    if source is not None:
+        return source
     cell_fields = dict(ChainMap(*(part.cell_fields for part in frame.parts)))
     cell_hint = ""
     if cell_fields:
@@ -261,9 +277,46 @@ def _find_tractions(
     )
 
 
-def _find_named_tractions(
-    path: Path, names: Sequence[str], mapping: Mapping
-) -> tuple[str, _FieldNames, str]:
+def _traction_vector(tensor_fields: Fields[str, Array]) -> _TractionSource | None:
+    """The field that holds the vector of contact traction under a known name; None where there is
+    none. `tensor_fields` are values at points by name, (n, components); two components or more
+    make a vector, of which the first is along x and the second along y.
+    """
+    # spellings of one name compare equal
+    known_names = [normalised_name(known_name) for known_name in _NAMES_OF_VECTORS]
+    for name, values in tensor_fields.items():
+        if values.shape[1] >= 2 and normalised_name(name) in known_names:
+            field_names: _FieldNames = {"pressure": f"{name}:1", "shear": f"{name}:0"}
+            template = f"tractions are the field {name}, taken to act on the {{}} body"
+            return _TractionSource("vector", field_names, template)
+    return None
+
+
+def _stress_tensor(path: Path, tensor_fields: Fields[str, Array]) -> _TractionSource | None:
+    """The field that holds the stress tensor under a known name; None where there is none.
+    `tensor_fields` are values at points by name, (n, components); InputError, with the file `path`,
+    where no order is known for so many components.
+    """
+    # spellings of one name compare equal
+    known_names = [normalised_name(known_name) for known_name in _NAMES_OF_STRESSES]
+    for name, values in tensor_fields.items():
+        if values.shape[1] >= 3 and normalised_name(name) in known_names:
+            # indices among the components, and the order of all in words
+            place_of_yy, place_of_xy, order_in_words = _places_of_yy_and_xy(path, name, values)
+            field_names: _FieldNames = {
+                "pressure": f"{name}:{place_of_yy}",
+                "shear": f"{name}:{place_of_xy}",
+            }
+            template = (
+                "no contact tractions in the file: p = -sigma_yy and q = sigma_xy of the {} body's"
+                f" nodal {name} (components {order_in_words}), which is extrapolated to the"
+                " surface and coarser than contact tractions"
+            )
+            return _TractionSource("stress", field_names, template)
+    return None
+
+
+def _find_named_tractions(path: Path, names: Sequence[str], mapping: Mapping) -> _TractionSource:
     """Find out which of the fields `names` of a field file are pressure, shear and slip: by the
     mapping, or by names that are known for them. InputError where none is the pressure.
 
@@ -276,11 +329,9 @@ def _find_named_tractions(
         name = name_of_column(mapping, quantity, names, str(path), is_needed=is_needed)
         if name is not None:
             field_names[quantity] = name
-    source_in_words = f"tractions are the fields {field_names['pressure']}"
-    source_in_words += (
-        f" and {field_names['shear']}" if "shear" in field_names else ", without a shear"
-    )
-    return "fields", field_names, source_in_words
+    sentence = f"tractions are the fields {field_names['pressure']}"
+    sentence += f" and {field_names['shear']}" if "shear" in field_names else ", without a shear"
+    return _TractionSource("fields", field_names, sentence)
 
 
 def _places_of_yy_and_xy(path: Path, name: str, values: Array) -> tuple[int, int, str]:
@@ -367,35 +418,20 @@ def _surface_points(
     cells of a body, else those of a body's face at y = y_offset. Of points of both bodies those of
     the lower one count. InputError where no face lies there.
     """
-    # y above the lower body's face, in the file's unit
-    height_above_face = mesh.points[:, 1] - mapping.y_offset / (mapping.factors.length or 1.0)
     bulk_cells = _bulk_cells(mesh)
-    tolerance = SAME_PLACE_SHARE * longest_side(mesh.points)
-    is_on_face = np.abs(height_above_face) <= tolerance
     # how far the middles of its cells lie above a point: negative at the face of the lower body,
     # NaN without cells
     material_height = height_of_material(mesh.points, bulk_cells)
-    points_of_face = {
-        "lower": np.flatnonzero(is_on_face & (material_height < 0)),
-        "upper": np.flatnonzero(is_on_face & (material_height > 0)),
-    }
-    bodies_with_face = [body for body, points in points_of_face.items() if len(points)]
+    tolerance = SAME_PLACE_SHARE * longest_side(mesh.points)
     if mapping.surface is not None:
         surface_points = _marked_points(path, mesh, mapping.surface)
         notes = [f"the surface is what {mapping.surface} marks"]
-    elif np.ptp(height_above_face) <= tolerance or not bulk_cells:
-        surface_points = np.arange(len(height_above_face))
+    elif np.ptp(_heights_above_face(mesh, mapping)) <= tolerance or not bulk_cells:
+        surface_points = np.arange(len(mesh.points))
         notes = [f"{mesh.name} is taken for the surface alone, since it has no cells of a body"]
-    elif bodies_with_face:
-        body = bodies_with_face[0]
-        surface_points = points_of_face[body]
-        notes = [f"the surface is the {body} body's face, found at y = {mapping.y_offset:g}"]
     else:
-        raise InputError(
-            f"{path}: no point of a face at y = {mapping.y_offset:g} (y goes from"
-            f" {mesh.points[:, 1].min():.6g} to {mesh.points[:, 1].max():.6g}); say where it lies"
-            " by y_offset, or what marks it by surface of a mapping"
-        )
+        surface_points, body = _points_of_face(path, mesh, mapping, material_height)
+        notes = [f"the surface is the {body} body's face, found at y = {mapping.y_offset:g}"]
     material_height_at_surface = material_height[surface_points]
     if np.any(material_height_at_surface < 0) and np.any(material_height_at_surface > 0):
         surface_points = surface_points[material_height_at_surface < 0]
@@ -403,6 +439,39 @@ def _surface_points(
     points_in_plane, _, plane_notes = one_plane(mesh.points, surface_points)
     body = "upper" if np.any(material_height[points_in_plane] > 0) else "lower"
     return points_in_plane, body, [*notes, *plane_notes]
+
+
+def _heights_above_face(mesh: FieldPart, mapping: Mapping) -> Array:
+    """Heights (n,) of the mesh points above the lower body's face, in the file's unit of length.
+    The face lies at y = `mapping.y_offset` [the scene's length].
+    """
+    return mesh.points[:, 1] - mapping.y_offset / (mapping.factors.length or 1.0)
+
+
+def _points_of_face(
+    path: Path, mesh: FieldPart, mapping: Mapping, material_height: Array
+) -> tuple[Integers, str]:
+    """Numbers of the mesh points on the face of a body at y = `mapping.y_offset`, and the body,
+    "lower" or "upper". Where both bodies have a face there, it is the lower one's. InputError, with
+    the file `path`, where no face lies there.
+
+    `material_height` (n,) states how far the middles of its cells lie above each point: negative at
+    the face of the lower body, NaN without cells.
+    """
+    tolerance = SAME_PLACE_SHARE * longest_side(mesh.points)
+    is_on_face = np.abs(_heights_above_face(mesh, mapping)) <= tolerance
+    points_by_body = {
+        "lower": np.flatnonzero(is_on_face & (material_height < 0)),
+        "upper": np.flatnonzero(is_on_face & (material_height > 0)),
+    }
+    for body, points in points_by_body.items():
+        if len(points):
+            return points, body
+    raise InputError(
+        f"{path}: no point of a face at y = {mapping.y_offset:g} (y goes from"
+        f" {mesh.points[:, 1].min():.6g} to {mesh.points[:, 1].max():.6g}); say where it lies"
+        " by y_offset, or what marks it by surface of a mapping"
+    )
 
 
 def _marked_points(path: Path, mesh: FieldPart, surface: str) -> Integers:
@@ -415,21 +484,7 @@ def _marked_points(path: Path, mesh: FieldPart, surface: str) -> Integers:
     """
     name, equal_sign, value_in_words = surface.partition("=")
     message_start = f"{path}: surface = {surface!r}"
-    # of the points: one block; of the cells: one for each kind
-    blocks_by_field: Fields[str, tuple[Array, ...]] = {
-        field_name: (values,) for field_name, values in mesh.point_fields.items()
-    }
-    points_of_blocks: list[Integers] = [np.arange(len(mesh.points))]
-    if name not in blocks_by_field:
-        blocks_by_field = mesh.cell_fields
-        points_of_blocks = [cells for _, cells in mesh.cells]
-    if name not in blocks_by_field:
-        raise InputError(
-            f"{message_start} of the mapping names no field of it"
-            f" ({names_in_words([*mesh.point_fields, *mesh.cell_fields]) or 'none'}); NAME or"
-            " NAME=VALUE"
-        )
-    blocks = blocks_by_field[name]
+    blocks, points_of_blocks = _marking_blocks(mesh, name, message_start)
     if any(block.ndim != 1 for block in blocks):
         raise InputError(f"{message_start}: {name} is a vector and can't mark a surface")
     try:
@@ -445,6 +500,26 @@ def _marked_points(path: Path, mesh: FieldPart, surface: str) -> Integers:
     if not len(point_numbers):
         raise InputError(f"{message_start} marks nothing in it")
     return point_numbers
+
+
+def _marking_blocks(
+    mesh: FieldPart, name: str, message_start: str
+) -> tuple[tuple[Array, ...], list[Integers]]:
+    """Values of the field `name` of a mesh in blocks, and for each block the numbers of the points
+    that its values belong to. A field at points is one block, with a point for each value; a field
+    of cells has a block for each kind of cell, with the points of a cell for each value.
+
+    InputError, beginning with `message_start`, where the mesh has no such field.
+    """
+    if name in mesh.point_fields:
+        return (mesh.point_fields[name],), [np.arange(len(mesh.points))]
+    if name in mesh.cell_fields:
+        return mesh.cell_fields[name], [cells for _, cells in mesh.cells]
+    raise InputError(
+        f"{message_start} of the mapping names no field of it"
+        f" ({names_in_words([*mesh.point_fields, *mesh.cell_fields]) or 'none'}); NAME or"
+        " NAME=VALUE"
+    )
 
 
 def _bulk_cells(mesh: FieldPart) -> list[Integers]:

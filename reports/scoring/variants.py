@@ -451,36 +451,60 @@ def _tractions_by_long_steps(
     replace the load path: by straight lines in the plane of P and Q, or (`takes_ends`) as a solver
     takes them that meets the Coulomb law at their ends.
 
-    While P rises such an increment is that of P first, and then that of Q at the new P; while P
-    falls it is a straight line. Finite elements in increments that end on no event follow it to
-    0.983 of the difference from theory at 48 increments a cycle, to 0.9999 at 4. `discrepancy`
-    holds the tractions of result and reference.
+    `discrepancy` holds the tractions of result and reference, and its k instants; `x` (n,) are the
+    points.
 
     # notation: P normal load, Q tangential load
+    """
+    times, rows_of_instants = _ends_of_increments(discrepancy, scene)
+    if not takes_ends:
+        return _tractions_of_scene(scene, x, times, straight_steps=True)[:, rows_of_instants]
+    polygon, polygon_times = _polygon_with_ends(scene, times)
+    scene_of_polygon = scene.vary(load=PolygonLoad(initial_loading=tuple(polygon[1:])))
+    return _tractions_of_scene(scene_of_polygon, x, np.array(polygon_times)[rows_of_instants])
+
+
+def _ends_of_increments(discrepancy: Discrepancy, scene: Scene) -> tuple[Array, NDArray[np.intp]]:
+    """Times on the scene's load path at which the load increments of a result end, ascending; and
+    the indices among them of the k instants that are compared, (k,).
+
+    The times are those of all instants of the result up to the end of its last cycle. Where it
+    holds the cycle alone, they are the initial loading in eight steps, and this cycle twice.
     """
     path = scene.load.path()
     assert path.period is not None
     result_cycle = discrepancy.comparison.result_cycle
-    # at all instants of the result, up to the end of its last cycle
     times_of_result = discrepancy.comparison.result.time
     times = times_of_result[times_of_result <= result_cycle.time[-1]]
     times_of_instants = discrepancy.time
-    if times_of_result[0] > path.cycle_start:  # the cycle alone: twice, after the initial loading
+    if times_of_result[0] > path.cycle_start:
         # share of a period at each instant of the last cycle
         fraction = fraction_of_cycle(discrepancy.comparison)
         times_of_cycles = [path.cycle_start + (cycle + fraction) * path.period for cycle in (0, 1)]
         times = np.concatenate([np.linspace(path.start, path.cycle_start, 9), *times_of_cycles])
         times_of_instants = path.cycle_start + (1 + discrepancy.cycle_fraction) * path.period
     times = np.unique(times[times > path.start])
-    rows_of_instants = np.abs(times[:, None] - times_of_instants).argmin(axis=0)
-    if not takes_ends:
-        return _tractions_of_scene(scene, x, times, straight_steps=True)[:, rows_of_instants]
-    # vertices (P, Q) of the increments that the solver takes in effect
+    return times, np.abs(times[:, None] - times_of_instants).argmin(axis=0)
+
+
+def _polygon_with_ends(scene: Scene, times: Array) -> tuple[list[tuple[float, float]], list[float]]:
+    """Vertices (P, Q) of the load path that a solver follows in effect whose increments meet the
+    Coulomb law at their ends, from (0, 0) on; and for each increment the number of the vertex at
+    its end, which is the time on the polygon.
+
+    While P rises such an increment is that of P first, and then that of Q at the new P; while P
+    falls it is a straight line. Finite elements in increments that end on no event follow it to
+    0.983 of the difference from theory at 48 increments a cycle, to 0.9999 at 4.
+
+    `times` are those of the scene's path at which the increments end.
+
+    # notation: P normal load, Q tangential load
+    """
+    loads_at_ends = scene.load.path().at(times)
     polygon = [(0.0, 0.0)]
-    # time on that polygon at the end of each increment
     polygon_times = []
-    least_change = _DIFFERENCE_OF_SAME_LOADS * float(np.max(path.at(times)[0]))
-    for normal_load, tangential_load in np.transpose(path.at(times)).tolist():
+    least_change = _DIFFERENCE_OF_SAME_LOADS * float(np.max(loads_at_ends[0]))
+    for normal_load, tangential_load in np.transpose(loads_at_ends).tolist():
         corner = (normal_load, polygon[-1][1])
         end_of_increment = (normal_load, tangential_load)
         is_rising = normal_load > polygon[-1][0]
@@ -490,8 +514,7 @@ def _tractions_by_long_steps(
             if max(normal_change, tangential_change) > least_change:
                 polygon.append(vertex)
         polygon_times.append(float(len(polygon) - 1))  # a polygon takes one unit of time a segment
-    scene_of_polygon = scene.vary(load=PolygonLoad(initial_loading=tuple(polygon[1:])))
-    return _tractions_of_scene(scene_of_polygon, x, np.array(polygon_times)[rows_of_instants])
+    return polygon, polygon_times
 
 
 # ---------------------------------------------------------------------------- changes of a scene
