@@ -171,37 +171,15 @@ def _solution_without_zones(
 
     # notation: P normal load, Q tangential load
     """
-    normal_load = surface.normal_load
-    tangential_load = surface.tangential_load
-    names_of_scene: list[str] = []
-    if normal_load is None:
-        normal_load = history.normal_load
-        names_of_scene.append("normal_load")
-    if tangential_load is None:
-        tangential_load = history.tangential_load
-        names_of_scene.append("tangential_load")
     slip = surface.slip
     if slip is None:
         slip = read_only_copy(np.full_like(surface.pressure, np.nan))
+    normal_load = history.normal_load if surface.normal_load is None else surface.normal_load
+    tangential_load = surface.tangential_load
+    if tangential_load is None:
+        tangential_load = history.tangential_load
     n_instants = len(history.time)
-    no_edges = read_only_copy(np.full((n_instants, 2), np.nan))
-    no_series = read_only_copy(np.full(n_instants, np.nan))
-    unknown_fields: dict[str, Any] = dict.fromkeys(("contact_edges", "stick_edges"), no_edges)
-    unknown_fields |= dict.fromkeys(
-        ("contact_half_width", "stick_half_width", "tangential_displacement", "normal_approach"),
-        no_series,
-    )
-    # DERIVED: key for names of fields that are derived from others
-    settings: dict[str, Any] = {
-        "source": surface.source,
-        DERIVED: ["state", "contact_edges", "stick_edges", *names_of_scene],
-    }
-    if surface.read_as:
-        settings["read_as"] = [list(pair) for pair in surface.read_as]
-    if mapping.element_size:
-        settings["element_size"] = mapping.element_size
-    # Work: numbers of instants and points, and what is missing; steady_from: number of the first
-    # steady cycle, not known here
+    # Work: numbers of instants and points, and what is missing
     return ContactSolution(
         engine=surface.code or Path(surface.source).name,
         scene=scene,
@@ -212,13 +190,7 @@ def _solution_without_zones(
         pressure=surface.pressure,
         shear=surface.shear,
         slip=slip,
-        state=read_only_copy(np.zeros(surface.pressure.shape), np.int8),
-        **unknown_fields,
-        dissipation_density=read_only_copy(np.full(len(surface.x), np.nan)),
-        dissipation=np.nan,
-        cycle_dissipation=read_only_copy([np.nan]),
-        permanent_stick_half_width=np.nan,
-        steady_from=None,
+        **_fields_not_known_yet(n_instants, len(surface.x)),
         record=Record(
             # converged, how it ended, the same in a sentence, iterations of each instant
             True,
@@ -228,8 +200,49 @@ def _solution_without_zones(
         ),
         work=Work({"instants": n_instants, "points": len(surface.x)}, missing_fields),
         **_bulk_and_tilt_at(scene, history.time),
-        settings=settings,
+        settings=_settings_of_result(surface, mapping),
     )
+
+
+def _fields_not_known_yet(n_instants: int, n_points: int) -> dict[str, Any]:
+    """Fields of a solution that its tractions alone do not state, by name: NaN for edges,
+    half-widths, displacements and dissipation; every point open; None for the first steady cycle.
+    """
+    no_edges = read_only_copy(np.full((n_instants, 2), np.nan))
+    no_series = read_only_copy(np.full(n_instants, np.nan))
+    return {
+        **dict.fromkeys(("contact_edges", "stick_edges"), no_edges),
+        **dict.fromkeys(("contact_half_width", "stick_half_width"), no_series),
+        **dict.fromkeys(("tangential_displacement", "normal_approach"), no_series),
+        "state": read_only_copy(np.zeros((n_instants, n_points)), np.int8),
+        "dissipation_density": read_only_copy(np.full(n_points, np.nan)),
+        "dissipation": np.nan,
+        "cycle_dissipation": read_only_copy([np.nan]),
+        "permanent_stick_half_width": np.nan,
+        "steady_from": None,
+    }
+
+
+def _settings_of_result(surface: SurfaceResult, mapping: Mapping) -> dict[str, Any]:
+    """How an external result was read: its file; names of the fields that are derived from others,
+    or are the scene's (P and Q where the file has none); how each column was read; and the size of
+    its elements, where the mapping states it [length].
+
+    # notation: P normal load, Q tangential load
+    """
+    names_of_scene = [
+        name for name in ("normal_load", "tangential_load") if getattr(surface, name) is None
+    ]
+    # DERIVED: key for names of fields that are derived from others
+    settings: dict[str, Any] = {
+        "source": surface.source,
+        DERIVED: ["state", "contact_edges", "stick_edges", *names_of_scene],
+    }
+    if surface.read_as:
+        settings["read_as"] = [list(pair) for pair in surface.read_as]
+    if mapping.element_size:
+        settings["element_size"] = mapping.element_size
+    return settings
 
 
 def _surface_on_path(
@@ -242,37 +255,58 @@ def _surface_on_path(
     found, and put back. `sure_of_times` says that the result's times are those of the load path.
     `mapping` states columns, units and signs of the file; `theory` is half-plane theory of the
     scene's whole path.
-
-    `surface.outliers` have `quantity` (the name of a field), indices `instant` and `point`,
-    `value`, and a `sentence` on each.
     """
-    # without outliers: an outlier becomes the mean of its neighbours in x
-    fields = {"pressure": surface.pressure, "shear": surface.shear}
-    if surface.slip is not None:
-        fields["slip"] = surface.slip
-    smooth_fields: dict[str, Any] = {}
-    for name, values in fields.items():
-        smooth_fields[name] = without_spikes(values)
-    smooth_surface = replace(surface, **smooth_fields)
+    smooth_surface = _surface_without_outliers(surface)
     converted_surface, guesses = _surface_in_scene_units(smooth_surface, mapping, theory)
     history = history_of_result(converted_surface, theory.scene, sure_of_times=sure_of_times)
     if not surface.outliers:
         return converted_surface, history, guesses
-    restored_fields = {name: getattr(converted_surface, name).copy() for name in fields}
-    for outlier in surface.outliers:
-        # an outlier gets the factor and the sign that the rest of its field got
+    sentences = [outlier.sentence for outlier in surface.outliers]
+    restored_surface = _surface_with_outliers(converted_surface, smooth_surface)
+    return restored_surface, history, (*sentences, *guesses)
+
+
+def _surface_without_outliers(surface: SurfaceResult) -> SurfaceResult:
+    """An external result with each value of pressure, shear or slip that stands out of all others
+    replaced by the mean of its neighbours in x.
+    """
+    smooth_fields: dict[str, Any] = {
+        "pressure": without_spikes(surface.pressure),
+        "shear": without_spikes(surface.shear),
+    }
+    if surface.slip is not None:
+        smooth_fields["slip"] = without_spikes(surface.slip)
+    return replace(surface, **smooth_fields)
+
+
+def _surface_with_outliers(
+    converted_surface: SurfaceResult, smooth_surface: SurfaceResult
+) -> SurfaceResult:
+    """An external result in the scene's units with its outliers put back: single values that stand
+    out of all others. Each gets the factor and the sign that the rest of its field got.
+
+    Parameters
+    ----------
+    converted_surface
+        the result in the scene's units, without outliers
+    smooth_surface
+        the same before its conversion; `outliers` have `quantity` (the name of a field), indices
+        `instant` and `point`, and the `value` in the file's unit
+    """
+    restored_fields: dict[str, Any] = {}
+    for outlier in smooth_surface.outliers:
         field_before = getattr(smooth_surface, outlier.quantity)
         field_after = getattr(converted_surface, outlier.quantity)
         index_of_largest = np.unravel_index(np.argmax(np.abs(field_before)), field_before.shape)
         factor = 1.0
         if field_before[index_of_largest]:
             factor = float(field_after[index_of_largest] / field_before[index_of_largest])
-        restored_fields[outlier.quantity][outlier.instant, outlier.point] = factor * outlier.value
+        values = restored_fields.setdefault(outlier.quantity, field_after.copy())
+        values[outlier.instant, outlier.point] = factor * outlier.value
     frozen_fields: dict[str, Any] = {
         name: read_only_copy(values) for name, values in restored_fields.items()
     }
-    sentences = [outlier.sentence for outlier in surface.outliers]
-    return replace(converted_surface, **frozen_fields), history, (*sentences, *guesses)
+    return replace(converted_surface, **frozen_fields)
 
 
 def _solution_with_zones(
@@ -291,9 +325,7 @@ def _solution_with_zones(
 
     # notation: q shear traction, s slip
     """
-    # a result without shear holds NaN
-    has_shear = not np.isnan(solution.shear).all()
-    state, contact_edges, stick_edges, method_in_words = zones_of_tractions(
+    zones = zones_of_tractions(
         solution.x,
         solution.pressure,
         solution.shear,
@@ -301,52 +333,83 @@ def _solution_with_zones(
         solution.scene.friction.coefficient,
         solution.time,
     )
-    # indices of the instants of the last cycle; none where it is noted as missing (WHOLE_CYCLE)
-    instants_of_cycle = (
-        solution.last_cycle if WHOLE_CYCLE not in solution.work.skipped else np.arange(0)
-    )
+    # a result without shear holds NaN
+    has_shear = not np.isnan(solution.shear).all()
+    stick_edges = zones.stick_edges if has_shear else np.full_like(zones.stick_edges, np.nan)
+    method_in_words = zones.rule_in_words
     if not has_shear:
         # _IN_CONTACT: words on which points are in contact
         method_in_words = (
             f"{_IN_CONTACT}; without a shear nothing says what slips, and what touches is drawn as"
             " sticking"
         )
-        stick_edges = np.full_like(stick_edges, np.nan)
-    # ends of the zone that sticks through the whole cycle
-    permanent_edges = np.full(2, np.nan)
-    if len(instants_of_cycle) and not np.isnan(stick_edges[instants_of_cycle]).any():
-        left_edge = stick_edges[instants_of_cycle, 0].max()
-        right_edge = stick_edges[instants_of_cycle, 1].min()
-        if right_edge > left_edge:
-            permanent_edges = np.array([left_edge, right_edge])
+    # indices of the instants of the last cycle; none where it is noted as missing (WHOLE_CYCLE)
+    instants_of_cycle = (
+        solution.last_cycle if WHOLE_CYCLE not in solution.work.skipped else np.arange(0)
+    )
+    permanent_edges = _permanent_stick_edges(stick_edges[instants_of_cycle])
     changes: dict[str, Any] = {
-        "state": read_only_copy(state, np.int8),
-        "contact_edges": read_only_copy(contact_edges),
+        "state": read_only_copy(zones.state, np.int8),
+        "contact_edges": read_only_copy(zones.contact_edges),
         "stick_edges": read_only_copy(stick_edges),
-        "contact_half_width": read_only_copy(np.diff(contact_edges, axis=1)[:, 0] / 2),
+        "contact_half_width": read_only_copy(np.diff(zones.contact_edges, axis=1)[:, 0] / 2),
         "stick_half_width": read_only_copy(np.diff(stick_edges, axis=1)[:, 0] / 2),
         "permanent_stick_half_width": float(permanent_edges[1] - permanent_edges[0]) / 2,
     }
-    # with bulk stress, tilt or unequal sides: moments about x = 0
+    # with bulk stress, tilt or unequal sides
     if solution.scene.unsymmetric:
-        changes["moment"] = read_only_copy(
-            np.trapezoid(solution.x * solution.pressure, solution.x, axis=1)
-        )
+        changes |= _moments(solution)
         if has_shear:
-            changes["shear_moment"] = read_only_copy(
-                np.trapezoid(solution.x * solution.shear, solution.x, axis=1)
-            )
             changes["permanent_stick_edges"] = read_only_copy(permanent_edges)
     if adds_dissipation:
-        # work of friction per length at each point, (n,)
-        density = friction_work(solution.shear[instants_of_cycle], solution.slip[instants_of_cycle])
-        dissipation = float(np.trapezoid(density, solution.x))
-        changes |= {
-            "dissipation": dissipation,
-            "dissipation_density": read_only_copy(density),
-            "cycle_dissipation": read_only_copy([dissipation]),
-        }
+        changes |= _dissipation_of_instants(solution, instants_of_cycle)
     return replace(solution, **changes), method_in_words
+
+
+def _permanent_stick_edges(stick_edges: Array) -> Array:
+    """Left and right end (2,) of the zone that sticks through a whole cycle [length]: the innermost
+    ones of the stick zone. NaN where there is no such zone, no instant, or where an end is NaN.
+    `stick_edges` (k, 2) are its ends at the k instants of the cycle.
+    """
+    no_edges = np.full(2, np.nan)
+    if not len(stick_edges) or np.isnan(stick_edges).any():
+        return no_edges
+    left_edge = stick_edges[:, 0].max()
+    right_edge = stick_edges[:, 1].min()
+    return np.array([left_edge, right_edge]) if right_edge > left_edge else no_edges
+
+
+def _moments(solution: ContactSolution) -> dict[str, Any]:
+    """Moments of the tractions of a solution about x = 0 by the trapezoidal rule, (n_steps,) each
+    [force / thickness times length], by the name of the field: of the pressure, and of the shear
+    where there is one.
+    """
+    moments: dict[str, Any] = {
+        "moment": read_only_copy(np.trapezoid(solution.x * solution.pressure, solution.x, axis=1))
+    }
+    if not np.isnan(solution.shear).all():
+        moments["shear_moment"] = read_only_copy(
+            np.trapezoid(solution.x * solution.shear, solution.x, axis=1)
+        )
+    return moments
+
+
+def _dissipation_of_instants(
+    solution: ContactSolution, instants: NDArray[np.intp]
+) -> dict[str, Any]:
+    """Work of friction over the instants (indices) of a cycle, the sum of q ds, by the name of the
+    field: at each point, in all, and of the one cycle.
+
+    # notation: q shear traction, s slip
+    """
+    # work of friction per length at each point, (n,)
+    density = friction_work(solution.shear[instants], solution.slip[instants])
+    dissipation = float(np.trapezoid(density, solution.x))
+    return {
+        "dissipation": dissipation,
+        "dissipation_density": read_only_copy(density),
+        "cycle_dissipation": read_only_copy([dissipation]),
+    }
 
 
 def reference_by_same_rule(
@@ -374,9 +437,29 @@ def reference_by_same_rule(
     reference_by_rule, _ = _solution_with_zones(
         reference, uses_slip="slip" not in missing_fields, adds_dissipation=has_dissipation
     )
+    has_judged_stick = _instants_with_judged_stick(reference, reference_by_rule, length)
+    sentences = [_sentence_on_edges(reference, reference_by_rule, has_judged_stick, length)]
+    if has_dissipation:
+        sentences.append(_sentence_on_dissipation(reference, reference_by_rule))
+    judged_edges = np.where(has_judged_stick[:, None], reference_by_rule.stick_edges, np.nan)
+    return replace(reference_by_rule, stick_edges=read_only_copy(judged_edges)), tuple(sentences)
 
-    # Stick edges are judged at the instants at which the rule finds those of the reference, within
-    # 0.05 a_ref; at all instants where these are no majority.
+
+def _instants_with_judged_stick(
+    reference: ContactSolution, reference_by_rule: ContactSolution, length: float
+) -> Mask:
+    """Whether stick edges are compared at each instant, (n_steps,): where the rule by which those
+    of an external result are found gives the reference's own, to 0.05 a_ref. All instants where
+    these are no majority.
+
+    Parameters
+    ----------
+    reference, reference_by_rule
+        the reference with its own stick edges (n_steps, 2), NaN without a stick zone; and with
+        those by the rule
+    length
+        reference half-width a_ref
+    """
     stick_error = reference.stick_edges - reference_by_rule.stick_edges
     has_stick_zone = ~np.isnan(reference.stick_edges[:, 0])
     rule_has_stick_zone = ~np.isnan(reference_by_rule.stick_edges[:, 0])
@@ -384,34 +467,59 @@ def reference_by_same_rule(
     is_judged = has_stick_zone == rule_has_stick_zone
     is_judged &= largest_errors <= _LARGEST_STICK_ERROR_SHARE * length
     if 2 * is_judged.sum() <= len(is_judged):
-        is_judged = np.ones_like(is_judged)
+        return np.ones_like(is_judged)
+    return is_judged
 
-    # errors of the rule, in words
+
+def _sentence_on_edges(
+    reference: ContactSolution,
+    reference_by_rule: ContactSolution,
+    has_judged_stick: Mask,
+    length: float,
+) -> str:
+    """A sentence for the reader of a comparison: by how much the rule for edges errs at the contact
+    edge and at the stick edge of the reference, and how many stick edges are not judged.
+
+    Parameters
+    ----------
+    reference, reference_by_rule
+        the reference with its own edges (n_steps, 2), and with those by the rule
+    has_judged_stick
+        (n_steps,) whether the stick edges of an instant are compared
+    length
+        reference half-width a_ref, by which errors are divided
+    """
     contact_error = reference.contact_edges - reference_by_rule.contact_edges
+    stick_error = (reference.stick_edges - reference_by_rule.stick_edges)[has_judged_stick]
     largest_contact_error = float(np.nanmax(np.abs(contact_error), initial=0.0)) / length
-    largest_stick_error = float(np.nanmax(np.abs(stick_error[is_judged]), initial=0.0)) / length
+    largest_stick_error = float(np.nanmax(np.abs(stick_error), initial=0.0)) / length
     sentence = (
         "States and edges follow from one rule in the result and in the reference; against the"
         f" reference's own it errs by up to {largest_contact_error:.1e} a_ref at the contact edge"
         f" and {largest_stick_error:.1e} a_ref at the stick edge"
     )
-    if not is_judged.all():
+    if not has_judged_stick.all():
         sentence += (
-            f"; at {int((~is_judged).sum())} of {len(is_judged)} instants it can't tell the stick"
-            " edges, which are not judged"
+            f"; at {int((~has_judged_stick).sum())} of {len(has_judged_stick)} instants it can't"
+            " tell the stick edges, which are not judged"
         )
-    sentences = [f"{sentence}."]
-    if has_dissipation:
-        excess_percent = 0.0
-        if reference.dissipation:
-            excess_percent = 100 * (reference_by_rule.dissipation / reference.dissipation - 1)
-        sentences.append(
-            "Dissipation is compared by one rule, the sum of q ds over "
-            f"{len(reference_by_rule.last_cycle)} instants and {len(reference_by_rule.x)} points; "
-            f"of the reference that rule gives {excess_percent:+.2g} % more than its own."
-        )
-    judged_edges = np.where(is_judged[:, None], reference_by_rule.stick_edges, np.nan)
-    return replace(reference_by_rule, stick_edges=read_only_copy(judged_edges)), tuple(sentences)
+    return f"{sentence}."
+
+
+def _sentence_on_dissipation(reference: ContactSolution, reference_by_rule: ContactSolution) -> str:
+    """A sentence for the reader of a comparison: by which rule dissipation is found, and by how
+    many per cent it exceeds the reference's own.
+
+    # notation: q shear traction, s slip
+    """
+    excess_percent = 0.0
+    if reference.dissipation:
+        excess_percent = 100 * (reference_by_rule.dissipation / reference.dissipation - 1)
+    return (
+        "Dissipation is compared by one rule, the sum of q ds over "
+        f"{len(reference_by_rule.last_cycle)} instants and {len(reference_by_rule.x)} points; "
+        f"of the reference that rule gives {excess_percent:+.2g} % more than its own."
+    )
 
 
 def _bulk_and_tilt_at(scene: Scene, time: Array) -> dict[str, Any]:
