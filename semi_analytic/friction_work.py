@@ -109,26 +109,10 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
         _range_of_span(span) for span in spans if span.direction and span.sticking_piece is not None
     ]
 
-    def work_in_range(span_range: SpanRanges, rule: QuadratureRule) -> Array:
-        """Friction work W pi/A of a range of time within a span of slip, by a quadrature `rule`,
-        (1,): the integral of f w' Lam. w = +-Q - f P grows in slip; Lam is the integral of ln(a/c)
-        over the loads from P_c, that at the stick edge, to P; a and c are the half-widths of
-        contact and of stick, A = 2/E*.
-        """
-        span = span_range.span
-        # quadrature nodes and weights between begin and end of the range
-        times, weights = rule(span_range.begin, span_range.end)
-        load, _ = span.segment.loads(times)
-        slip_zone_load = span.slip_zone_load_at(times, load)  # P - P_c
-        # Lam(P, P_c)
-        kernel = contact.dissipation_kernel(load, slip_zone_load)
-        # `_scaled_excess_rate`: f w'
-        return np.asarray(np.sum(weights * _scaled_excess_rate(span, times) * kernel, axis=-1))
-
     # A/pi times the integrals, summed by direction of slip; `_span_by_span` takes one span after
     # the other
     work_by_direction = _work_over_spans(
-        contact, modulus, ranges_of_spans, 1, _span_by_span(work_in_range)
+        contact, modulus, ranges_of_spans, 1, _span_by_span(partial(_work_in_range, contact))
     )
     return WorkByDirection(
         work_by_direction.forward[0], work_by_direction.reverse[0], work_by_direction.error[0]
@@ -148,6 +132,23 @@ class SpanRanges(NamedTuple):
     integral_number: Indices
     begin: Array
     end: Array
+
+
+def _work_in_range(contact: Contact, span_range: SpanRanges, rule: QuadratureRule) -> Array:
+    """Friction work W pi/A of a range of time within a span of slip, by a quadrature `rule`, (1,):
+    the integral of f w' Lam. w = +-Q - f P grows in slip; Lam is the integral of ln(a/c) over the
+    loads from P_c, that at the stick edge, to P; a and c are the half-widths of contact and of
+    stick, A = 2/E*.
+    """
+    span = span_range.span
+    # quadrature nodes and weights between begin and end of the range
+    times, weights = rule(span_range.begin, span_range.end)
+    load, _ = span.segment.loads(times)
+    slip_zone_load = span.slip_zone_load_at(times, load)  # P - P_c
+    # Lam(P, P_c)
+    kernel = contact.dissipation_kernel(load, slip_zone_load)
+    # `_scaled_excess_rate`: f w'
+    return np.asarray(np.sum(weights * _scaled_excess_rate(span, times) * kernel, axis=-1))
 
 
 def _range_of_span(span: Span) -> SpanRanges:
@@ -208,92 +209,13 @@ def _work_over_spans(
     WorkByDirection
         forward, reverse and the error of both, (n_integrals,) each
     """
-    # times at which an edge of contact or of stick passes a corner of the profile
-    corner_times_of_spans = [
-        corner_times(contact, ranges_of_span.span) for ranges_of_span in spans_with_ranges
-    ]
-    passes_corner = np.array(
-        [len(times_at_corners) > 0 for times_at_corners in corner_times_of_spans], dtype=bool
+    halving = _Halving.of_spans(contact, spans_with_ranges)
+    integrals = _first_estimates(
+        spans_with_ranges, n_integrals, integrals_along, halving.needs_halving
     )
-    needs_halving = np.array(
-        [
-            has_corner or has_uneven_edges(contact, ranges_of_span.span)
-            for has_corner, ranges_of_span in zip(passes_corner, spans_with_ranges, strict=True)
-        ],
-        dtype=bool,
-    )
-    has_ranges = np.array(
-        [len(ranges_of_span.integral_number) > 0 for ranges_of_span in spans_with_ranges],
-        dtype=bool,
-    )
-
-    # a first estimate by one rule
-    numbers_without_halving = np.flatnonzero(has_ranges & ~needs_halving).tolist()
-    numbers_to_halve = np.flatnonzero(has_ranges & needs_halving).tolist()
-    integrals = np.zeros((len(spans_with_ranges), n_integrals))
-    errors = np.zeros((len(spans_with_ranges), n_integrals))
-    # The rule for any singular ends takes 193 nodes; ranges that are halved take one of 24.
-    for rule, span_numbers in (
-        (graded_nodes, numbers_without_halving),
-        (crowded_nodes, numbers_to_halve),
-    ):
-        if span_numbers:
-            integrals_of_spans = integrals_along(
-                [spans_with_ranges[number_of_span] for number_of_span in span_numbers], rule
-            )
-            for number_of_span, integrals_of_span in zip(
-                span_numbers, integrals_of_spans, strict=True
-            ):
-                integrals[number_of_span, spans_with_ranges[number_of_span].integral_number] = (
-                    integrals_of_span
-                )
-
-    # halve until the sums no longer change
-    if numbers_to_halve:
-        # One size for all: a short span by itself may be all round-off, and would never converge
-        # to its own.
-        largest_total_integral = float(np.max(np.abs(np.sum(integrals, axis=0))))
-        size_of_integrals = np.maximum(largest_total_integral, np.max(np.abs(integrals), axis=1))
-        # Across corners 25 times the relative round-off of the contact's P and dP/da, about 1e-14:
-        # many small kinks may hide from one halving.
-        relative_error = np.where(
-            passes_corner,
-            min(CONVERGED_CHANGE_SHARE, 25 * contact.relative_roundoff),
-            CONVERGED_CHANGE_SHARE,
-        )
-        allowed_error_of_span = relative_error * size_of_integrals
-        ranges_to_halve = [spans_with_ranges[number_of_span] for number_of_span in numbers_to_halve]
-        span_number = np.repeat(
-            numbers_to_halve,
-            [len(ranges_of_span.integral_number) for ranges_of_span in ranges_to_halve],
-        )
-        integral_number = np.concatenate(
-            [ranges_of_span.integral_number for ranges_of_span in ranges_to_halve]
-        )
-        # the integrals between given times, and what the last halving changed; cut at corners first
-        integrals[span_number, integral_number], errors[span_number, integral_number] = (
-            integrals_by_halving(
-                partial(
-                    _integrals_of_parts,
-                    spans_with_ranges,
-                    integrals_along,
-                    span_number,
-                    integral_number,
-                ),
-                np.concatenate([ranges_of_span.begin for ranges_of_span in ranges_to_halve]),
-                np.concatenate([ranges_of_span.end for ranges_of_span in ranges_to_halve]),
-                allowed_error_of_span[span_number],
-                np.unique(
-                    np.concatenate(
-                        [
-                            corner_times_of_spans[number_of_span]
-                            for number_of_span in numbers_to_halve
-                        ]
-                    )
-                ),
-                first_estimate=integrals[span_number, integral_number],
-            )
-        )
+    errors = np.zeros(integrals.shape)
+    if np.any(halving.needs_halving):
+        _halve_ranges(spans_with_ranges, integrals_along, halving, integrals, errors)
 
     # sum by the direction of slip
     is_forward = np.array(
@@ -305,6 +227,138 @@ def _work_over_spans(
         reverse=compliance * np.sum(integrals[~is_forward], axis=0),
         error=compliance * np.sum(errors, axis=0),
     )
+
+
+class _Halving(NamedTuple):
+    """Which spans of slip are integrated by halving of their ranges of time, and how finely.
+
+    Attributes
+    ----------
+    corner_times
+        times at which an edge of contact or of stick passes a corner of the profile, for each span
+    needs_halving
+        (n,) whether a span has ranges of time and its edges pass a corner or move unevenly
+    relative_error
+        (n,) change by halving, over the size of the integrals, at which a part has converged: 1e-12
+        (CONVERGED_CHANGE_SHARE), less across corners
+    """
+
+    corner_times: Sequence[Sequence[float] | Array]
+    needs_halving: NDArray[np.bool_]
+    relative_error: Array
+
+    @classmethod
+    def of_spans(cls, contact: Contact, spans_with_ranges: Sequence[SpanRanges]) -> _Halving:
+        """That of n spans of slip, with the ranges of time in each; `contact` is the normal contact
+        P(a), with the relative round-off of its P and dP/da.
+        """
+        corner_times_of_spans = [
+            corner_times(contact, ranges_of_span.span) for ranges_of_span in spans_with_ranges
+        ]
+        passes_corner = np.array(
+            [len(times_at_corners) > 0 for times_at_corners in corner_times_of_spans], dtype=bool
+        )
+        needs_halving = np.array(
+            [
+                len(ranges_of_span.integral_number) > 0
+                and (has_corner or has_uneven_edges(contact, ranges_of_span.span))
+                for has_corner, ranges_of_span in zip(passes_corner, spans_with_ranges, strict=True)
+            ],
+            dtype=bool,
+        )
+        # Across corners 25 times the relative round-off of the contact's P and dP/da, about 1e-14:
+        # many small kinks may hide from one halving.
+        relative_error = np.where(
+            passes_corner,
+            min(CONVERGED_CHANGE_SHARE, 25 * contact.relative_roundoff),
+            CONVERGED_CHANGE_SHARE,
+        )
+        return cls(corner_times_of_spans, needs_halving, relative_error)
+
+
+def _first_estimates(
+    spans_with_ranges: Sequence[SpanRanges],
+    n_integrals: int,
+    integrals_along: IntegralsAlong,
+    needs_halving: NDArray[np.bool_],
+) -> Array:
+    """Integrals over the ranges of time of each of n spans of slip, by one quadrature rule each,
+    (n, n_integrals); 0 where a span has no range for an integral.
+
+    A span that `needs_halving` (n,) later takes a rule of 24 nodes, another one the rule of 193
+    nodes for any singular ends. `integrals_along` integrates over the ranges of given spans by a
+    given rule.
+    """
+    has_ranges = np.array(
+        [len(ranges_of_span.integral_number) > 0 for ranges_of_span in spans_with_ranges],
+        dtype=bool,
+    )
+    integrals = np.zeros((len(spans_with_ranges), n_integrals))
+    for rule, takes_rule in ((graded_nodes, ~needs_halving), (crowded_nodes, needs_halving)):
+        span_numbers = np.flatnonzero(has_ranges & takes_rule).tolist()
+        if not span_numbers:
+            continue
+        ranges_of_rule = [spans_with_ranges[span_number] for span_number in span_numbers]
+        integrals_of_spans = integrals_along(ranges_of_rule, rule)
+        for span_number, ranges_of_span, integrals_of_span in zip(
+            span_numbers, ranges_of_rule, integrals_of_spans, strict=True
+        ):
+            integrals[span_number, ranges_of_span.integral_number] = integrals_of_span
+    return integrals
+
+
+def _halve_ranges(
+    spans_with_ranges: Sequence[SpanRanges],
+    integrals_along: IntegralsAlong,
+    halving: _Halving,
+    integrals: Array,
+    errors: Array,
+) -> None:
+    """Halve the ranges of time of the spans that need it until their integrals no longer change;
+    set the integrals of these spans, and as errors what the last halving changed.
+
+    Parameters
+    ----------
+    spans_with_ranges
+        n spans of slip, with the ranges of time in each, and the integral each belongs to
+    integrals_along
+        integrates over the ranges of given spans by a given rule
+    halving
+        which spans are halved, how finely, and the times at which parts are cut first
+    integrals
+        (n, k) first estimates for each span and integral; those of the halved spans are replaced
+    errors
+        (n, k) filled for the halved spans
+    """
+    numbers_to_halve = np.flatnonzero(halving.needs_halving).tolist()
+    # One size for all: a short span by itself may be all round-off, and would never converge to its
+    # own.
+    largest_total_integral = float(np.max(np.abs(np.sum(integrals, axis=0))))
+    size_of_integrals = np.maximum(largest_total_integral, np.max(np.abs(integrals), axis=1))
+    allowed_error_of_span = halving.relative_error * size_of_integrals
+
+    # one row for each range: the numbers of its span and of its integral
+    ranges_to_halve = [spans_with_ranges[span_number] for span_number in numbers_to_halve]
+    span_number = np.repeat(
+        numbers_to_halve,
+        [len(ranges_of_span.integral_number) for ranges_of_span in ranges_to_halve],
+    )
+    integral_number = np.concatenate(
+        [ranges_of_span.integral_number for ranges_of_span in ranges_to_halve]
+    )
+    corner_times_to_halve = [halving.corner_times[number] for number in numbers_to_halve]
+    integrals_and_errors = integrals_by_halving(
+        partial(
+            _integrals_of_parts, spans_with_ranges, integrals_along, span_number, integral_number
+        ),
+        np.concatenate([ranges_of_span.begin for ranges_of_span in ranges_to_halve]),
+        np.concatenate([ranges_of_span.end for ranges_of_span in ranges_to_halve]),
+        allowed_error_of_span[span_number],
+        np.unique(np.concatenate(corner_times_to_halve)),
+        first_estimate=integrals[span_number, integral_number],
+    )
+    integrals[span_number, integral_number] = integrals_and_errors.value
+    errors[span_number, integral_number] = integrals_and_errors.error
 
 
 def _integrals_of_parts(
@@ -415,40 +469,12 @@ def pointwise_dissipation(
     (0.0, 0.008438314611, 0.008438314611)
     """
     contact_edge_loads = contact.load(x)  # P_x, at which the edge of contact is at the point
-    slip_spans = [span for span in spans if span.direction and span.sticking_piece is not None]
-    ranges_of_spans = []
-    for span in slip_spans:
-        # (k,) each; the end is not after the begin where a point never slips
-        begin_time, end_time = slip_times(span, contact_edge_loads)
-        points_with_slip = np.flatnonzero(end_time > begin_time)
-        ranges_of_spans.append(
-            SpanRanges(
-                span, points_with_slip, begin_time[points_with_slip], end_time[points_with_slip]
-            )
-        )
-
-    def density_in_ranges(span_range: SpanRanges, rule: QuadratureRule) -> Array:
-        """Friction work per area W(x) pi/A in the ranges of time in which n points slip, by a
-        quadrature `rule`, (n,): the integral of f w' p arccosh(|x|/c). w = +-Q - f P grows in slip,
-        c is the half-width of stick, p the pressure, A = 2/E*.
-        """
-        span = span_range.span
-        times, weights = rule(span_range.begin, span_range.end)
-        # |x| of the point of each range; P and P_c at the nodes, (n, nodes)
-        x_of_points = x[span_range.integral_number, None]
-        load, _ = span.segment.loads(times)
-        stick_edge_load = load - span.slip_zone_load_at(times, load)
-        contact_edge_load_of_points = contact_edge_loads[span_range.integral_number, None]
-        # P_x - P_c, P_x the load under which the edge of contact is at x
-        load_outside_stick = np.maximum(contact_edge_load_of_points - stick_edge_load, 0.0)
-        arccosh_ratio = contact.arccosh_ratio(
-            x_of_points, load_outside_stick, contact.edge_advance(stick_edge_load)
-        )
-        pressure = contact.pressure(x_of_points, load)
-        # `_scaled_excess_rate`: f w'
-        density_at_nodes = weights * _scaled_excess_rate(span, times) * pressure * arccosh_ratio
-        return np.asarray(np.sum(density_at_nodes, axis=-1))
-
+    ranges_of_spans = [
+        _ranges_with_slip(span, contact_edge_loads)
+        for span in spans
+        if span.direction and span.sticking_piece is not None
+    ]
+    density_in_ranges = partial(_density_in_ranges, contact, x, contact_edge_loads)
     # A/pi times the integrals, summed by direction of slip; `_span_by_span` takes one span after
     # the other
     return _work_over_spans(
@@ -456,44 +482,63 @@ def pointwise_dissipation(
     )
 
 
+def _ranges_with_slip(span: Span, contact_edge_loads: Array) -> SpanRanges:
+    """The ranges of time within a span of slip in which points slip, one for each point that does;
+    the number of the integral is that of the point. `contact_edge_loads` (k,) are the loads P_x at
+    which the edge of contact is at each point.
+    """
+    # (k,) each; the end is not after the begin where a point never slips
+    begin_time, end_time = slip_times(span, contact_edge_loads)
+    points_with_slip = np.flatnonzero(end_time > begin_time)
+    return SpanRanges(
+        span, points_with_slip, begin_time[points_with_slip], end_time[points_with_slip]
+    )
+
+
+def _density_in_ranges(
+    contact: Contact,
+    x: Array,
+    contact_edge_loads: Array,
+    span_range: SpanRanges,
+    rule: QuadratureRule,
+) -> Array:
+    """Friction work per area W(x) pi/A in the ranges of time in which n points slip, by a
+    quadrature `rule`, (n,): the integral of f w' p arccosh(|x|/c).
+
+    w = +-Q - f P grows in slip, c is the half-width of stick, p the pressure, A = 2/E*. The points
+    of the ranges are some of the |x| = `x` (k,); `contact_edge_loads` (k,) are the loads P_x at
+    which the edge of contact is at each.
+    """
+    span = span_range.span
+    times, weights = rule(span_range.begin, span_range.end)
+    # |x| of the point of each range; P and P_c at the nodes, (n, nodes)
+    x_of_points = x[span_range.integral_number, None]
+    load, _ = span.segment.loads(times)
+    stick_edge_load = load - span.slip_zone_load_at(times, load)
+    contact_edge_load_of_points = contact_edge_loads[span_range.integral_number, None]
+    # P_x - P_c
+    load_outside_stick = np.maximum(contact_edge_load_of_points - stick_edge_load, 0.0)
+    arccosh_ratio = contact.arccosh_ratio(
+        x_of_points, load_outside_stick, contact.edge_advance(stick_edge_load)
+    )
+    pressure = contact.pressure(x_of_points, load)
+    # `_scaled_excess_rate`: f w'
+    density_at_nodes = weights * _scaled_excess_rate(span, times) * pressure * arccosh_ratio
+    return np.asarray(np.sum(density_at_nodes, axis=-1))
+
+
 def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
     """Times at which points begin and end to slip within a span of slip in one direction, (k,)
     each; the end is not after the begin where a point never slips.
 
     A point slips while it is in contact and outside the stick zone. It begins when the stick edge,
-    or the edge of contact, reaches it. An instant holds its time and P. `sticking_piece` is the
-    piece of the memory curve that holds the stick edge, from `bottom_load` to `top_load`.
-    `edge_load` (k,) is P_x, the load at which the edge of contact is at the point. The memory curve
-    M(eta) is the tangential force of the flat punches up to the load eta. The stick edge is at P_x
-    when the path's excess, +-Q - f P, equals that of the curve, +-M(P_x) - f P_x.
+    or the edge of contact, reaches it. An instant holds its time and P. `edge_load` (k,) is P_x,
+    the load at which the edge of contact is at the point.
     """
-    assert span.sticking_piece is not None
     segment = span.segment
-    # the combination +-Q - f P of the loads
-    slip_combination_of_loads = slip_combination(span.direction, span.friction)
     begin_instant = span.begin
     end_instant = span.end
-    # The piece of the memory curve that holds the stick edge in this span.
-    load_at_piece_top = span.sticking_piece.top_load
-    load_at_piece_bottom = span.sticking_piece.bottom_load
-    clipped_edge_load = np.clip(edge_load, load_at_piece_bottom, load_at_piece_top)
-    excess_on_curve = slip_combination_on_piece(
-        span.sticking_piece, span.direction, span.friction, clipped_edge_load
-    )
-    # From the path's excess at the begin of the span: both count from the instant of the anchor.
-    excess_rise = excess_on_curve - float(
-        combination_change(
-            span.sticking_piece.anchor, segment, slip_combination_of_loads, begin_instant.time
-        )
-    )
-    # when the path's excess has risen by so much
-    time_of_stick_edge = segment.time_of(
-        slip_combination_of_loads, excess_rise, begin_instant.time, end_instant.time
-    )
-    time_of_stick_edge = np.where(
-        edge_load <= load_at_piece_bottom, end_instant.time, time_of_stick_edge
-    )
-    begin_time = np.where(edge_load >= load_at_piece_top, begin_instant.time, time_of_stick_edge)
+    begin_time = _times_of_stick_edge(span, edge_load)
     time_of_contact_edge = segment.time_of(
         NORMAL_LOAD, edge_load - begin_instant.normal_load, begin_instant.time, end_instant.time
     )
@@ -513,6 +558,39 @@ def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
     contact_reaches_point = edge_load < max(begin_instant.normal_load, end_instant.normal_load)
     end_time = time_of_contact_edge if change_of_load <= -LEAST_LOAD_CHANGE else end_of_span
     return begin_time, np.where(contact_reaches_point, end_time, begin_time)
+
+
+def _times_of_stick_edge(span: Span, edge_load: Array) -> Array:
+    """Times at which the stick edge reaches points within a span of slip, (k,): the begin of the
+    span where it has passed a point before, the end where it does not reach it.
+
+    `edge_load` (k,) is P_x, the load at which the edge of contact is at the point. The stick edge
+    is at P_x when the path's excess, +-Q - f P, equals that of the memory curve, +-M(P_x) - f P_x.
+    M(eta) is the tangential force of the flat punches up to the load eta. `sticking_piece` of the
+    span is the piece of this curve that holds the stick edge, from `bottom_load` to `top_load`.
+    """
+    sticking_piece = span.sticking_piece
+    assert sticking_piece is not None  # for the type checker: the span has a stick zone
+    # the combination +-Q - f P of the loads
+    slip_combination_of_loads = slip_combination(span.direction, span.friction)
+    clipped_edge_load = np.clip(edge_load, sticking_piece.bottom_load, sticking_piece.top_load)
+    excess_on_curve = slip_combination_on_piece(
+        sticking_piece, span.direction, span.friction, clipped_edge_load
+    )
+    # From the path's excess at the begin of the span: both count from the instant of the anchor.
+    excess_rise = excess_on_curve - float(
+        combination_change(
+            sticking_piece.anchor, span.segment, slip_combination_of_loads, span.begin.time
+        )
+    )
+    # when the path's excess has risen by so much
+    time_of_stick_edge = span.segment.time_of(
+        slip_combination_of_loads, excess_rise, span.begin.time, span.end.time
+    )
+    time_of_stick_edge = np.where(
+        edge_load <= sticking_piece.bottom_load, span.end.time, time_of_stick_edge
+    )
+    return np.where(edge_load >= sticking_piece.top_load, span.begin.time, time_of_stick_edge)
 
 
 def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> LoopWork:
