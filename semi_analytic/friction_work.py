@@ -243,7 +243,7 @@ class _Halving(NamedTuple):
         (CONVERGED_CHANGE_SHARE), less across corners
     """
 
-    corner_times: Sequence[Sequence[float] | Array]
+    corner_times: Sequence[Array]
     needs_halving: NDArray[np.bool_]
     relative_error: Array
 
@@ -634,9 +634,26 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
     contact = _with_moved_datum(contact, largest_load)
     # integrals of ln(2 L/a) over memory curves, U pi/A, L the length of the datum; x plays no part
     integrals = KernelIntegrals(contact, np.zeros(1), "shift")
-    # U is a sum of logarithms times loads up to f P, however little of it changes: its round-off
-    # error counts along the whole way that Q goes.
-    # `approach_integral`: the integral of ln(2 L/a) over the loads up to P
+    roundoff = _roundoff_of_loop(contact, spans, largest_load)
+    # one range of time for each span
+    ranges_of_spans = [_range_of_span(span) for span in spans]
+    # -int U dQ over ranges of time, times pi/A
+    work_along = partial(_works_of_ranges, integrals)
+    # A/pi times the sum over all spans
+    integral_of_loop = _work_over_spans(contact, modulus, ranges_of_spans, 1, work_along).total[0]
+    return LoopWork(float(integral_of_loop), 2 / (math.pi * modulus) * roundoff)
+
+
+def _roundoff_of_loop(contact: Contact, spans: Sequence[Span], largest_load: float) -> float:
+    """Round-off error of pi/A times the closed integral of Q dU over the spans of a cycle, A = 2/E*
+    [force^2 per thickness^2].
+
+    The relative tangential displacement U is a sum of logarithms times loads up to f P, however
+    little of it changes. Its round-off error counts along the whole way that Q goes. `contact` has
+    the datum of U, `largest_load` is the largest P. A span is the time of one direction of slip, or
+    of full stick.
+    """
+    # `approach_integral`: the integral of ln(2 L/a) over the loads up to P, L length of the datum
     displacement_size = 2 * abs(float(contact.approach_integral(largest_load)))
     total_change_of_force = 0.0
     for span in spans:
@@ -646,15 +663,7 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
     roundoff_of_displacement = (
         _ROUNDOFF_SHARE_OF_DISPLACEMENT * spans[0].friction * displacement_size
     )
-    roundoff = roundoff_of_displacement * total_change_of_force
-
-    # one range of time for each span
-    ranges_of_spans = [_range_of_span(span) for span in spans]
-    # -int U dQ over ranges of time, times pi/A
-    work_along = partial(_works_of_ranges, integrals)
-    # A/pi times the sum over all spans
-    integral_of_loop = _work_over_spans(contact, modulus, ranges_of_spans, 1, work_along).total[0]
-    return LoopWork(float(integral_of_loop), 2 / (math.pi * modulus) * roundoff)
+    return roundoff_of_displacement * total_change_of_force
 
 
 def _works_of_ranges(
@@ -734,16 +743,7 @@ def _means_along_records(
     for rule_number, (rule, _) in enumerate(_RULES_AND_NODE_COUNTS):
         place_of_nodes, weights = rule(0.0, 1.0)
         parts_of_rule = smooth_parts.take(np.flatnonzero(rule_number_of_part == rule_number))
-        load_growth = parts_of_rule.load_at_end - parts_of_rule.load_at_begin
-        slip_zone_growth = (
-            parts_of_rule.slip_zone_load_at_end - parts_of_rule.slip_zone_load_at_begin
-        )
-        # At places of the nodes from 0 to 1 along the part: P, and P - P_c.
-        load = parts_of_rule.load_at_begin[:, None] + load_growth[:, None] * place_of_nodes
-        slip_zone_load = (
-            parts_of_rule.slip_zone_load_at_begin[:, None]
-            + slip_zone_growth[:, None] * place_of_nodes
-        )
+        load, slip_zone_load = _loads_at_places(parts_of_rule, place_of_nodes)
         values_at_nodes = function_of_loads(
             parts_of_rule.step_number, load, np.clip(slip_zone_load, 0.0, load)
         )
@@ -754,6 +754,17 @@ def _means_along_records(
         )
         n_nodes += load.size
     return mean_of_records, n_nodes
+
+
+def _loads_at_places(parts: Records, places: Array) -> tuple[Array, Array]:
+    """P and P - P_c at places (k,) from 0 to 1 along parts of slip records, (m, k) each [force per
+    thickness]; both change linearly, P_c is the load at the stick edge.
+    """
+    load_growth = parts.load_at_end - parts.load_at_begin
+    slip_zone_growth = parts.slip_zone_load_at_end - parts.slip_zone_load_at_begin
+    load = parts.load_at_begin[:, None] + load_growth[:, None] * places
+    slip_zone_load = parts.slip_zone_load_at_begin[:, None] + slip_zone_growth[:, None] * places
+    return load, slip_zone_load
 
 
 def _gauss_rule(count: int) -> QuadratureRule:
@@ -838,35 +849,11 @@ def _cut_where_unsmooth(contact: Contact, records: Records) -> Records:
     at P and at P_c, the load at the stick edge.
 
     A record is a portion of a load step in which P and P_c change linearly; `slip_zone_load` is P -
-    P_c, `level_rise` the growth of +-Q - f P. Cuts are at the loads of the profile's corners. Where
-    P may hardly grow with a (`half_width_may_be_steep`) they are also at half-widths 7 % apart. In
-    the parts returned `step_number` is the number of the record, and `step_share_at_end` the share
-    of it that the part takes.
+    P_c, `level_rise` the growth of +-Q - f P. In the parts returned `step_number` is the number of
+    the record, and `step_share_at_end` the share of it that the part takes.
     """
-    # loads at which the edge of contact is at a corner
-    cut_loads = contact.corner_loads
-    if contact.half_width_may_be_steep and len(records.step_number):
-        largest_load = max(float(np.max(records.load_at_begin)), float(np.max(records.load_at_end)))
-        largest_half_width = contact.half_width(largest_load)
-        # _CUT_HALF_WIDTH_RATIOS: 7 % apart, from 0.93 down to 0.03
-        cut_loads = np.append(cut_loads, contact.load(largest_half_width * _CUT_HALF_WIDTH_RATIOS))
-    stick_edge_load = records.load_at_begin - records.slip_zone_load_at_begin
-    stick_edge_load_at_end = records.load_at_end - records.slip_zone_load_at_end
-
-    # shares of the record at which P or P_c is a cut load, and its begin
-    shares_at_cuts = [np.zeros((len(records.step_number), 1))]
-    for load_at_begin, load_at_end in (
-        (records.load_at_begin, records.load_at_end),
-        (stick_edge_load, stick_edge_load_at_end),
-    ):
-        load_change = np.where(load_at_end != load_at_begin, load_at_end - load_at_begin, np.inf)[
-            :, None
-        ]
-        shares_at_cuts.append(np.clip((cut_loads - load_at_begin[:, None]) / load_change, 0.0, 1.0))
-    share_at_begin = np.concatenate(shares_at_cuts, axis=1)
-    share_at_begin.sort(axis=1)
+    share_at_begin = _shares_at_cuts(records, _loads_of_cuts(contact, records))
     share_at_end = np.append(share_at_begin[:, 1:], np.ones((len(share_at_begin), 1)), axis=1)
-
     # parts between neighbouring cuts
     record_number, cut_number = np.nonzero(share_at_end > share_at_begin)
     begin_share = share_at_begin[record_number, cut_number]
@@ -889,6 +876,40 @@ def _cut_where_unsmooth(contact: Contact, records: Records) -> Records:
         step_share_at_end=end_share - begin_share,
         step_number=record_number,
     )
+
+
+def _loads_of_cuts(contact: Contact, records: Records) -> Array:
+    """Loads (c,) at which a(P), the half-width of the contact, may not be smooth: those of the
+    profile's corners. Where P may hardly grow with a they are also those of half-widths 7 % apart,
+    from 0.93 to 0.03 of that under the largest P of the records.
+    """
+    cut_loads = contact.corner_loads
+    if contact.half_width_may_be_steep and len(records.step_number):
+        largest_load = max(float(np.max(records.load_at_begin)), float(np.max(records.load_at_end)))
+        largest_half_width = contact.half_width(largest_load)
+        cut_loads = np.append(cut_loads, contact.load(largest_half_width * _CUT_HALF_WIDTH_RATIOS))
+    return cut_loads
+
+
+def _shares_at_cuts(records: Records, cut_loads: Array) -> Array:
+    """Shares of each record of slip at which P or P_c is one of c loads, ascending after a 0, (m, 2
+    c + 1); 0 or 1 where neither of them comes to that load within the record. P_c is the load at
+    the stick edge; both change linearly along a record.
+    """
+    stick_edge_load = records.load_at_begin - records.slip_zone_load_at_begin
+    stick_edge_load_at_end = records.load_at_end - records.slip_zone_load_at_end
+    shares_at_cuts = [np.zeros((len(records.step_number), 1))]
+    for load_at_begin, load_at_end in (
+        (records.load_at_begin, records.load_at_end),
+        (stick_edge_load, stick_edge_load_at_end),
+    ):
+        load_change = np.where(load_at_end != load_at_begin, load_at_end - load_at_begin, np.inf)[
+            :, None
+        ]
+        shares_at_cuts.append(np.clip((cut_loads - load_at_begin[:, None]) / load_change, 0.0, 1.0))
+    ascending_shares = np.concatenate(shares_at_cuts, axis=1)
+    ascending_shares.sort(axis=1)
+    return ascending_shares
 
 
 def slip_work(contact: Contact, records: Records) -> tuple[Array, int]:
@@ -973,103 +994,160 @@ def _density_of_parts(contact: Contact, parts: Records, x: Array) -> Array:
     P_c = 0. A pair of part and point takes as many nodes as the nearest of these needs. Parts hold
     P and P - P_c at begin and end, and the growth `level_rise` of w.
     """
-    # P_x
-    contact_edge_loads = contact.load(x)
-    load_of_parts = parts.load_at_begin[:, None]
-    load_growth = (parts.load_at_end - parts.load_at_begin)[:, None]
-    stick_edge_load = load_of_parts - parts.slip_zone_load_at_begin[:, None]
-    stick_edge_drop = (parts.slip_zone_load_at_end - parts.slip_zone_load_at_begin)[
-        :, None
-    ] - load_growth
-    # of the part, between which each point slips, (parts, k) each
-    begin_shares, end_shares = _shares_in_slip(
-        load_of_parts, load_growth, stick_edge_load, stick_edge_drop, contact_edge_loads
+    pairs = _SlippingPairs.of_parts(parts, x, contact.load(x))
+    closeness_to_corner = _closeness_of_loads(parts, contact.corner_loads)
+    rule_of_pair = _rule_numbers(
+        pairs.closeness_to_singularity(), closeness_to_corner[pairs.part_number]
     )
-
-    # pairs of a part and a point that slips in it
-    part_number, point_number = np.nonzero(end_shares > begin_shares)
-    begin_share = begin_shares[part_number, point_number][:, None]
-    end_share = end_shares[part_number, point_number][:, None]
-    x_of_pairs = x[point_number, None]
-    contact_edge_load_of_pairs = contact_edge_loads[point_number, None]
-
-    def loads_at(pairs: Indices, shares_at_nodes: Array) -> tuple[Array, Array]:
-        """P and P_c at shares of the part, (n, nodes) each, for pairs of part and point (n,)."""
-        part_of_pairs = part_number[pairs]
-        stick_edge_load_at_nodes = (
-            stick_edge_load[part_of_pairs] - stick_edge_drop[part_of_pairs] * shares_at_nodes
-        )
-        load_at_nodes = load_of_parts[part_of_pairs] + load_growth[part_of_pairs] * shares_at_nodes
-        return load_at_nodes, np.maximum(stick_edge_load_at_nodes, 0.0)
-
-    # how near the integrand comes to its singularities, 0 far away, 1 where it reaches one
-    all_pairs = np.arange(len(part_number))
-    load_at_begin, stick_edge_load_at_begin = loads_at(all_pairs, begin_share)
-    load_at_end, stick_edge_load_at_end = loads_at(all_pairs, end_share)
-    closeness_to_singularity = np.max(
-        [
-            _closeness(
-                load_at_begin - contact_edge_load_of_pairs, load_at_end - contact_edge_load_of_pairs
-            ),
-            _closeness(
-                contact_edge_load_of_pairs - stick_edge_load_at_begin,
-                contact_edge_load_of_pairs - stick_edge_load_at_end,
-            ),
-            _closeness(stick_edge_load_at_begin, stick_edge_load_at_end),
-        ],
-        axis=0,
-    )[:, 0]
-    closeness_to_corner = _closeness_of_loads(parts, contact.corner_loads)[part_number]
-    rule_of_pair = _rule_numbers(closeness_to_singularity, closeness_to_corner)
-
-    # integrate the pairs rule by rule
     density = np.zeros(len(x))
-    # _RULES_AND_NODE_COUNTS: six rules, of 4 nodes and more
+    # _RULES_AND_NODE_COUNTS: six rules, of 4 nodes and more; _NODES_AT_ONCE: 200,000
     for rule_number, (rule, n_nodes) in enumerate(_RULES_AND_NODE_COUNTS):
         pairs_of_rule = np.flatnonzero(rule_of_pair == rule_number)
         for first_pair in range(0, len(pairs_of_rule), _NODES_AT_ONCE // n_nodes):
-            pairs = pairs_of_rule[first_pair : first_pair + _NODES_AT_ONCE // n_nodes]
-            shares_at_nodes, weights = rule(begin_share[pairs, 0], end_share[pairs, 0])
-            load_at_nodes, stick_edge_load_of_pairs = loads_at(pairs, shares_at_nodes)
-            load_outside_stick = np.maximum(
-                contact_edge_load_of_pairs[pairs] - stick_edge_load_of_pairs, 0.0
+            block = pairs.take(pairs_of_rule[first_pair : first_pair + _NODES_AT_ONCE // n_nodes])
+            density_of_pairs = parts.level_rise[block.part_number] * _integral_over_slip(
+                contact, block, rule
             )
-            arccosh_ratio = contact.arccosh_ratio(
-                x_of_pairs[pairs],
-                load_outside_stick,
-                contact.edge_advance(stick_edge_load_of_pairs),
-            )
-            integrand_at_nodes = (
-                weights * contact.pressure(x_of_pairs[pairs], load_at_nodes) * arccosh_ratio
-            )
-            density_of_pairs = parts.level_rise[part_number[pairs]] * np.sum(
-                integrand_at_nodes, axis=1
-            )
-            density += np.bincount(point_number[pairs], density_of_pairs, len(x))
+            density += np.bincount(block.point_number, density_of_pairs, len(x))
     return density
 
 
-def _shares_in_slip(
-    load: Array,
-    load_growth: Array,
-    stick_edge_load: Array,
-    stick_edge_drop: Array,
-    edge_load_of_points: Array,
-) -> tuple[Array, Array]:
+class _LinearLoads(NamedTuple):
+    """P and P_c, the load at the stick edge, along n ranges in which both change linearly: values
+    at the begin and changes over the range, (n, 1) each [force per thickness].
+    """
+
+    load: Array
+    load_growth: Array
+    stick_edge_load: Array
+    stick_edge_drop: Array
+
+    @classmethod
+    def of_parts(cls, parts: Records) -> _LinearLoads:
+        """Those of n parts of slip records, which hold P and P - P_c at begin and end."""
+        load = parts.load_at_begin[:, None]
+        load_growth = (parts.load_at_end - parts.load_at_begin)[:, None]
+        slip_zone_growth = parts.slip_zone_load_at_end - parts.slip_zone_load_at_begin
+        return cls(
+            load=load,
+            load_growth=load_growth,
+            stick_edge_load=load - parts.slip_zone_load_at_begin[:, None],
+            stick_edge_drop=slip_zone_growth[:, None] - load_growth,
+        )
+
+    def take(self, numbers: Indices) -> _LinearLoads:
+        """Those of the ranges with these numbers."""
+        return _LinearLoads(*(values[numbers] for values in self))
+
+    def at(self, shares: Array) -> tuple[Array, Array]:
+        """P and P_c at shares from 0 to 1 of the ranges, (n, k) each."""
+        stick_edge_load = self.stick_edge_load - self.stick_edge_drop * shares
+        return self.load + self.load_growth * shares, np.maximum(stick_edge_load, 0.0)
+
+
+class _SlippingPairs(NamedTuple):
+    """Pairs of a part of a slip record and a point that slips in it, n of them. A record is a
+    portion of a load step.
+
+    Attributes
+    ----------
+    part_number, point_number
+        (n,) numbers of the part and of the point
+    loads
+        P and P_c, the load at the stick edge, along the part
+    begin_share, end_share
+        (n,) shares of the part, from 0 to 1, between which the point slips
+    x, contact_edge_load
+        (n, 1) |x| of the point [length], and P_x, the load at which the edge of contact is there
+    """
+
+    part_number: Indices
+    point_number: Indices
+    loads: _LinearLoads
+    begin_share: Array
+    end_share: Array
+    x: Array
+    contact_edge_load: Array
+
+    @classmethod
+    def of_parts(cls, parts: Records, x: Array, contact_edge_loads: Array) -> _SlippingPairs:
+        """All pairs of some parts of slip records and points |x| = `x` (k,); `contact_edge_loads`
+        (k,) is P_x of each point.
+        """
+        loads = _LinearLoads.of_parts(parts)
+        # of the part, between which each point slips, (parts, k) each
+        begin_shares, end_shares = _shares_in_slip(loads, contact_edge_loads)
+        part_number, point_number = np.nonzero(end_shares > begin_shares)
+        return cls(
+            part_number=part_number,
+            point_number=point_number,
+            loads=loads.take(part_number),
+            begin_share=begin_shares[part_number, point_number],
+            end_share=end_shares[part_number, point_number],
+            x=x[point_number, None],
+            contact_edge_load=contact_edge_loads[point_number, None],
+        )
+
+    def take(self, pair_numbers: Indices) -> _SlippingPairs:
+        """The pairs with these numbers."""
+        return _SlippingPairs(
+            part_number=self.part_number[pair_numbers],
+            point_number=self.point_number[pair_numbers],
+            loads=self.loads.take(pair_numbers),
+            begin_share=self.begin_share[pair_numbers],
+            end_share=self.end_share[pair_numbers],
+            x=self.x[pair_numbers],
+            contact_edge_load=self.contact_edge_load[pair_numbers],
+        )
+
+    def closeness_to_singularity(self) -> Array:
+        """How close p arccosh(|x|/c) comes to its singularities, at P = P_x, P_c = P_x and P_c = 0,
+        while the point slips, (n,): 0 far away, 1 where it reaches one. p is the pressure at the
+        point, c the stick half-width.
+        """
+        load_at_begin, stick_edge_load_at_begin = self.loads.at(self.begin_share[:, None])
+        load_at_end, stick_edge_load_at_end = self.loads.at(self.end_share[:, None])
+        contact_edge_load = self.contact_edge_load
+        closeness = np.max(
+            [
+                _closeness(load_at_begin - contact_edge_load, load_at_end - contact_edge_load),
+                _closeness(
+                    contact_edge_load - stick_edge_load_at_begin,
+                    contact_edge_load - stick_edge_load_at_end,
+                ),
+                _closeness(stick_edge_load_at_begin, stick_edge_load_at_end),
+            ],
+            axis=0,
+        )
+        return np.asarray(closeness[:, 0])
+
+
+def _integral_over_slip(contact: Contact, pairs: _SlippingPairs, rule: QuadratureRule) -> Array:
+    """Integral of p arccosh(|x|/c) over the shares of a part in which its point slips, for pairs of
+    part and point, (n,) [stress]; p is the pressure at the point, c the stick half-width.
+
+    A share runs from 0 to 1 along the part: times the growth of w = +-Q - f P along it this is int
+    p arccosh(|x|/c) dw. `rule` gives quadrature nodes and weights between two shares.
+    """
+    shares_at_nodes, weights = rule(pairs.begin_share, pairs.end_share)
+    load_at_nodes, stick_edge_load = pairs.loads.at(shares_at_nodes)
+    load_outside_stick = np.maximum(pairs.contact_edge_load - stick_edge_load, 0.0)
+    arccosh_ratio = contact.arccosh_ratio(
+        pairs.x, load_outside_stick, contact.edge_advance(stick_edge_load)
+    )
+    integrand_at_nodes = weights * contact.pressure(pairs.x, load_at_nodes) * arccosh_ratio
+    return np.asarray(np.sum(integrand_at_nodes, axis=1))
+
+
+def _shares_in_slip(loads: _LinearLoads, edge_load_of_points: Array) -> tuple[Array, Array]:
     """Shares from 0 to 1 of a part of a load step between which points slip, begin and end, (n, k)
     each; the end is not above the begin where a point never does.
 
-    A point slips while it is in contact and outside the stick zone.
-
-    Parameters
-    ----------
-    load, load_growth
-        (n, 1) P at the begin of each part, and its change
-    stick_edge_load, stick_edge_drop
-        (n, 1) P_c, the load at the stick edge, at the begin, and how much it falls
-    edge_load_of_points
-        (k,) load at which the edge of contact is at a point
+    A point slips while it is in contact and outside the stick zone. `loads` are P and P_c, the load
+    at the stick edge, along each of n parts. `edge_load_of_points` (k,) is the load at which the
+    edge of contact is at a point.
     """
+    load, load_growth, stick_edge_load, stick_edge_drop = loads
     share_at_stick_edge = np.clip(
         (stick_edge_load - edge_load_of_points)
         / np.where(stick_edge_drop > 0, stick_edge_drop, 1.0),
@@ -1119,68 +1197,53 @@ class LoopWorkOfSeries:
 
         U is the relative tangential displacement, A = 2/E*. U pi/A is summed record by record, a
         record being a portion of a load step with one direction of slip or none. Each takes the
-        change of Q times the mean of U along it. U follows from the integral of ln(2 L/a) over the
-        loads up to P, and up to P_c at the stick edge. L is the length of the datum of U, a the
-        contact half-width. `level_rise` is the growth of +-Q - f P along a record. The block holds
-        its records, with P and P - P_c at begin and end, and the memory curve's line of each.
+        change of Q times the mean of U along it. The block holds its records, with P and P - P_c at
+        begin and end, P_c the load at the stick edge, and for each the slope of the memory curve,
+        tangential force up to each load, there.
         """
-        contact = self._contact
         records = block.records
-        # dM/d eta of the memory curve, tangential force up to each load, and +-f in the slip zones
-        slope_at_stick_edge = block.line_table.slope
-        slope_in_slip_zones = records.direction * self._friction
-        load_growth = records.load_at_end - records.load_at_begin
-
-        def displacement_rise(record_numbers: Indices, load: Array, slip_zone_load: Array) -> Array:
-            """Tangential displacement U pi/A, but for a constant of each record, at P = `load` and
-            P - P_c = `slip_zone_load`, (n, k) each. P_c is the load at the stick edge, A = 2/E*. A
-            record is a portion of a load step; `slope_at_stick_edge` is the slope of its memory
-            curve there.
-            """
-            # of ln(2 L/a) over the loads up to P, and up to P_c; L is the length of the datum
-            integral_to_load = contact.approach_integral(load)
-            integral_to_stick_edge = contact.approach_integral(
-                np.maximum(load - slip_zone_load, 0.0)
-            )
-            integral_to_stick_edge = np.where(
-                slip_zone_load > 0, integral_to_stick_edge, integral_to_load
-            )
-            # the slope of the memory curve, tangential force up to each load, is +-f in the slip
-            # zones
-            rise_by_slip_zones = slope_in_slip_zones[record_numbers, None] * (
-                integral_to_load - integral_to_stick_edge
-            )
-            return (
-                slope_at_stick_edge[record_numbers, None] * integral_to_stick_edge
-                + rise_by_slip_zones
-            )
-
-        # growth of U pi/A along each record, and change of Q
+        # growth of U pi/A along each record
+        displacement_rise = partial(
+            _displacement_rise,
+            self._contact,
+            block.line_table.slope,
+            records.direction * self._friction,
+        )
         loads_at_ends = np.stack([records.load_at_begin, records.load_at_end], axis=1)
-        slip_zone_load = np.stack(
+        slip_zone_loads_at_ends = np.stack(
             [records.slip_zone_load_at_begin, records.slip_zone_load_at_end], axis=1
         )
         rise_at_begin, rise_at_end = displacement_rise(
-            np.arange(len(slope_at_stick_edge)), loads_at_ends, slip_zone_load
+            np.arange(len(records.direction)), loads_at_ends, slip_zone_loads_at_ends
         ).T
-        force_change_in_slip = records.direction * (
-            records.level_rise + self._friction * load_growth
-        )
-        force_change = np.where(
-            records.direction == 0, slope_at_stick_edge * load_growth, force_change_in_slip
-        )
 
         # -int U dQ: U at the begin of the record plus the mean of its growth
+        force_change = self._force_changes(block)
         displacement_after_record = self._scaled_displacement + np.cumsum(
             rise_at_end - rise_at_begin
         )
-        # mean of the function along each record
-        mean_rise, _ = _means_along_records(contact, records, displacement_rise)
+        mean_rise, _ = _means_along_records(self._contact, records, displacement_rise)
         self._scaled_integral -= float(
             np.sum(force_change * (displacement_after_record - rise_at_end + mean_rise))
         )
         self._total_change_of_force += float(np.sum(np.abs(force_change)))
         self._scaled_displacement = float(displacement_after_record[-1])
+
+    def _force_changes(self, block: StepBlock) -> Array:
+        """Change of Q along each record of a block, (m,) [force per thickness].
+
+        A record is a portion of a load step. In slip Q follows from the growth `level_rise` of
+        +-Q - f P. In full stick Q changes by the slope of the memory curve, the tangential force
+        carried up to each load, times the change of P.
+        """
+        records = block.records
+        load_growth = records.load_at_end - records.load_at_begin
+        force_change_in_slip = records.direction * (
+            records.level_rise + self._friction * load_growth
+        )
+        return np.where(
+            records.direction == 0, block.line_table.slope * load_growth, force_change_in_slip
+        )
 
     @property
     def work(self) -> LoopWork:
@@ -1192,6 +1255,40 @@ class LoopWorkOfSeries:
             * self._total_change_of_force
         )
         return LoopWork(self._compliance * self._scaled_integral, self._compliance * roundoff)
+
+
+def _displacement_rise(
+    contact: Contact,
+    slope_at_stick_edge: Array,
+    slope_in_slip_zones: Array,
+    record_numbers: Indices,
+    load: Array,
+    slip_zone_load: Array,
+) -> Array:
+    """Tangential displacement U pi/A along records, but for a constant of each record, (n, k), at P
+    = `load` and P - P_c = `slip_zone_load`, (n, k) each. P_c is the load at the stick edge, A =
+    2/E*.
+
+    A record is a portion of a load step. U follows from the integral of ln(2 L/a) over the loads up
+    to P, and up to P_c. L is the length of the datum of U, a the contact half-width.
+
+    Parameters
+    ----------
+    contact
+        normal contact P(a)
+    slope_at_stick_edge, slope_in_slip_zones
+        (m,) slope of the memory curve, tangential force carried up to each load, of all records: at
+        the stick edge, and +-f or 0 between P_c and P
+    record_numbers
+        (n,) of the records
+    """
+    integral_to_load = contact.approach_integral(load)
+    integral_to_stick_edge = contact.approach_integral(np.maximum(load - slip_zone_load, 0.0))
+    integral_to_stick_edge = np.where(slip_zone_load > 0, integral_to_stick_edge, integral_to_load)
+    rise_by_slip_zones = slope_in_slip_zones[record_numbers, None] * (
+        integral_to_load - integral_to_stick_edge
+    )
+    return slope_at_stick_edge[record_numbers, None] * integral_to_stick_edge + rise_by_slip_zones
 
 
 class LoopWork(NamedTuple):
@@ -1253,60 +1350,108 @@ def integrals_by_halving(
     [2.0, 4.0]
     """
     begins = np.array(begin, dtype=float)
-    ends = np.array(end, dtype=float)
+    parts = _Parts(
+        integrand_number=np.arange(len(begins)),
+        begin=begins,
+        end=np.array(end, dtype=float),
+        n_halvings=np.zeros(len(begins), dtype=int),
+    )
     all_cut_places = np.append(cut_places, np.inf)
-    integrand_numbers = np.arange(len(begins))
-    n_halvings = np.zeros(len(begins), dtype=int)
     integrals = np.zeros(len(begins))
     errors = np.zeros(len(begins))
     allowed_errors = np.broadcast_to(allowed_error, begins.shape)
     estimates = first_estimate
     if estimates is None:
-        estimates = integrals_over(integrand_numbers, begins, ends)
+        estimates = integrals_over(parts.integrand_number, parts.begin, parts.end)
 
     # each pass halves all parts that have not converged
-    while len(integrand_numbers):
-        cut_of_parts = (begins + ends) / 2
-        # The cut place next above the middle, else the one below it, else the middle itself. Not
-        # close to an end: a part of next to no length would change nothing.
-        number_of_place_above = np.searchsorted(all_cut_places, cut_of_parts)
-        least_length = (ends - begins) / 16
-        for nearest_place in (
-            all_cut_places[number_of_place_above - 1],
-            all_cut_places[number_of_place_above],
-        ):
-            is_place_inside = (nearest_place > begins + least_length) & (
-                nearest_place < ends - least_length
-            )
-            cut_of_parts = np.where(is_place_inside, nearest_place, cut_of_parts)
-            # After a cut at a place the halvings count from 0 again.
-            n_halvings = np.where(is_place_inside, -1, n_halvings)
-        # In one call: the lower halves of all parts, then the upper ones.
-        integrals_of_halves = integrals_over(
-            np.tile(integrand_numbers, 2), np.r_[begins, cut_of_parts], np.r_[cut_of_parts, ends]
-        )
+    while len(parts.integrand_number):
+        cut_of_parts, is_cut_at_place = _cuts_of_parts(parts, all_cut_places)
+        halves = parts.halves(cut_of_parts, is_cut_at_place)
+        # in one call: the lower halves of all parts, then the upper ones
+        integrals_of_halves = integrals_over(halves.integrand_number, halves.begin, halves.end)
         lower_halves, upper_halves = np.split(integrals_of_halves, 2)
         sums_of_halves = lower_halves + upper_halves
         changes_by_halving = np.abs(sums_of_halves - estimates)
 
-        # 17 halvings, or more than 64 parts for each integral and 256 besides
-        is_halved_no_more = (n_halvings == _MOST_HALVINGS) | (
-            len(integrand_numbers) > _MOST_PARTS_PER_INTEGRAL * len(integrals) + _MOST_PARTS_BESIDES
-        )
         is_final = (
-            (changes_by_halving <= allowed_errors[integrand_numbers])
+            (changes_by_halving <= allowed_errors[parts.integrand_number])
             | ~np.isfinite(changes_by_halving)
-            | is_halved_no_more
+            | parts.are_halved_no_more(is_cut_at_place, len(integrals))
         )
-        np.add.at(integrals, integrand_numbers[is_final], sums_of_halves[is_final])
-        np.add.at(errors, integrand_numbers[is_final], changes_by_halving[is_final])
-        is_halved_again = ~is_final
+        final_numbers = parts.integrand_number[is_final]
+        np.add.at(integrals, final_numbers, sums_of_halves[is_final])
+        np.add.at(errors, final_numbers, changes_by_halving[is_final])
 
         # the parts of the next pass
-        begins_of_halves = np.r_[begins[is_halved_again], cut_of_parts[is_halved_again]]
-        ends = np.r_[cut_of_parts[is_halved_again], ends[is_halved_again]]
-        begins = begins_of_halves
-        integrand_numbers = np.tile(integrand_numbers[is_halved_again], 2)
-        estimates = np.r_[lower_halves[is_halved_again], upper_halves[is_halved_again]]
-        n_halvings = np.tile(n_halvings[is_halved_again] + 1, 2)
+        half_numbers = np.flatnonzero(np.tile(~is_final, 2))
+        parts = halves.take(half_numbers)
+        estimates = integrals_of_halves[half_numbers]
     return IntegralsAndErrors(integrals, errors)
+
+
+class _Parts(NamedTuple):
+    """Parts of the ranges of integrands that are being halved, (n,) each: number of the integrand,
+    begin and end, and how often the range was halved since it was last cut at a place where the
+    integrand is not smooth.
+    """
+
+    integrand_number: Indices
+    begin: Array
+    end: Array
+    n_halvings: NDArray[np.int64]
+
+    def take(self, numbers: Indices) -> _Parts:
+        """The parts with these numbers."""
+        return _Parts(
+            self.integrand_number[numbers],
+            self.begin[numbers],
+            self.end[numbers],
+            self.n_halvings[numbers],
+        )
+
+    def are_halved_no_more(
+        self, is_cut_at_place: NDArray[np.bool_], n_integrals: int
+    ) -> NDArray[np.bool_]:
+        """Which parts are left as they are, converged or not, (n,): those halved 17 times, and all
+        where there are more than 64 parts for each integral and 256 besides. One that
+        `is_cut_at_place` (n,), where the integrand is not smooth, counts as halved 0 times.
+        """
+        has_too_many_parts = (
+            len(self.begin) > _MOST_PARTS_PER_INTEGRAL * n_integrals + _MOST_PARTS_BESIDES
+        )
+        is_halved_enough = (self.n_halvings == _MOST_HALVINGS) & ~is_cut_at_place
+        return is_halved_enough | has_too_many_parts
+
+    def halves(self, cut_of_parts: Array, is_cut_at_place: NDArray[np.bool_]) -> _Parts:
+        """The parts below the cuts of all parts, then those above them, (2n,) each. Where a part is
+        cut at a place at which the integrand is not smooth the halvings count from 0 again.
+        """
+        n_halvings = np.where(is_cut_at_place, -1, self.n_halvings) + 1
+        return _Parts(
+            np.tile(self.integrand_number, 2),
+            np.r_[self.begin, cut_of_parts],
+            np.r_[cut_of_parts, self.end],
+            np.tile(n_halvings, 2),
+        )
+
+
+def _cuts_of_parts(parts: _Parts, cut_places: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Where each of n parts of a range of integration is cut, (n,), and whether at a place at which
+    the integrand is not smooth, (n,).
+
+    It is the place next above the middle, else the one below it, else the middle itself. A place
+    close to an end, within 1/16 of the part, is not taken: a part of next to no length would change
+    nothing. `cut_places` (j,) are such places, ascending, then infinity.
+    """
+    cut_of_parts = (parts.begin + parts.end) / 2
+    is_cut_at_place = np.zeros(len(cut_of_parts), dtype=bool)
+    number_of_place_above = np.searchsorted(cut_places, cut_of_parts)
+    least_length = (parts.end - parts.begin) / 16
+    for nearest_place in (cut_places[number_of_place_above - 1], cut_places[number_of_place_above]):
+        is_place_inside = (nearest_place > parts.begin + least_length) & (
+            nearest_place < parts.end - least_length
+        )
+        cut_of_parts = np.where(is_place_inside, nearest_place, cut_of_parts)
+        is_cut_at_place |= is_place_inside
+    return cut_of_parts, is_cut_at_place
