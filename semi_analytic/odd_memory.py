@@ -579,18 +579,21 @@ def _slope_derivative(piece: Piece, eta: Array) -> Array:
     [thickness per force].
 
     It is constant on a straight or parabolic piece. On an arc M' = dQ/dP of the load path, and it
-    is found by central differences in time. The memory curve M(eta) is the tangential force of the
-    flat punches up to the load eta.
+    is found by central differences in time; it is 0 on an arc without duration, which round-off may
+    leave. The memory curve M(eta) is the tangential force of the flat punches up to the load eta.
     """
     if piece.arc is None:
         # bend: half of d2M/d eta2.
         return np.full(np.shape(eta), 2 * piece.bend)
-    # The load segment that was passed in stick; arc: times of both ends of the arc on it.
+    # arc: times of both ends of the arc on the load segment that was passed in stick
+    first_time, last_time = piece.arc
+    if first_time == last_time:
+        return np.zeros(np.shape(eta))
     segment = piece.anchor.segment
     # Times at which P was eta on the arc, and Q'/P' a little before and after them.
     time = time_of_load_on_arc(piece, eta)
     # _DERIVATIVE_STEP: 1e-4 of the duration of the arc.
-    time_increment = _DERIVATIVE_STEP * (piece.arc[1] - piece.arc[0])
+    time_increment = _DERIVATIVE_STEP * (last_time - first_time)
     slopes = []
     for shifted_time in (time - time_increment, time + time_increment):
         normal_rate, tangential_rate = segment.rates(shifted_time)

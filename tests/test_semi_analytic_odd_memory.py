@@ -195,6 +195,30 @@ def test_an_inner_loop_at_constant_load_adds_nothing_to_the_next_stroke() -> Non
     assert works[1] - works[0] == pytest.approx(2 * half_range**2 * 0.05 / 0.6, rel=1e-9)
 
 
+def test_an_arc_without_duration_in_the_memory_curve_adds_nothing() -> None:
+    """Round-off leaves one where the stick edge passes the start of this cycle."""
+    load = PAPER | {
+        "mean_normal_load": 90.62286500739788,
+        "normal_amplitude": 30.207621669132624,
+        "mean_tangential_load": 29.905545452441302,
+        "tangential_amplitude": 27.186859502219363,
+        "initial_loading": "straight",
+    }
+    scene = unit_scene(load, 0.9)
+    history = history_of_scene(scene)
+    assert history.steady_from is not None
+    spans = history.cycles[history.steady_from]
+    arcs = [span.sticking_piece.arc for span in spans if span.sticking_piece is not None]
+    assert any(arc is not None and arc[0] == arc[1] for arc in arcs)
+    moved_scene = unit_scene(load | {"normal_amplitude": 30.207621669}, 0.9)
+    np.testing.assert_allclose(
+        form_of(scene).matrix,
+        form_of(moved_scene).matrix,
+        rtol=1e-6,
+        atol=1e-6 * np.abs(form_of(moved_scene).matrix).max(),
+    )
+
+
 def test_numbers_so_large_that_one_side_slips_alone_are_declined() -> None:
     form = form_of(unit_scene(*LOOPS["triangle"]))
     assert form.added_work((0.0, 0.01, 0.0, 0.0)).value < 0
