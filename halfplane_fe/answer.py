@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from halfplane_fe.between_nodes import NO_ZONE, EdgesByLoad, StickZone
 from halfplane_fe.contact import ContactProblem, InterfaceState, nodal_values
@@ -82,49 +82,28 @@ def answer_arrays(task: Task, problem: ContactProblem, run: PathRun) -> dict[str
     scene = task.scene
     scales = task.scales
     contact_states = [run.states[index] for index in run.stored_indices]  # n_stored of them
-    displacement_unit = scales.load / scales.modulus
-    work_unit = scales.load * displacement_unit
-
-    # Friction work over the area of each node's face, in the last cycle.
-    face_lengths = problem.interface.face_lengths * scales.half_width
-    # (n_cycles, n) friction work of each node in each load cycle
-    cycle_works = np.array(run.nodal_work_by_cycle).reshape(-1, len(face_lengths)) * work_unit
-    work_per_area = (
-        cycle_works[-1] / face_lengths if len(cycle_works) else np.zeros_like(face_lengths)
-    )
+    series = _series_of_loads_and_motion(contact_states, scales)
+    work_unit = scales.load * (scales.load / scales.modulus)
+    x = problem.interface.x * scales.half_width
 
     # Edges of contact and stick, and ends of the permanent stick zone. `surface_states` (n_states,
     # n): open, stick or slip of the nodes at all instants, stored or not. `held_back` (2,): what
-    # was added to the ends, as growing elements make the zones too small. `permanent_stick`: places
-    # of the ends, and their uncertainty where slip or creep locates them.
+    # was added to the ends, as growing elements make the zones too small.
     surface_states = reported_states(problem, run.states, run.cycle_starts)
-    loads = (
-        np.array([(state.normal_load, state.tangential_load) for state in contact_states])
-        * scales.load
-    )
-    x = problem.interface.x * scales.half_width
     edges, permanent_stick, held_back = _edges_put_right(
-        task, _edges_of_run(scene, problem, run, surface_states), x, loads[:, 0]
+        task, _edges_of_run(scene, problem, run, surface_states), x, series["normal_load"]
     )
-
-    # `shifts`: relative tangential displacement U of the bodies
-    shifts = np.array([state.shift for state in contact_states])
-    approaches = np.array([state.approach for state in contact_states])
     arrays = {
-        "time": read_only_copy([state.time for state in contact_states]),
-        "normal_load": read_only_copy(loads[:, 0]),
-        "tangential_load": read_only_copy(loads[:, 1]),
-        "tangential_displacement": read_only_copy(shifts * displacement_unit),
-        "normal_approach": read_only_copy(approaches * displacement_unit),
+        **series,
         "x": read_only_copy(x),
         **_nodal_arrays(problem, contact_states, scales),
         "state": read_only_copy(surface_states[run.stored_indices], np.int8),
         **{name: read_only_copy(values) for name, values in edges.items()},
         "contact_half_width": read_only_copy(np.diff(edges["contact_edges"])[:, 0] / 2),
         "stick_half_width": read_only_copy(np.diff(edges["stick_edges"])[:, 0] / 2),
-        "dissipation_density": read_only_copy(work_per_area),
-        "dissipation": float(cycle_works[-1].sum()) if len(cycle_works) else float("nan"),
-        "cycle_dissipation": read_only_copy(cycle_works.sum(axis=1)),
+        **_arrays_of_friction_work(
+            run, problem.interface.face_lengths * scales.half_width, work_unit
+        ),
         "permanent_stick_half_width": float(np.diff(permanent_stick.places)[0]) / 2,
         "permanent_stick_edges": read_only_copy(permanent_stick.places),
         "permanent_stick_uncertainty": read_only_copy(permanent_stick.uncertainty),
@@ -136,6 +115,55 @@ def answer_arrays(task: Task, problem: ContactProblem, run: PathRun) -> dict[str
     if not scene.unsymmetric:
         return arrays
     return arrays | _arrays_of_stress_and_tilt(problem, contact_states, scales)
+
+
+def _series_of_loads_and_motion(
+    contact_states: Sequence[InterfaceState], scales: Scales
+) -> dict[str, Array]:
+    """Read-only series at k instants by name, (k,) each, in the scene's units: time, loads P and Q,
+    and relative displacements of the bodies, tangential (U) and normal (approach).
+
+    `contact_states` hold them scaled: by the largest load P and by P/E*, of which `scales` has P
+    and E*.
+    """
+    displacement_unit = scales.load / scales.modulus
+    loads = np.array([(state.normal_load, state.tangential_load) for state in contact_states])
+    # `shift`: relative tangential displacement U of the bodies
+    motion = np.array([(state.shift, state.approach) for state in contact_states])
+    return {
+        "time": read_only_copy([state.time for state in contact_states]),
+        "normal_load": read_only_copy(loads[:, 0] * scales.load),
+        "tangential_load": read_only_copy(loads[:, 1] * scales.load),
+        "tangential_displacement": read_only_copy(motion[:, 0] * displacement_unit),
+        "normal_approach": read_only_copy(motion[:, 1] * displacement_unit),
+    }
+
+
+def _arrays_of_friction_work(
+    run: PathRun, face_lengths: Array, work_unit: float
+) -> dict[str, Array | float]:
+    """Friction work of a run by name, in the scene's units: of the last load cycle ("dissipation",
+    NaN where no cycle was completed), of each cycle, and of the nodes in the last one over the area
+    of their face.
+
+    Parameters
+    ----------
+    run
+        `nodal_work_by_cycle` holds the friction work of the n nodes in each cycle, scaled
+    face_lengths
+        (n,) length of face of each node [length]
+    work_unit
+        unit of scaled work [energy / thickness]
+    """
+    # (n_cycles, n) friction work of each node in each load cycle
+    cycle_works = np.array(run.nodal_work_by_cycle).reshape(-1, len(face_lengths)) * work_unit
+    has_cycle = len(cycle_works) > 0
+    work_per_area = cycle_works[-1] / face_lengths if has_cycle else np.zeros_like(face_lengths)
+    return {
+        "dissipation_density": read_only_copy(work_per_area),
+        "dissipation": float(cycle_works[-1].sum()) if has_cycle else float("nan"),
+        "cycle_dissipation": read_only_copy(cycle_works.sum(axis=1)),
+    }
 
 
 def _edges_put_right(
@@ -177,35 +205,38 @@ def _edges_put_right(
     edges = {name: values * half_width for name, values in scaled_edges.items()}
     half_width_by_load = ContactsOfLoads(np.diff(edges["contact_edges"])[:, 0] / 2, normal_load)
     growth = task.mesh.growth
-    is_thick = _is_thick(task)
-
-    def spacing_at(places: Array) -> Array:
-        """Distance of the two nodes around each place, at most that at the edges [length]."""
-        next_node = np.clip(np.searchsorted(x, places), 1, len(x) - 1)
-        return np.minimum(x[next_node] - x[next_node - 1], task.spacing)
 
     # Edges of contact and stick are moved; what may be left of that error makes them uncertain.
     is_pressed = (normal_load > 0)[:, None]
     for edge_name in ("contact_edge", "stick_edge"):
         places = edges[f"{edge_name}s"]
-        spacing = spacing_at(places)
+        spacing = _spacing_at(x, places, task.spacing)
         distance_held_back = held_back_by_growth(places, half_width_by_load, growth, spacing)
         correction = np.where(is_pressed, distance_held_back, 0.0)
         edges[f"{edge_name}s"] = places + correction
         edges[f"{edge_name}_uncertainty"] = (
             edges[f"{edge_name}_uncertainty"]
-            + left_of_growth(correction, is_thick)
+            + left_of_growth(correction, _is_thick(task))
             + uncertainty_by_growth(growth, spacing)
         )
 
     # Likewise the ends of the permanent stick zone.
     ends = scaled_permanent_stick.places * half_width
-    correction_of_ends = held_back_by_growth(ends, half_width_by_load, growth, spacing_at(ends))
+    spacing = _spacing_at(x, ends, task.spacing)
+    correction_of_ends = held_back_by_growth(ends, half_width_by_load, growth, spacing)
     permanent_stick = Edges(
         places=ends + correction_of_ends,
         uncertainty=scaled_permanent_stick.uncertainty * half_width,
     )
     return edges, permanent_stick, correction_of_ends
+
+
+def _spacing_at(x: Array, places: Array, largest_spacing: float) -> Array:
+    """Distance of the two nodes around each place, at most `largest_spacing` [length]: of the nodes
+    at x (n,) ascending, at places of any shape.
+    """
+    next_node = np.clip(np.searchsorted(x, places), 1, len(x) - 1)
+    return np.minimum(x[next_node] - x[next_node - 1], largest_spacing)
 
 
 def _is_thick(task: Task) -> bool:
@@ -246,52 +277,91 @@ def _edges_of_run(
         ends (2,) of the permanent stick zone, NaN without one; their uncertainty where slip or
         creep of the nodes locates them, else NaN
     """
-    states = [run.states[index] for index in run.stored_indices]
-    loads = np.array([(state.normal_load, state.tangential_load) for state in run.states])
-
-    # Instants at which all of the contact sticks: by the loads, or by the shear at both edges.
-    has_no_slip_zone = np.zeros(len(loads), dtype=bool)
-    if scene.bodies.half_planes and problem.interface.coupling is None and not scene.unsymmetric:
-        has_no_slip_zone = _sticks_in_full_by_loads(loads, scene.friction.coefficient)
-    elif scene.material.alike:
-        has_no_slip_zone = np.concatenate(run.sticks_in_full)
-
-    # Edges at the stored instants; EdgesByLoad: x between two nodes by the loads at which
-    # these touch or slide.
+    stored = run.stored_indices
+    states = [run.states[index] for index in stored]
+    # EdgesByLoad: x between two nodes by the loads at which these touch or slide
     edges = _edges_in_blocks(
         problem,
         states,
-        surface_states[run.stored_indices],
-        has_no_slip_zone[run.stored_indices],
-        EdgesByLoad.joined(run.contact_edges).at(run.stored_indices),
-        EdgesByLoad.joined(run.stick_edges).at(run.stored_indices),
+        surface_states[stored],
+        _has_no_slip_zone(scene, problem, run)[stored],
+        EdgesByLoad.joined(run.contact_edges).at(stored),
+        EdgesByLoad.joined(run.stick_edges).at(stored),
         scene,
     )
 
     # Ends of the permanent stick zone: by slip or creep (with an uncertainty), else by the stick
     # zones of single instants.
     ends = _permanent_stick(scene, problem, run, surface_states, edges["stick_edges"])
-    permanent_edges = ends.places
+    if not permanent_stick_ends_sharply(scene, problem):
+        return edges, ends
+    # the zone by its nodes and by the loads at the turning points of slip, which confine it
+    zone = permanent_stick_zone(run)
+    time = np.array([state.time for state in states])
+    normal_load = np.array([state.normal_load for state in states])
+    is_in_cycle = is_loaded_in_last_cycle(scene, time, normal_load)
+    confined_ends, is_by_slip = _confined_ends(
+        ends, zone, edges["contact_edges"][is_in_cycle], half_planes=scene.bodies.half_planes
+    )
+    _hold_permanent_stick(edges, confined_ends, zone, time, is_in_cycle)
+    return edges, Edges(confined_ends.places, np.where(is_by_slip, ends.uncertainty, np.nan))
+
+
+def _has_no_slip_zone(scene: Scene, problem: ContactProblem, run: PathRun) -> Mask:
+    """Instants at which all of the contact sticks, (n_steps,): between half-planes by the loads,
+    between other bodies of like materials by the shear at both edges; else unknown, False.
+
+    Parameters
+    ----------
+    scene
+        bodies, materials and friction; `unsymmetric` with bulk stress, tilt, or a profile that is
+        not its own mirror image
+    problem
+        the contact problem; its `interface.coupling` (slip by pressure) is None of like bodies
+    run
+        contact states after all increments; `sticks_in_full` holds what the shear at the edges
+        shows
+    """
+    loads = np.array([(state.normal_load, state.tangential_load) for state in run.states])
+    if scene.bodies.half_planes and problem.interface.coupling is None and not scene.unsymmetric:
+        return _sticks_in_full_by_loads(loads, scene.friction.coefficient)
+    if scene.material.alike:
+        return np.concatenate(run.sticks_in_full)
+    return np.zeros(len(loads), dtype=bool)
+
+
+def _confined_ends(
+    ends: Edges, zone: StickZone, contact_edges: Array, *, half_planes: bool
+) -> tuple[Edges, Mask]:
+    """Ends (2,) of a permanent stick zone that ends sharply, with their uncertainty, and which of
+    them slip or creep locates, (2,).
+
+    Each end is that by slip or creep where there is one, and else the end by single instants,
+    confined by the loads at the turning points of slip. The zone is not beyond the contact at any
+    instant of the last cycle.
+
+    Parameters
+    ----------
+    ends
+        places by slip or creep, with an uncertainty; of others by single instants, with NaN
+    zone
+        the zone by its nodes and by the loads: `places_by_load` (2,), NaN where no load locates an
+        end
+    contact_edges
+        (k, 2) edges of contact in the last cycle
+    half_planes
+        whether both bodies are half-planes, of which the places by loads are more accurate; of thin
+        layers those by slip are, up to 40 times
+    """
     is_by_slip = np.isfinite(ends.uncertainty)
-    if permanent_stick_ends_sharply(scene, problem):
-        # the zone by its nodes and by the loads at the turning points of slip, which confine it
-        zone = permanent_stick_zone(run)
-        confined_ends = zone.confine(permanent_edges)
-        if scene.bodies.half_planes:
-            # of half-planes the places by loads are more accurate; of thin layers those by slip,
-            # up to 40 times
-            is_by_slip &= confined_ends != zone.places_by_load
-        permanent_edges = np.where(is_by_slip, ends.places, confined_ends)
-        permanent_uncertainty = np.where(
-            is_by_slip, ends.uncertainty, zone.uncertainty(confined_ends, np.full(2, np.inf))
-        )
-        time = np.array([state.time for state in states])
-        is_in_cycle = is_loaded_in_last_cycle(scene, time, loads[run.stored_indices, 0])
-        permanent_edges = _within_contacts(permanent_edges, edges["contact_edges"][is_in_cycle])
-        _hold_permanent_stick(
-            edges, Edges(permanent_edges, permanent_uncertainty), zone, time, is_in_cycle
-        )
-    return edges, Edges(permanent_edges, np.where(is_by_slip, ends.uncertainty, np.nan))
+    confined_places = zone.confine(ends.places)
+    if half_planes:
+        is_by_slip &= confined_places != zone.places_by_load
+    uncertainty = np.where(
+        is_by_slip, ends.uncertainty, zone.uncertainty(confined_places, np.full(2, np.inf))
+    )
+    places = _within_contacts(np.where(is_by_slip, ends.places, confined_places), contact_edges)
+    return Edges(places, uncertainty), is_by_slip
 
 
 def _nodal_arrays(
@@ -465,24 +535,8 @@ def _edges_at_instants(
     scene
         `unsymmetric` with bulk stress, tilt, or a profile that is not its own mirror image
     """
-    # Tractions, gap and states of the nodes, (n_steps, n) each.
-    face_lengths = problem.interface.face_lengths
-    _, normal_force, tangential_force, gap = nodal_values(
-        np.stack([state.values for state in states])
-    )
-    # as the law of friction left them
-    states_by_law = np.stack([state.node_states for state in states])
-    fields_of_nodes = NodalAnswer(
-        x=problem.interface.x,
-        pressure=normal_force / face_lengths,
-        shear=tangential_force / face_lengths,
-        # Open nodes carry nothing: the layer does not count in their gap.
-        gap=gap,
-        is_closed=states_by_law != OPEN,
-        is_stuck=surface_states == STICK,
-        is_stuck_by_law=states_by_law == STICK,
-        stick_may_be_anywhere=scene.unsymmetric,  # the stick zone need not be around x = 0
-    )
+    # the stick zone need not be around x = 0 in unsymmetric scenes
+    fields_of_nodes = _fields_of_nodes(problem, states, surface_states, scene.unsymmetric)
 
     # Places of both edges, and the uncertainty of each, (n_steps, 2).
     contact = contact_with_uncertainty(fields_of_nodes, contact_by_load)
@@ -505,6 +559,46 @@ def _edges_at_instants(
         "contact_edge_uncertainty": contact.uncertainty,
         "stick_edge_uncertainty": stick.uncertainty,
     }
+
+
+def _fields_of_nodes(
+    problem: ContactProblem,
+    states: Sequence[InterfaceState],
+    surface_states: States,
+    stick_may_be_anywhere: bool,
+) -> NodalAnswer:
+    """Tractions, gap and states of the n nodes at some instants, from which edges of contact and
+    stick are found; (n_steps, n) each, scaled.
+
+    Parameters
+    ----------
+    problem
+        the contact problem: places of the nodes, length of face of each
+    states
+        nodal forces and gap of the contact at the instants, and the states of the nodes as the law
+        of friction left them
+    surface_states
+        (n_steps, n) open, stick or slip of the nodes, where a node that has hardly moved counts as
+        stick
+    stick_may_be_anywhere
+        whether the stick zone may be beside x = 0
+    """
+    face_lengths = problem.interface.face_lengths
+    _, normal_force, tangential_force, gap = nodal_values(
+        np.stack([state.values for state in states])
+    )
+    states_by_law = np.stack([state.node_states for state in states])
+    return NodalAnswer(
+        x=problem.interface.x,
+        pressure=normal_force / face_lengths,
+        shear=tangential_force / face_lengths,
+        # Open nodes carry nothing: the layer does not count in their gap.
+        gap=gap,
+        is_closed=states_by_law != OPEN,
+        is_stuck=surface_states == STICK,
+        is_stuck_by_law=states_by_law == STICK,
+        stick_may_be_anywhere=stick_may_be_anywhere,
+    )
 
 
 def is_loaded_in_last_cycle(scene: Scene, time: Array, normal_load: Array) -> Mask:
@@ -555,9 +649,82 @@ def _permanent_stick(
     if not is_in_cycle.any():  # no cycle, or the very first increment failed
         return no_ends
 
-    # Intersection of all stick zones of the last cycle.
     x = problem.interface.x
-    # Instants that the solution leaves out have no fitted edges: theirs lie between nodes.
+    common_zone = _common_stick_zone(scene, x, run, surface_states, edges, is_in_cycle)
+    permanent_zone = common_zone if common_zone[0] < common_zone[1] else no_edges
+
+    # Ends by the slip beyond the zone that creeps.
+    creeping_edges, slip_ends = _creeping_and_slip_ends(scene, x, run, surface_states, is_in_cycle)
+
+    # Nodes that only creep belong to the zone.
+    if not permanent_stick_ends_sharply(scene, problem):
+        left_end = np.fmin(permanent_zone[0], creeping_edges[0])
+        right_end = np.fmax(permanent_zone[1], creeping_edges[1])
+        permanent_zone = np.array([left_end, right_end])
+    elif np.isfinite(permanent_zone).all():
+        slip_ends = _with_creeping_ends(x, slip_ends, creeping_edges, permanent_zone)
+    places = np.where(np.isfinite(slip_ends.places), slip_ends.places, permanent_zone)
+    return Edges(places, slip_ends.uncertainty)
+
+
+def _creeping_and_slip_ends(
+    scene: Scene, x: Array, run: PathRun, surface_states: States, is_in_cycle: Mask
+) -> tuple[Array, Edges]:
+    """Ends (2,) of the zone whose nodes stay closed all through the last cycle and slip by next to
+    nothing (creep), NaN without one, and ends of the permanent stick zone by the slip beyond it;
+    scaled.
+
+    Parameters
+    ----------
+    scene
+        `unsymmetric` with bulk stress, tilt, or a profile that is not its own mirror image: the
+        zone may then be beside x = 0
+    x
+        (n,) places of the nodes
+    run
+        contact states after all increments, with the slip of the nodes
+    surface_states
+        (n_steps, n) open, stick or slip of the nodes after all increments
+    is_in_cycle
+        (n_steps,) instants of the last cycle
+    """
+    is_closed = surface_states[is_in_cycle] != OPEN
+    slip = np.array([run.states[k].slip for k in np.flatnonzero(is_in_cycle)])
+    creeping_edges = creeping_zone(scene, x, slip, is_closed)
+    # range of the slip (n,), of nodes that stay closed
+    slip_range = np.where(is_closed.all(axis=0), np.ptp(slip, axis=0), np.nan)
+    return creeping_edges, ends_by_slip(x, slip_range, creeping_edges)
+
+
+def _common_stick_zone(
+    scene: Scene,
+    x: Array,
+    run: PathRun,
+    surface_states: States,
+    edges: Array,
+    is_in_cycle: Mask,
+) -> Array:
+    """Left and right end (2,) of the intersection of all stick zones of the last cycle, scaled; the
+    left one is further right where nothing is common. NaN where nothing sticks at some instant.
+
+    Instants that the solution leaves out have no fitted edges: theirs lie between nodes.
+
+    Parameters
+    ----------
+    scene
+        `unsymmetric` with bulk stress, tilt, or a profile that is not its own mirror image: the
+        stick zone may then be beside x = 0
+    x
+        (n,) places of the nodes
+    run
+        which k of its instants are stored in the solution
+    surface_states
+        (n_steps, n) open, stick or slip of the nodes after all increments
+    edges
+        (k, 2) stick edges of the stored instants
+    is_in_cycle
+        (n_steps,) instants of the last cycle
+    """
     dropped_steps = np.setdiff1d(np.flatnonzero(is_in_cycle), run.stored_indices)
     states_of_dropped = surface_states[dropped_steps]
     zones_of_dropped = _zones_by_nodes(
@@ -569,26 +736,7 @@ def _permanent_stick(
     left_edges, right_edges = np.concatenate(
         [edges[is_in_cycle[run.stored_indices]], zones_of_dropped]
     ).T
-    # NaN where nothing sticks at some instant
-    common_zone = np.array([left_edges.max(), right_edges.min()])
-    permanent_zone = common_zone if common_zone[0] < common_zone[1] else no_edges
-
-    # Ends by the slip beyond the zone: range of the slip (n,) of nodes that stay closed.
-    is_closed = surface_states[is_in_cycle] != OPEN
-    slip = np.array([run.states[k].slip for k in np.flatnonzero(is_in_cycle)])
-    creeping_edges = creeping_zone(scene, x, slip, is_closed)
-    slip_range = np.where(is_closed.all(axis=0), np.ptp(slip, axis=0), np.nan)
-    slip_ends = ends_by_slip(x, slip_range, creeping_edges)
-
-    # Nodes that only creep belong to the zone.
-    if not permanent_stick_ends_sharply(scene, problem):
-        left_end = np.fmin(permanent_zone[0], creeping_edges[0])
-        right_end = np.fmax(permanent_zone[1], creeping_edges[1])
-        permanent_zone = np.array([left_end, right_end])
-    elif np.isfinite(permanent_zone).all():
-        slip_ends = _with_creeping_ends(x, slip_ends, creeping_edges, permanent_zone)
-    places = np.where(np.isfinite(slip_ends.places), slip_ends.places, permanent_zone)
-    return Edges(places, slip_ends.uncertainty)
+    return np.array([left_edges.max(), right_edges.min()])
 
 
 def _with_creeping_ends(
@@ -863,20 +1011,7 @@ def penalty_audit(
     largest_half_width = float(np.nanmax(arrays["contact_half_width"]))
     profile_rise = float(np.ptp(scene.profile.height(np.array([0.0, largest_half_width]))))
 
-    # Creep and largest slip: range of the relative displacement, in the last cycle, of nodes that
-    # stick throughout and of nodes that slip. Stick and slip are those of the friction law: the
-    # states of the solution count a node that has hardly moved as sticking.
-    period = scene.load.path().period
-    time = arrays["time"]
-    is_in_cycle = np.ones(len(time), dtype=bool)
-    if period is not None:
-        is_in_cycle = time > time[-1] - period * (1 + 1e-9)
-    states_by_law = np.stack([state.node_states for state in states])[is_in_cycle]
-    slip_range = np.ptp(arrays["slip"][is_in_cycle], axis=0)
-    is_always_stuck = np.all(states_by_law[1:] == STICK, axis=0)
-    has_slipped = np.any(slip_sign(states_by_law) != 0, axis=0)
-    largest_creep = float(np.max(slip_range[is_always_stuck], initial=0.0))
-    largest_slip = float(np.max(slip_range[has_slipped], initial=0.0))
+    largest_creep, largest_slip = _largest_creep_and_slip(scene, states, arrays)
 
     def ratio_or_nan(part: float, reference: float) -> float:
         """Part over the reference; NaN where that is 0."""
@@ -892,6 +1027,38 @@ def penalty_audit(
         creep=largest_creep,
         creep_share=ratio_or_nan(largest_creep, largest_slip),
     )
+
+
+def _largest_creep_and_slip(
+    scene: Scene, states: Sequence[InterfaceState], arrays: Mapping[str, Any]
+) -> tuple[float, float]:
+    """Largest range, over the last cycle, of the relative displacement of nodes that stick all
+    through it (creep), and of nodes that slip [length]; 0 where there are none.
+
+    Stick and slip are those of the friction law: the states of the solution count a node that has
+    hardly moved as sticking. Where the path does not repeat, all of it is the cycle.
+
+    Parameters
+    ----------
+    scene
+        load path with its period
+    states
+        contact states at the k stored instants, with open, stick or slip of the n nodes by the law
+    arrays
+        "time" (k,) and "slip" (k, n) of the solution, in the scene's units
+    """
+    period = scene.load.path().period
+    time = arrays["time"]
+    is_in_cycle = np.ones(len(time), dtype=bool)
+    if period is not None:
+        is_in_cycle = time > time[-1] - period * (1 + 1e-9)
+    states_by_law = np.stack([state.node_states for state in states])[is_in_cycle]
+    slip_range = np.ptp(arrays["slip"][is_in_cycle], axis=0)
+    is_always_stuck = np.all(states_by_law[1:] == STICK, axis=0)
+    has_slipped = np.any(slip_sign(states_by_law) != 0, axis=0)
+    largest_creep = float(np.max(slip_range[is_always_stuck], initial=0.0))
+    largest_slip = float(np.max(slip_range[has_slipped], initial=0.0))
+    return largest_creep, largest_slip
 
 
 def record_of(
@@ -918,33 +1085,12 @@ def record_of(
         further sentences for the reader
     """
     note_of_layer = audit.note()  # None without a layer
-    first_increments = run.stored_indices[:-1]  # the first one after each stored instant
-
-    def at_stored_instants(
-        reduction: np.ufunc, values: ArrayLike, dtype: Any = float
-    ) -> NDArray[Any]:
-        """(n_stored,) sum or maximum of the values of the increments since the stored instant
-        before; 0 of the unloaded state.
-        """
-        values_at_instants = np.asarray(values)
-        if len(values_at_instants):
-            values_at_instants = reduction.reduceat(values_at_instants, first_increments)
-        return read_only_copy(np.concatenate([[0.0], values_at_instants]), dtype)
-
     # Energies and works; that of the layer only where there is one.
     # _ENERGY_NAMES: names of the energies, works and step error among the values of an increment
     energy_names = [name for name in _ENERGY_NAMES if note_of_layer is not None or name != "layer"]
     energies = {name: run.values_of_increments(name) for name in energy_names}
 
-    # Checks: everything else that the increments report. "loop_work" and "kink_work" are works too,
-    # but for other uses: of Q dU, and of kinks in an increment.
-    reported_names = list(run.increment_records[0]) if run.increment_records else []
-    names_of_works = (*_ENERGY_NAMES, "layer", "loop_work", "kink_work")
-    checks = {
-        name: run.values_of_increments(name)
-        for name in reported_names
-        if name not in names_of_works
-    }
+    checks = _checks_of_increments(run)
     # Energy balance: external work = change of elastic energy + work at the interface.
     imbalance = np.abs(energies["external"] - energies["elastic"] - energies["interface"])
     largest_work = np.max(np.abs(np.cumsum(energies["external"])), initial=1e-300)
@@ -954,16 +1100,43 @@ def record_of(
         converged=run.failure is None,
         termination=_termination(run),
         message=_message(run),
-        iterations=at_stored_instants(np.add, run.iterations, np.int64),
+        iterations=read_only_copy(_at_stored_instants(run, np.add, run.iterations), np.int64),
         certificates={
-            name: at_stored_instants(np.maximum, values) for name, values in checks.items()
+            name: _at_stored_instants(run, np.maximum, values) for name, values in checks.items()
         },
         energy={
-            name: at_stored_instants(np.add, values * work_unit)
+            name: _at_stored_instants(run, np.add, values * work_unit)
             for name, values in energies.items()
         },
         notes=tuple(notes) if note_of_layer is None else (note_of_layer, *notes),
     )
+
+
+def _at_stored_instants(run: PathRun, reduction: np.ufunc, values: ArrayLike) -> Array:
+    """(n_stored,) sum (`reduction` np.add) or maximum (np.maximum) of the values of the increments
+    of a run since the stored instant before; 0 of the first one, the unloaded state. Read-only.
+    """
+    values_at_instants = np.asarray(values)
+    if len(values_at_instants):
+        # an increment that starts at a stored instant is the first one after it
+        values_at_instants = reduction.reduceat(values_at_instants, run.stored_indices[:-1])
+    return read_only_copy(np.concatenate([[0.0], values_at_instants]))
+
+
+def _checks_of_increments(run: PathRun) -> dict[str, Array]:
+    """Admissibility checks of the increments of a run by name, (n_steps,) each: all that the
+    increments report but for energies and works.
+
+    "loop_work" and "kink_work" are works too, but for other uses: of Q dU, and of kinks in an
+    increment.
+    """
+    reported_names = list(run.increment_records[0]) if run.increment_records else []
+    names_of_works = (*_ENERGY_NAMES, "layer", "loop_work", "kink_work")
+    return {
+        name: run.values_of_increments(name)
+        for name in reported_names
+        if name not in names_of_works
+    }
 
 
 _ENERGY_NAMES = [
