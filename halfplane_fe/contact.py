@@ -31,7 +31,7 @@ from scenes import (
     InputError,
     read_only_copy,
 )
-from scenes.array_types import Array, Mask, States
+from scenes.array_types import Array, Indices, Mask, States
 
 if TYPE_CHECKING:
     from halfplane_fe.return_mapping import ReturnMapping
@@ -209,6 +209,49 @@ class _Outcome(NamedTuple):
     n_changing: int
 
 
+class _PressureOfTurn(NamedTuple):
+    """Solution of the contact without friction at known shear, in one turn between pressure and
+    shear; n nodes, scaled.
+
+    Attributes
+    ----------
+    pressure
+        (n,) nodal normal forces
+    approach
+        normal approach of the upper body
+    is_closed
+        (n,) whether each node touches
+    slip_offset
+        (n,) slip by bulk stresses and tilt
+    """
+
+    pressure: Array
+    approach: float
+    is_closed: Mask
+    slip_offset: Array
+
+
+class _TrialStates(NamedTuple):
+    """States that the laws of contact and friction give n nodes by trial forces. Scaled.
+
+    Attributes
+    ----------
+    slip_increment
+        (n,) slip in the increment
+    friction_limit
+        (n,) Coulomb limit: f times the trial pressure, or times 1e-11 where that is less
+    if_closed
+        (n,) stick, slip forward or reverse by the trial shear, as if the node were closed
+    by_law
+        (n,) the same; open where the trial pressure is not positive
+    """
+
+    slip_increment: Array
+    friction_limit: Array
+    if_closed: States
+    by_law: States
+
+
 @dataclass(eq=False)
 class ContactProblem:
     """Contact problem of two bodies: all that does not change along a load path. Factorisations
@@ -354,18 +397,8 @@ class ContactProblem:
         BesideTheFaces
             Where the moment is given and no node lies on one side of `x_of_load`.
         """
-        # Bulk stresses of both bodies and tilt of the upper one: those of the loads, but for a tilt
-        # at which the upper body rests without load where the moment is given.
-        stresses_and_tilt = np.zeros(3)
-        if len(loads) > 2:
-            # _BULK_STRESSES: places of both bulk stresses among the five loads; _TILT_OR_MOMENT:
-            # the last place
-            stresses_and_tilt[:2] = loads[_BULK_STRESSES]
-            stresses_and_tilt[2] = (
-                self._resting_tilt(x_of_load) if self.has_given_moment else loads[_TILT_OR_MOMENT]
-            )
-
-        # Gap and slip (n,) by these, then by the approach at which the least gap is 0.
+        stresses_and_tilt = self._stresses_and_tilt_at_rest(loads, x_of_load)
+        # Gap and slip (n,) by bulk stresses and tilt, then by the approach with a least gap of 0.
         gap_offset, slip_offset = self.gap_and_slip_by(stresses_and_tilt)
         undeformed_gap = self.initial_gap + gap_offset
         approach = float((undeformed_gap / self.interface.face_normals[1]).min())
@@ -383,6 +416,34 @@ class ContactProblem:
         load_or_position = approach if self.actuators.prescribe_approach else 0.0
         loads_at_rest = (load_or_position, shift, *loads[2:])
         return self._state(time, loads_at_rest, read_only_copy(values), node_states)
+
+    def _stresses_and_tilt_at_rest(self, loads: tuple[float, ...], x_of_load: float) -> Array:
+        """Bulk stresses of the lower and upper body, and tilt of the upper one, (3,), before the
+        contact carries any load: those of the loads, but where the moment is given the tilt at
+        which the upper body rests without load. Zeros without bulk stress and tilt. Scaled.
+
+        Parameters
+        ----------
+        loads
+            P and Q, or the positions of actuators in their place; with bulk stress or tilt also
+            both bulk stresses, and tilt or moment
+        x_of_load
+            x at which the resultant of the normal load first acts
+
+        Raises
+        ------
+        BesideTheFaces
+            Where the moment is given and no node lies on one side of `x_of_load`.
+        """
+        stresses_and_tilt = np.zeros(3)
+        if len(loads) > 2:
+            # _BULK_STRESSES: places of both bulk stresses among the five loads; _TILT_OR_MOMENT:
+            # the last place
+            stresses_and_tilt[:2] = loads[_BULK_STRESSES]
+            stresses_and_tilt[2] = (
+                self._resting_tilt(x_of_load) if self.has_given_moment else loads[_TILT_OR_MOMENT]
+            )
+        return stresses_and_tilt
 
     def _state(
         self, time: float, loads: tuple[float, ...], values: Array, node_states: States
@@ -781,53 +842,35 @@ class ContactProblem:
         the number of nodes that still changed their state. All is scaled.
         """
         self.work_counts["alternating solves"] += 1
-        systems = self._systems  # linear systems of the contact, with its compliances
-        normals_x = self.interface.face_normals[0]  # (n,) x of the unit normal at each node
-        coupling = self.interface.coupling  # (n, n) slip by nodal normal forces
-        if coupling is None:
-            coupling = np.zeros_like(self.interface.normal_compliance)
-
-        # What the first turn begins with. `shift` is the tangential displacement of the upper body.
-        shear = start_state.shear
-        shift = start_state.shift
-        is_closed = start_state.is_closed
-        # bulk stresses of both bodies, and the tilt of `start_state`
+        # bulk stresses of both bodies, and the tilt of `start_state` unless it is given
         stresses_and_tilt = replace(start_state, loads=loads).stresses_and_tilt
-        resultants = start_state.resultants or loads[:2]  # P and Q
         if len(loads) > 2 and not self.has_given_moment:
             # _TILT_OR_MOMENT: place of tilt or moment among the five loads
             stresses_and_tilt[2] = loads[_TILT_OR_MOMENT]
+        shear = start_state.shear
+        shift = start_state.shift  # tangential displacement of the upper body
+        is_closed = start_state.is_closed
+        resultants = start_state.resultants or loads[:2]  # P and Q
         n_changing = 0
         for turn_number in range(1, self.max_iterations + 1):
-            # Pressure, approach and closed nodes at known shear; the tilt by the moment.
-            gap_without_pressure = self.initial_gap - coupling.T @ shear + normals_x * shift
+            # Pressure at known shear, then shear at known pressure.
+            gap_without_pressure = (
+                self.initial_gap
+                - self._slip_by_normal_forces.T @ shear
+                + self.interface.face_normals[0] * shift
+            )
             if self.has_given_moment:
                 stresses_and_tilt[2] = self._tilt_at_known_shear(
                     gap_without_pressure, shear, is_closed, stresses_and_tilt, loads
                 )
-            gap_offset, slip_offset = self.gap_and_slip_by(stresses_and_tilt)
-            # ROUNDING: round-off of scaled forces and displacements, 1e-11
-            pressure, approach, is_closed = pressure_at_known_shear(
-                systems,
-                gap_without_pressure + gap_offset,
-                resultants[0] - float(normals_x @ shear),
-                is_closed,
-                ROUNDING,
+            known_pressure = self._pressure_of_turn(
+                gap_without_pressure, shear, is_closed, stresses_and_tilt, resultants[0]
             )
+            is_closed = known_pressure.is_closed
             node_states = np.where(is_closed, STICK, OPEN).astype(np.int8)
-
-            # Shear, shift and states at known pressure; no load on a half whose shear is odd in x.
             if self.has_shear:
-                known_slip = (
-                    start_state.slip - slip_offset - coupling @ pressure - normals_x * approach
-                )
-                tangential_load = (
-                    None
-                    if self.interface.has_odd_shear
-                    else resultants[1] + float(normals_x @ pressure)
-                )
-                shear, shift, node_states = shear_at_known_pressure(
-                    systems, np.maximum(pressure, 0.0), known_slip, tangential_load, ROUNDING
+                shear, shift, node_states = self._shear_of_turn(
+                    start_state.slip, known_pressure, resultants[1]
                 )
 
             # All equations for these states, and the states that the laws then give. Without a
@@ -842,6 +885,81 @@ class ContactProblem:
             if not n_changing:
                 return _Outcome(state, turn_number, 0)
         return _Outcome(None, self.max_iterations, n_changing)
+
+    @cached_property
+    def _slip_by_normal_forces(self) -> Array:
+        """Slip of each node by a unit normal force on each, (n, n), scaled: the coupling of unlike
+        bodies; zeros of like ones.
+        """
+        if self.interface.coupling is None:
+            return np.zeros_like(self.interface.normal_compliance)
+        return self.interface.coupling
+
+    def _pressure_of_turn(
+        self,
+        gap_without_pressure: Array,
+        shear: Array,
+        is_closed: Mask,
+        stresses_and_tilt: Array,
+        normal_load: float,
+    ) -> _PressureOfTurn:
+        """Contact without friction at known shear: pressure, approach and closed nodes. Scaled.
+
+        Parameters
+        ----------
+        gap_without_pressure
+            (n,) initial gap plus what the known shear and the tangential displacement add to it
+        shear
+            (n,) known nodal forces along the tangent
+        is_closed
+            (n,) nodes that are assumed to touch first
+        stresses_and_tilt
+            (3,) bulk stresses of the lower and upper body, and tilt
+        normal_load
+            P; the pressure carries what of it the shear does not carry on curved faces
+        """
+        normals_x = self.interface.face_normals[0]  # (n,) x of the unit normal at each node
+        gap_offset, slip_offset = self.gap_and_slip_by(stresses_and_tilt)
+        # ROUNDING: round-off of scaled forces and displacements, 1e-11
+        pressure, approach, is_closed = pressure_at_known_shear(
+            self._systems,
+            gap_without_pressure + gap_offset,
+            normal_load - float(normals_x @ shear),
+            is_closed,
+            ROUNDING,
+        )
+        return _PressureOfTurn(pressure, approach, is_closed, slip_offset)
+
+    def _shear_of_turn(
+        self, start_slip: Array, known_pressure: _PressureOfTurn, tangential_load: float
+    ) -> tuple[Array, float, States]:
+        """Friction problem at known pressure: shear (n,), tangential displacement of the upper
+        body, and states (n,) of the nodes. Scaled.
+
+        Parameters
+        ----------
+        start_slip
+            (n,) slip before the increment
+        known_pressure
+            pressure and approach of this turn; tension counts as 0 for the Coulomb limit
+        tangential_load
+            Q; without effect on one half of a contact whose shear is odd in x
+        """
+        normals_x = self.interface.face_normals[0]  # (n,) x of the unit normal at each node
+        pressure = known_pressure.pressure
+        known_slip = (
+            start_slip
+            - known_pressure.slip_offset
+            - self._slip_by_normal_forces @ pressure
+            - normals_x * known_pressure.approach
+        )
+        load_of_shear = (
+            None if self.interface.has_odd_shear else tangential_load + float(normals_x @ pressure)
+        )
+        # ROUNDING: round-off of scaled forces and displacements, 1e-11
+        return shear_at_known_pressure(
+            self._systems, np.maximum(pressure, 0.0), known_slip, load_of_shear, ROUNDING
+        )
 
     def _states_by_law(self, solved_state: InterfaceState, start_state: InterfaceState) -> States:
         """States (n,) that the laws of contact and friction give the nodes by trial forces: open,
@@ -863,43 +981,87 @@ class ContactProblem:
             state of the contact before the increment
         """
         node_states = solved_state.node_states
-        # Trial forces. What the equations of these states set to zero is exactly zero: weighted,
-        # its round-off would look like a force.
+        trial = self._trial_states(solved_state, start_state)
+        changing_nodes = (trial.by_law != node_states).nonzero()[0]
+        if not len(changing_nodes):
+            return node_states
+        next_states = node_states.copy()
+        next_states[changing_nodes] = self._states_beyond_round_off(
+            solved_state, trial, changing_nodes
+        )
+        return next_states
+
+    def _trial_states(
+        self, solved_state: InterfaceState, start_state: InterfaceState
+    ) -> _TrialStates:
+        """States that the laws give the nodes by the trial pressure p - r_n g and the trial shear
+        q + r_t s, whatever their round-off; with the slip increment s and the Coulomb limit.
+
+        # notation: p pressure, q shear, g gap; r_n, r_t weights of gap and slip (`trial_weights`)
+
+        Parameters
+        ----------
+        solved_state
+            solution of an increment; what its equations set to zero is exactly zero: weighted, its
+            round-off would look like a force
+        start_state
+            state of the contact before the increment
+        """
         slip, pressure, shear, gap = nodal_values(solved_state.values)
         slip_increment = slip - start_state.slip
         r_normal, r_tangential = self.trial_weights  # weights of gap and slip
         trial_pressure = pressure - r_normal * gap
         # ROUNDING: round-off of scaled forces and displacements, 1e-11
         friction_limit = self.friction * np.maximum(trial_pressure, ROUNDING)
-        closed_states = np.full_like(node_states, STICK)
+        states_of_closed_nodes = np.full_like(solved_state.node_states, STICK)
         if self.has_shear:
-            closed_states = states_if_closed(shear + r_tangential * slip_increment, friction_limit)
-        states_by_law = np.where(trial_pressure > 0, closed_states, OPEN)
-        changing_nodes = (states_by_law != node_states).nonzero()[0]
-        if not len(changing_nodes):
-            return node_states
+            states_of_closed_nodes = states_if_closed(
+                shear + r_tangential * slip_increment, friction_limit
+            )
+        return _TrialStates(
+            slip_increment,
+            friction_limit,
+            states_of_closed_nodes,
+            np.where(trial_pressure > 0, states_of_closed_nodes, OPEN),
+        )
 
-        # Within round-off of touching or of the Coulomb limit a node keeps the state it has.
-        # `_shear_scale` is the unit of shear and slip: f of uncoupled bodies, else 1.
-        states_before = node_states[changing_nodes]
+    def _states_beyond_round_off(
+        self, solved_state: InterfaceState, trial: _TrialStates, changing_nodes: Indices
+    ) -> States:
+        """States (m,) of the nodes that are to change theirs by the trial forces; within round-off
+        of touching or of the Coulomb limit a node keeps the state it has.
+
+        A sliding node that turns round sticks first: straight from forward to reverse slip, the
+        iteration cycles between sets of states.
+
+        Parameters
+        ----------
+        solved_state
+            solution of an increment, with the states of its nodes
+        trial
+            states of all nodes by trial forces, their slip increment and Coulomb limit
+        changing_nodes
+            (m,) numbers of the nodes whose state changes
+        """
+        _, pressure, shear, gap = nodal_values(solved_state.values)
+        states_before = solved_state.node_states[changing_nodes]
         was_closed = states_before != OPEN
+        # `_shear_scale` is the unit of shear and slip: f of uncoupled bodies, else 1.
         has_no_pressure = np.abs(pressure[changing_nodes]) <= _ROUNDING_OF_FORCE
         just_touches = has_no_pressure & (np.abs(gap[changing_nodes]) <= ROUNDING)
-        force_beyond_limit = np.abs(shear[changing_nodes]) - friction_limit[changing_nodes]
-        has_not_moved = np.abs(slip_increment[changing_nodes]) <= ROUNDING * self._shear_scale
+        force_beyond_limit = np.abs(shear[changing_nodes]) - trial.friction_limit[changing_nodes]
+        has_not_moved = np.abs(trial.slip_increment[changing_nodes]) <= ROUNDING * self._shear_scale
         is_at_limit = np.abs(force_beyond_limit) <= _ROUNDING_OF_FORCE * self._shear_scale
         keeps_state = was_closed & is_at_limit & has_not_moved
-        is_closed = np.where(just_touches, was_closed, states_by_law[changing_nodes] != OPEN)
-        states_of_closed_nodes = np.where(keeps_state, states_before, closed_states[changing_nodes])
+        is_closed = np.where(just_touches, was_closed, trial.by_law[changing_nodes] != OPEN)
+        states_of_closed_nodes = np.where(
+            keeps_state, states_before, trial.if_closed[changing_nodes]
+        )
         states_after = np.where(is_closed, states_of_closed_nodes, OPEN)
-        # A sliding node that turns round sticks first: straight from forward to reverse slip, the
-        # iteration cycles between sets of states.
         has_turned = (
             (states_after != states_before) & (states_after > STICK) & (states_before > STICK)
         )
-        next_states = node_states.copy()
-        next_states[changing_nodes] = np.where(has_turned, STICK, states_after)
-        return next_states
+        return np.where(has_turned, STICK, states_after)
 
     def _tilt_at_known_shear(
         self,

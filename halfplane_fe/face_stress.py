@@ -439,46 +439,98 @@ def sampled_tractions(
         # The right edge is found as the left one of p(-x).
         edges = (fitted_edges[0].edge, -fitted_edges[1].edge)
         nodes_left_out = fit.nodes_left_out
-    middle = (edges[0] + edges[1]) / 2
-    half_width = (edges[1] - edges[0]) / 2
-
-    # Equal angles: eight a node, 512 at least and 8192 at most.
-    n_angles = _ANGLES_PER_NODE * len(x)
-    n_angles = int(np.clip(n_angles, _FEWEST_ANGLES, _MOST_ANGLES))
-    theta = math.pi * (np.arange(n_angles) + 0.5) / n_angles
-    sine = np.sin(theta)
-    places = middle - half_width * np.cos(theta)  # x at each angle
-
-    # Smooth pressure: interpolated between inner nodes, the fitted root outside them.
+    # Smooth pressure and shear, and the part of Q that this lacks as a shear at the stick edges.
+    points = _PointsAcross.between(edges, len(x))
     inner_nodes = slice(nodes_left_out, len(x) - nodes_left_out)
-    inner_x = x[inner_nodes]
-    inner_p_over_shape = p_over_shape[inner_nodes]
-    is_in_contact = np.abs(inner_x - middle) < half_width
-    node_angles = np.arccos((middle - inner_x[is_in_contact]) / half_width)
-    # p/sin(theta) is finite at the edges of a smooth profile.
-    p_over_sine = np.interp(
-        theta, node_angles, inner_p_over_shape[is_in_contact] / np.sin(node_angles)
+    smooth_p_over_shape = _smooth_pressure(
+        points, x[inner_nodes], p_over_shape[inner_nodes], fitted_edges
     )
-    pressure = p_over_sine * sine
+    pressure = smooth_p_over_shape * pressure_shape(points.places)
+    shear = _smooth_shear(points.places, pressure, nodal_tractions, nodes_left_out, constant_ratio)
+    missing_load = nodal_tractions.tangential_load - float(points.lengths @ shear)
+    missing_shear = (
+        _unit_missing_shear(points.places, pressure, points.lengths, nodal_tractions) * missing_load
+    )
+    return SampledTractions(
+        edges, points.theta, pressure, shear, missing_shear, has_unfitted_edges=fitted_edges is None
+    )
+
+
+class _PointsAcross(NamedTuple):
+    """Points at the middles of n equal angles theta across the contact, x = m - h cos(theta).
+
+    # notation: m middle, h half-width of the contact
+
+    Attributes
+    ----------
+    middle, half_width
+        of the contact [length]
+    theta
+        (n,) angles, from the left edge to the right one
+    places, lengths
+        (n,) x at each angle, and the length of face that it stands for [length]
+    """
+
+    middle: float
+    half_width: float
+    theta: Array
+    places: Array
+    lengths: Array
+
+    @classmethod
+    def between(cls, edges: tuple[float, float], n_nodes: int) -> _PointsAcross:
+        """Points between the left and right edge of contact, eight for each of the `n_nodes` nodes
+        that touch: 512 at least and 8192 at most.
+        """
+        middle = (edges[0] + edges[1]) / 2
+        half_width = (edges[1] - edges[0]) / 2
+        n_angles = int(np.clip(_ANGLES_PER_NODE * n_nodes, _FEWEST_ANGLES, _MOST_ANGLES))
+        theta = math.pi * (np.arange(n_angles) + 0.5) / n_angles
+        return cls(
+            middle,
+            half_width,
+            theta,
+            places=middle - half_width * np.cos(theta),
+            lengths=np.sin(theta) * half_width * math.pi / n_angles,
+        )
+
+
+def _smooth_pressure(
+    points: _PointsAcross,
+    inner_x: Array,
+    inner_p: Array,
+    fitted_edges: tuple[_FittedEdge, _FittedEdge] | None,
+) -> Array:
+    """Smooth pressure at points across the contact, (n,): interpolated between inner nodes, and the
+    root of the polynomial fitted to p^2 outside the outermost fitted nodes.
+
+    Interpolated over the angle theta is p/sin(theta), which is finite at the edges of a smooth
+    profile.
+
+    Parameters
+    ----------
+    points
+        angles and places x of the points
+    inner_x, inner_p
+        places and pressure of the inner nodes, ascending, without outermost ones that the mesh
+        distorts
+    fitted_edges
+        fits of p^2 at the left edge, and at the right edge of the mirror image in x = 0; None where
+        the edges are not fitted
+    """
+    is_in_contact = np.abs(inner_x - points.middle) < points.half_width
+    node_angles = np.arccos((points.middle - inner_x[is_in_contact]) / points.half_width)
+    p_over_sine = np.interp(points.theta, node_angles, inner_p[is_in_contact] / np.sin(node_angles))
+    pressure = p_over_sine * np.sin(points.theta)
     if fitted_edges is not None:
-        # Outside the outermost fitted node p is the root of the fitted p^2.
         for side, fitted_edge in zip((1.0, -1.0), fitted_edges, strict=True):
-            is_outside = side * places < fitted_edge.outermost_node_x
+            is_outside = side * points.places < fitted_edge.outermost_node_x
             squared_p = np.polyval(
                 fitted_edge.squared_pressure_coefficients,
-                side * places[is_outside] - fitted_edge.outermost_node_x,
+                side * points.places[is_outside] - fitted_edge.outermost_node_x,
             )
             pressure[is_outside] = np.sqrt(np.maximum(squared_p, 0.0))
-    pressure = pressure * pressure_shape(places)
-
-    # Smooth shear, and the part of Q that it lacks as a shear traction at the stick edges.
-    shear = _smooth_shear(places, pressure, nodal_tractions, nodes_left_out, constant_ratio)
-    lengths = sine * half_width * math.pi / n_angles  # of the face, for each angle
-    missing_load = nodal_tractions.tangential_load - float(lengths @ shear)
-    missing_shear = _unit_missing_shear(places, pressure, lengths, nodal_tractions) * missing_load
-    return SampledTractions(
-        edges, theta, pressure, shear, missing_shear, has_unfitted_edges=fitted_edges is None
-    )
+    return np.asarray(pressure)
 
 
 def edge_tension_by_nodal_shear(nodal_tractions: NodalTractions) -> float:
@@ -578,11 +630,58 @@ def _tension_uncertainty(nodal_tractions: NodalTractions, usual_tractions: Tract
     tension = usual_tractions.edge_tension()  # (2,) at the left and right edge of contact
     spacing = float(np.median(np.diff(nodal_tractions.x)))  # of the nodes
     spacing_ratio = spacing / usual_tractions.half_width
+    uncertainty = _uncertainty_by_other_fits(nodal_tractions, tension, spacing_ratio)
+
+    # Too few nodes to find the edges; a fit without limit on its residual; constant q/p.
+    if usual_tractions.has_unfitted_edges:
+        uncertainty = np.maximum(
+            uncertainty, _RELATIVE_ERROR_TIMES_NODES / len(nodal_tractions.x) * np.abs(tension)
+        )
+    for other_tractions in (
+        sampled_tractions(nodal_tractions, _FIT_WHATEVER_RESIDUAL),
+        sampled_tractions(nodal_tractions, constant_ratio=True),
+    ):
+        uncertainty = np.maximum(uncertainty, np.abs(other_tractions.edge_tension() - tension))
+
+    # Added: mesh error of unlike materials or bodies of finite size; place of the stick edges.
+    uncertainty += (
+        _relative_error_per_spacing(nodal_tractions)
+        * spacing_ratio
+        * float(np.max(np.abs(tension)))
+    )
+    has_slip_zones = nodal_tractions.has_slip_zones(of_nodes=1)
+    has_wide_slip_zones = nodal_tractions.has_slip_zones(of_nodes=_MOST_NODES_OF_NARROW_ZONE + 1)
+    if has_slip_zones and not has_wide_slip_zones:
+        uncertainty += _tension_change_by_moved_stick_edges(
+            nodal_tractions, _STICK_EDGE_SHIFT_IN_SPACINGS * spacing, tension
+        )
+    return uncertainty + _FACTOR_OF_MISSING_SHEAR * usual_tractions.tension_by_missing_shear
+
+
+def _uncertainty_by_other_fits(
+    nodal_tractions: NodalTractions, tension: Array, spacing_ratio: float
+) -> Array:
+    """Uncertainty of the tension s_xx at both edges of contact by the choice of the fit, (2,)
+    [stress]: a multiple of its mean change by four other fits, plus a least uncertainty.
+
+    The other fits take fewer nodes, leave out other numbers of nodes, or have a higher degree. The
+    least uncertainty is in proportion to f p0 and the root of the relative spacing.
+
+    # notation: p0 largest nodal pressure, f coefficient of friction
+
+    Parameters
+    ----------
+    nodal_tractions
+        pressure and shear at the nodes that touch, friction; whether the profile is a table of
+        points, which has a larger multiple
+    tension
+        (2,) by the usual fit [stress]
+    spacing_ratio
+        distance of the nodes over the contact half-width
+    """
     largest_coulomb_limit = nodal_tractions.friction * float(nodal_tractions.pressure.max())
     # _LEAST_TENSION_ERROR: fitted share of f p0 and the root of the relative spacing
     least_uncertainty = _LEAST_TENSION_ERROR * math.sqrt(spacing_ratio) * largest_coulomb_limit
-
-    # Change by four other fits: fewer nodes, other numbers of nodes left out, a higher degree.
     factor_of_other_fits = (
         _FACTOR_OF_OTHER_FITS_OF_TABLE
         if nodal_tractions.has_tabulated_profile
@@ -592,34 +691,19 @@ def _tension_uncertainty(nodal_tractions: NodalTractions, usual_tractions: Tract
         sampled_tractions(nodal_tractions, fit).edge_tension() - tension for fit in _OTHER_FITS
     ]
     change_by_other_fits = factor_of_other_fits * np.mean(np.abs(changes), axis=0)
-    uncertainty = least_uncertainty + change_by_other_fits
+    return np.asarray(least_uncertainty + change_by_other_fits)
 
-    # Too few nodes to find the edges; a fit without limit on its residual; constant q/p.
-    if usual_tractions.has_unfitted_edges:
-        uncertainty = np.maximum(
-            uncertainty, _RELATIVE_ERROR_TIMES_NODES / len(nodal_tractions.x) * np.abs(tension)
-        )
-    tractions_without_limit = sampled_tractions(nodal_tractions, _FIT_WHATEVER_RESIDUAL)
-    change_by_limit = np.abs(tractions_without_limit.edge_tension() - tension)
-    uncertainty = np.maximum(uncertainty, change_by_limit)
-    tractions_of_constant_ratio = sampled_tractions(nodal_tractions, constant_ratio=True)
-    change_by_ratio = np.abs(tractions_of_constant_ratio.edge_tension() - tension)
-    uncertainty = np.maximum(uncertainty, change_by_ratio)
 
-    # Added: mesh error of unlike materials or bodies of finite size; place of the stick edges.
-    relative_error_per_spacing = 0.0
+def _relative_error_per_spacing(nodal_tractions: NodalTractions) -> float:
+    """Relative error of the edge tension by the mesh, over the spacing of the nodes over the
+    half-width: fitted values for unlike materials and for bodies of finite size; 0 for half-planes
+    of one material.
+    """
     if nodal_tractions.has_unlike_materials:
-        relative_error_per_spacing = _RELATIVE_ERROR_PER_SPACING_OF_UNLIKE_MATERIALS
-    elif nodal_tractions.has_real_bodies:
-        relative_error_per_spacing = _RELATIVE_ERROR_PER_SPACING_OF_REAL_BODIES
-    uncertainty += relative_error_per_spacing * spacing_ratio * float(np.max(np.abs(tension)))
-    has_slip_zones = nodal_tractions.has_slip_zones(of_nodes=1)
-    has_wide_slip_zones = nodal_tractions.has_slip_zones(of_nodes=_MOST_NODES_OF_NARROW_ZONE + 1)
-    if has_slip_zones and not has_wide_slip_zones:
-        uncertainty += _tension_change_by_moved_stick_edges(
-            nodal_tractions, _STICK_EDGE_SHIFT_IN_SPACINGS * spacing, tension
-        )
-    return uncertainty + _FACTOR_OF_MISSING_SHEAR * usual_tractions.tension_by_missing_shear
+        return _RELATIVE_ERROR_PER_SPACING_OF_UNLIKE_MATERIALS
+    if nodal_tractions.has_real_bodies:
+        return _RELATIVE_ERROR_PER_SPACING_OF_REAL_BODIES
+    return 0.0
 
 
 def tension_change_by_unseen_slip(
@@ -746,28 +830,10 @@ def _pressure_shape(nodal_tractions: NodalTractions) -> Callable[[Array], Array]
         return np.ones_like
 
     def pressure_of_jumps(x: Array) -> Array:
-        """Pressure at places x (n,) by the jumps of the profile's curvature inside the contact,
-        over half-width times sqrt(1 - u^2), (n,) [stress / length].
-
-        # notation: u, t, b distances from the middle over the half-width: of a place, of its mirror
-        # image if the jump lies on the left, and of the jump (b > 0)
+        """Pressure at places x (n,) by the jumps of the profile's curvature, over the half-width
+        times sqrt(1 - u^2), u being the distance from the middle over the half-width.
         """
-        # _DISTANCE_AT_EDGE: least distance from an edge over the half-width, 1e-9
-        u = ((x - middle) / half_width).clip(-1 + _DISTANCE_AT_EDGE, 1 - _DISTANCE_AT_EDGE)
-        root = np.sqrt(1 - u**2)
-        pressure_over_root = np.zeros_like(u)
-        for place, modulus_times_jump in inner_curvature_jumps.tolist():
-            # A jump on the left is the mirror image of one on the right, of opposite sign.
-            side = 1.0 if place > middle else -1.0
-            b = side * (place - middle) / half_width
-            t = side * u
-            root_at_b = math.sqrt(1 - b**2)
-            distance_from_jump = np.where(t == b, 1.0, t - b)
-            logarithm = np.log(np.abs((1 - b * t + root * root_at_b) / distance_from_jump))
-            logarithm[t == b] = 0.0
-            pressure_of_unit_jump = math.acos(b) + (t - b) * logarithm / root
-            pressure_over_root += side * modulus_times_jump / (2 * math.pi) * pressure_of_unit_jump
-        return pressure_over_root
+        return _pressure_of_curvature_jumps(x, middle, half_width, inner_curvature_jumps)
 
     # Mean of the smooth part over the nodes, but for the three outermost ones on either side.
     smooth_part = 0.0
@@ -785,6 +851,42 @@ def _pressure_shape(nodal_tractions: NodalTractions) -> Callable[[Array], Array]
     if not np.all(smooth_part + pressure_of_jumps(nodal_tractions.x) > 0):
         return np.ones_like
     return lambda x: smooth_part + pressure_of_jumps(x)
+
+
+def _pressure_of_curvature_jumps(
+    x: Array, middle: float, half_width: float, curvature_jumps: Array
+) -> Array:
+    """Pressure at places x (n,) by jumps of the profile's curvature inside the contact, over the
+    half-width times sqrt(1 - u^2), (n,) [stress / length].
+
+    # notation: u, t, b distances from the middle over the half-width: of a place, of its mirror
+    # image if the jump lies on the left, and of the jump (b > 0)
+
+    Parameters
+    ----------
+    x
+        places; those at an edge, or beyond it, are taken a little inside [length]
+    middle, half_width
+        of the contact [length]
+    curvature_jumps
+        (k, 2) places of the jumps, and contact modulus times each jump from left to right
+    """
+    # _DISTANCE_AT_EDGE: least distance from an edge over the half-width, 1e-9
+    u = ((x - middle) / half_width).clip(-1 + _DISTANCE_AT_EDGE, 1 - _DISTANCE_AT_EDGE)
+    root = np.sqrt(1 - u**2)
+    pressure_over_root = np.zeros_like(u)
+    for place, modulus_times_jump in curvature_jumps.tolist():
+        # A jump on the left is the mirror image of one on the right, of opposite sign.
+        side = 1.0 if place > middle else -1.0
+        b = side * (place - middle) / half_width
+        t = side * u
+        root_at_b = math.sqrt(1 - b**2)
+        distance_from_jump = np.where(t == b, 1.0, t - b)
+        logarithm = np.log(np.abs((1 - b * t + root * root_at_b) / distance_from_jump))
+        logarithm[t == b] = 0.0
+        pressure_of_unit_jump = math.acos(b) + (t - b) * logarithm / root
+        pressure_over_root += side * modulus_times_jump / (2 * math.pi) * pressure_of_unit_jump
+    return pressure_over_root
 
 
 class _FittedEdge(NamedTuple):
@@ -853,15 +955,7 @@ def _fitted_edge(x: Array, p: Array, fit: EdgeFit) -> _FittedEdge | None:
         x of the edge, x of the outermost fitted node, and the coefficients of the polynomial in the
         distance from this node, highest power first.
     """
-    width = x[-1] - x[0]
-    # Nodes available lie within a part of the half-width; one at the very end of it counts.
-    end_of_fit = x[min(fit.nodes_left_out, len(x) - 1)] + (_FITTED_SPAN / 2 + _ROUND_OFF) * width
-    nodes_available = int(np.searchsorted(x, end_of_fit)) - fit.nodes_left_out
-    n_nodes = round(
-        fit.share_of_nodes * np.clip(nodes_available, _USUAL_FITTED_NODES, _MOST_FITTED_NODES)
-    )
-    n_nodes = min(n_nodes, len(x) // 2 - fit.nodes_left_out)
-
+    n_nodes = _number_of_fitted_nodes(x, fit)
     while n_nodes >= _FEWEST_FITTED_NODES:
         # _DEGREE_BY_NODES: fewest nodes and degree, highest first
         degree = fit.further_degrees + next(
@@ -869,26 +963,15 @@ def _fitted_edge(x: Array, p: Array, fit: EdgeFit) -> _FittedEdge | None:
             for fewest_nodes, usual_degree in _DEGREE_BY_NODES
             if n_nodes >= fewest_nodes
         )
-        exponents = np.arange(degree, -1, -1)
         fitted_nodes = slice(fit.nodes_left_out, fit.nodes_left_out + n_nodes)
         distance = x[fitted_nodes] - x[fit.nodes_left_out]
         squared_p = p[fitted_nodes] ** 2
-        node_number = np.arange(n_nodes)
-        # Relative residuals are fitted; scaled powers keep the matrix well-conditioned.
-        largest_powers = distance[-1] ** exponents
-        polynomial = (distance[:, None] ** exponents / largest_powers).T / squared_p
-        # The mesh error of p^2 alternates between corner nodes and mid-side nodes of the elements,
-        # and dies out.
-        mesh_error = (-1.0) ** node_number / (node_number + 4)
-        matrix = np.stack([*polynomial, mesh_error], axis=1) * squared_p[-1]
-        scaled_coefficients = np.linalg.lstsq(matrix, np.ones(n_nodes), rcond=None)[0]
-        coefficients = scaled_coefficients[: degree + 1] * squared_p[-1] / largest_powers
+        coefficients = _squared_pressure_polynomial(distance, squared_p, degree)
         relative_residual = np.polyval(coefficients, distance) / squared_p - 1
         root_mean_square = math.sqrt(float(np.mean(relative_residual**2)))
 
-        # The edge is the nearest zero outside the nodes.
+        # The edge is the nearest real zero outside the outermost fitted node.
         roots = np.roots(coefficients)
-        # Real roots outside the outermost fitted node.
         edge_distances = roots[(np.abs(roots.imag) < 1e-12) & (roots.real < 0)].real
         if root_mean_square < fit.largest_residual and len(edge_distances):
             outermost_node_x = float(x[fit.nodes_left_out])
@@ -896,6 +979,51 @@ def _fitted_edge(x: Array, p: Array, fit: EdgeFit) -> _FittedEdge | None:
             return _FittedEdge(edge, outermost_node_x, coefficients)
         n_nodes //= 2
     return None
+
+
+def _number_of_fitted_nodes(x: Array, fit: EdgeFit) -> int:
+    """Number of nodes that p^2 is fitted to first, inside the outermost ones that are left out:
+    those within 0.3 of the half-width, times the share of the fit.
+
+    The usual number is 16 at least and 100 at most; no node beyond the middle is fitted. `x` (n,)
+    are places of the touching nodes, ascending [length].
+    """
+    width = x[-1] - x[0]
+    # A node at the very end of the span counts.
+    end_of_fit = x[min(fit.nodes_left_out, len(x) - 1)] + (_FITTED_SPAN / 2 + _ROUND_OFF) * width
+    nodes_available = int(np.searchsorted(x, end_of_fit)) - fit.nodes_left_out
+    n_nodes = round(
+        fit.share_of_nodes * np.clip(nodes_available, _USUAL_FITTED_NODES, _MOST_FITTED_NODES)
+    )
+    return min(n_nodes, len(x) // 2 - fit.nodes_left_out)
+
+
+def _squared_pressure_polynomial(distance: Array, squared_p: Array, degree: int) -> Array:
+    """Coefficients (degree + 1,) of the polynomial of the distance from the outermost fitted node
+    that fits p^2 at n nodes with the least relative residuals; highest power first.
+
+    The mesh error of p^2 alternates between corner nodes and mid-side nodes of the elements, and
+    dies out. A term of that form is fitted with the polynomial, and left out.
+
+    Parameters
+    ----------
+    distance
+        (n,) of the nodes from the outermost fitted one, ascending from 0
+    squared_p
+        (n,) p^2 at the nodes
+    degree
+        of the polynomial
+    """
+    n_nodes = len(distance)
+    node_number = np.arange(n_nodes)
+    exponents = np.arange(degree, -1, -1)
+    # Scaled powers keep the matrix well-conditioned.
+    largest_powers = distance[-1] ** exponents
+    polynomial = (distance[:, None] ** exponents / largest_powers).T / squared_p
+    mesh_error = (-1.0) ** node_number / (node_number + 4)
+    matrix = np.stack([*polynomial, mesh_error], axis=1) * squared_p[-1]
+    scaled_coefficients = np.linalg.lstsq(matrix, np.ones(n_nodes), rcond=None)[0]
+    return np.asarray(scaled_coefficients[: degree + 1] * squared_p[-1] / largest_powers)
 
 
 def _smooth_shear(
@@ -924,37 +1052,84 @@ def _smooth_shear(
     constant_ratio
         whether q/p is continued to the edges of contact as constant, not by its slope
     """
-    x = nodal_tractions.x
-    q = nodal_tractions.shear
-    friction = nodal_tractions.friction
-
     # Unless a stick zone lies between two slip zones of one node at least.
     if not nodal_tractions.has_slip_zones(of_nodes=1):
-        # In full stick and in full slip q/p is finite at the edges: linear between nodes, and from
-        # the outermost node to the edge.
-        nodal_ratio = q / nodal_tractions.pressure
-        ratio = np.interp(places, x, nodal_ratio)
-        if not constant_ratio:
-            for end_node, next_node, side in ((0, 1, -1.0), (-1, -2, 1.0)):
-                is_outside = side * (places - x[end_node]) > 0
-                slope = (nodal_ratio[end_node] - nodal_ratio[next_node]) / (
-                    x[end_node] - x[next_node]
-                )
-                ratio[is_outside] += slope * (places[is_outside] - x[end_node])
+        ratio = _ratio_without_slip_zones(places, nodal_tractions, constant_ratio)
+        friction = nodal_tractions.friction
         return np.asarray(np.clip(ratio, -friction, friction) * pressure)
 
     # Slip zones on the left and on the right: q/p by their nodes.
+    x = nodal_tractions.x
     left_stick_edge, right_stick_edge = nodal_tractions.stick_edges
-    ratio_in_left_zone = _ratio_in_slip_zone(
+    shear_by_left_zone = pressure * _ratio_in_slip_zone(
         places, nodal_tractions, x < left_stick_edge, nodes_left_out
     )
-    ratio_in_right_zone = _ratio_in_slip_zone(
+    shear_by_right_zone = pressure * _ratio_in_slip_zone(
         places, nodal_tractions, x > right_stick_edge, nodes_left_out
     )
-    shear = np.where(places < left_stick_edge, ratio_in_left_zone, ratio_in_right_zone) * pressure
+    shear = np.where(places < left_stick_edge, shear_by_left_zone, shear_by_right_zone)
 
-    # Stick zone: q interpolated over the angle, between its edges and its undistorted nodes.
+    # Stick zone: between the shear at its edges.
     is_in_stick = (places > left_stick_edge) & (places < right_stick_edge)
+    shear_at_edges = (
+        float(np.interp(left_stick_edge, places, shear_by_left_zone)),
+        float(np.interp(right_stick_edge, places, shear_by_right_zone)),
+    )
+    shear[is_in_stick] = _shear_in_stick_zone(
+        places[is_in_stick], nodal_tractions, nodes_left_out, shear_at_edges
+    )
+    return np.asarray(shear)
+
+
+def _ratio_without_slip_zones(
+    places: Array, nodal_tractions: NodalTractions, constant_ratio: bool
+) -> Array:
+    """q/p at places (n,) across a contact in full stick or in full slip, where it is finite at the
+    edges: linear between nodes, and from the outermost node to the edge.
+
+    Parameters
+    ----------
+    places
+        (n,) x across the contact [length]
+    nodal_tractions
+        pressure and shear at the nodes that touch, `x` their places, ascending
+    constant_ratio
+        whether q/p is constant from the outermost node to the edge, not by its slope
+    """
+    x = nodal_tractions.x
+    nodal_ratio = nodal_tractions.shear / nodal_tractions.pressure
+    ratio = np.interp(places, x, nodal_ratio)
+    if constant_ratio:
+        return ratio
+    for end_node, next_node, side in ((0, 1, -1.0), (-1, -2, 1.0)):
+        is_outside = side * (places - x[end_node]) > 0
+        slope = (nodal_ratio[end_node] - nodal_ratio[next_node]) / (x[end_node] - x[next_node])
+        ratio[is_outside] += slope * (places[is_outside] - x[end_node])
+    return ratio
+
+
+def _shear_in_stick_zone(
+    places: Array,
+    nodal_tractions: NodalTractions,
+    nodes_left_out: int,
+    shear_at_edges: tuple[float, float],
+) -> Array:
+    """Shear q at places (n,) in the stick zone [stress]: interpolated over the angle across it,
+    between its edges and its undistorted nodes.
+
+    Parameters
+    ----------
+    places
+        (n,) x between the edges of the stick zone [length]
+    nodal_tractions
+        shear at the nodes that touch (`x` their places, ascending), and both stick edges
+    nodes_left_out
+        number of outermost nodes of the contact, on either side, whose q is left out
+    shear_at_edges
+        q at the left and right stick edge [stress]
+    """
+    x = nodal_tractions.x
+    left_stick_edge, right_stick_edge = nodal_tractions.stick_edges
     is_stick_node = (x > left_stick_edge) & (x < right_stick_edge)
     is_stick_node[:nodes_left_out] = False
     is_stick_node[len(x) - nodes_left_out :] = False
@@ -964,14 +1139,13 @@ def _smooth_shear(
         cosine = (left_stick_edge + right_stick_edge - 2 * x) / (right_stick_edge - left_stick_edge)
         return np.arccos(np.clip(cosine, -1, 1))
 
-    shear_at_left_edge = np.interp(left_stick_edge, places, ratio_in_left_zone * pressure)
-    shear_at_right_edge = np.interp(right_stick_edge, places, ratio_in_right_zone * pressure)
-    shear[is_in_stick] = np.interp(
-        angle(places[is_in_stick]),
+    shear_at_left_edge, shear_at_right_edge = shear_at_edges
+    shear_at_nodes = nodal_tractions.shear[is_stick_node]
+    return np.interp(
+        angle(places),
         np.concatenate([[0.0], angle(x[is_stick_node]), [math.pi]]),
-        np.concatenate([[shear_at_left_edge], q[is_stick_node], [shear_at_right_edge]]),
+        np.concatenate([[shear_at_left_edge], shear_at_nodes, [shear_at_right_edge]]),
     )
-    return np.asarray(shear)
 
 
 def _ratio_in_slip_zone(
