@@ -903,30 +903,29 @@ class PunchSuperposition:
         the integral as a function of the advance. `kind` names the integral, "pressure", "outside"
         or "logarithm"; with `load_power` 1 the load eta stands in front of the integrand.
         """
-        n_points = np.shape(x)[-1] if np.ndim(x) else 1
-        # A primitive takes some kilobytes a point: above 4096 points they are taken in chunks.
-        if n_points > _POINTS_OF_PRIMITIVE:
-            advance_of_points = np.broadcast_to(
-                advance, np.broadcast_shapes(np.shape(x), np.shape(advance))
-            )
-            integrals = []
-            errors = []
-            for first_point in range(0, n_points, _POINTS_OF_PRIMITIVE):
-                chunk = slice(first_point, first_point + _POINTS_OF_PRIMITIVE)
-                integral, error = self._integral_and_error(
-                    kind, load_power, x[..., chunk], advance_of_points[..., chunk]
-                )
-                integrals.append(integral)
-                errors.append(error)
-            return np.concatenate(integrals, axis=-1), np.concatenate(errors, axis=-1)
-
         # every different x once, ascending, and for each point the number of its x
         unique_x, number_in_unique_x = np.unique(np.ravel(x), return_inverse=True)
+        number_in_unique_x = number_in_unique_x.reshape(np.shape(x))
+        # A primitive takes some kilobytes a point: above 4096 different points they are taken in
+        # chunks. Points that come back at many instants count once.
+        if len(unique_x) > _POINTS_OF_PRIMITIVE:
+            points, advances, numbers = np.broadcast_arrays(x, advance, number_in_unique_x)
+            integral = np.zeros(points.shape)
+            error = np.zeros(points.shape)
+            for first_number in range(0, len(unique_x), _POINTS_OF_PRIMITIVE):
+                is_in_chunk = (numbers >= first_number) & (
+                    numbers < first_number + _POINTS_OF_PRIMITIVE
+                )
+                integral[is_in_chunk], error[is_in_chunk] = self._integral_and_error(
+                    kind, load_power, points[is_in_chunk], advances[is_in_chunk]
+                )
+            return integral, error
+
         # the primitive from the cache, and the number of each x in it
         primitive, number_in_primitive = self._cached_primitive(
             kind, load_power, unique_x, float(np.max(advance))
         )
-        point_number = number_in_primitive[number_in_unique_x].reshape(np.shape(x))
+        point_number = number_in_primitive[number_in_unique_x]
         # the integral at these points up to the advance, and its error
         return primitive(*np.broadcast_arrays(point_number, advance))
 

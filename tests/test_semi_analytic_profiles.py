@@ -28,10 +28,11 @@ from scenes import (
     Wedge,
     load_scene,
 )
+from semi_analytic import punch_superposition
 from semi_analytic.elasticity import composite_modulus, coupling_constant
 from semi_analytic.hertz import log_excess
 from semi_analytic.profiles import contact_of, law_of_power
-from semi_analytic.punch_superposition import PunchSuperposition
+from semi_analytic.punch_superposition import PunchSuperposition, primitive_of
 from semi_analytic_cases import UNIT
 from semi_analytic_oracle import LONG, Punches, integrate, law_of
 
@@ -435,6 +436,36 @@ def test_a_flat_given_by_its_slopes_has_a_finite_kernel_from_zero_load(load):
     assert np.isfinite(by_slopes.half_width(1e-20))
     kernel = float(by_slopes.dissipation_kernel(load, load))
     assert kernel == pytest.approx(float(closed_form.dissipation_kernel(load, load)), rel=1e-8)
+
+
+def test_points_that_come_back_at_many_loads_are_integrated_once(monkeypatch):
+    """Points so far apart that one primitive does not serve all of them; and more of them than one
+    serves.
+    """
+    made = []
+
+    def counted(*arguments):
+        made.append(len(arguments[2]))
+        return primitive_of(*arguments)
+
+    monkeypatch.setattr(punch_superposition, "primitive_of", counted)
+    law = law_of_power(modulus=1.0, exponent=1.3, length=1.0, rise=1.0)
+    x = np.geomspace(1e-5, 1.0, 300)
+    loads = np.linspace(0.1, 1.0, 60)[:, None]
+    contact = PunchSuperposition(law, datum_length=1.0)
+    slip = contact.slip_integral(x, loads)
+    assert len(made) <= 3
+    one_load = [PunchSuperposition(law, 1.0).slip_integral(x, load) for load in loads[::20, 0]]
+    np.testing.assert_allclose(slip[::20], one_load, rtol=1e-13)
+
+    many_x = np.geomspace(1e-2, 1.0, 5000)
+    made.clear()
+    np.testing.assert_allclose(
+        contact.slip_integral(many_x, loads[:2])[:, ::100],
+        contact.slip_integral(many_x[::100], loads[:2]),
+        rtol=1e-13,
+    )
+    assert made[:2] == [4096, 904]
 
 
 @pytest.mark.parametrize("n", [1.01, 1.3, 2.0, 3.0, 3.5, 6.0, 20.0])
