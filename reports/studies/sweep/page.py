@@ -501,9 +501,6 @@ class _QuantityFigure:
         page stays small. A value is not resolved where it is an error that is no larger than its
         uncertainty; its dot is hollow.
 
-        `lower_ends` and `upper_ends` are the value minus and plus its uncertainty, one for each of
-        the n points of the sweep.
-
         Parameters
         ----------
         name
@@ -515,48 +512,62 @@ class _QuantityFigure:
         labels_in_corner
             whether the labels of the curves stand in the upper right corner
         """
-        # both axes; a line at zero
-        least_value, largest_value = axis_limits(self.lower_ends, self.upper_ends)
-        if labels_in_corner:  # room for them; _WORD_HEIGHT: 0.055 of the range, for each label
-            largest_value += _WORD_HEIGHT * len(curves) * (largest_value - least_value)
         x_axis = self.chart_axis(column)
-        y_axis = ChartAxis(least_value, largest_value, self.axis_words)
-        marks: list[Mark] = [Rule(0.0, "zero")] if least_value < 0 < largest_value else []
-
-        # each curve, with one of six looks of the style sheet (_N_LOOKS) for its line and dots
+        y_axis = self._value_axis(len(curves) if labels_in_corner else 0)
+        bands: list[Mark] = []  # they lie below all other marks
+        marks: list[Mark] = [Rule(0.0, "zero")] if y_axis.low < 0 < y_axis.high else []
         coordinate = self.coordinates(column)
         for curve_number, (label, mask) in enumerate(curves):
-            # points of the curve, in ascending order
+            # points of the curve, in ascending order; one of six looks of the style sheet
             rows = np.flatnonzero(mask)[np.argsort(coordinate[mask])]
-            look = f"line-{curve_number % _N_LOOKS}"
-            fill = f"p{curve_number % _N_LOOKS}"
+            style_number = curve_number % _N_LOOKS
+            look = f"line-{style_number}"
             x = coordinate[rows]
-            y = self.value[rows]
-            marks.append(Curve(x, y, look, label or self.title_words))
+            marks.append(Curve(x, self.value[rows], look, label or self.title_words))
             if labels_in_corner:
-                label_class = f"tick over t{curve_number}"
-                label_shift = (-4.0, 14.0 + 15.0 * curve_number)
-                marks.append(
-                    Note(x_axis.high, largest_value, label, label_class, "end", label_shift)
-                )
-
-            # its uncertainty and its dots
+                marks.append(_label_in_corner(label, curve_number, x_axis, y_axis))
+            ends_of_bars = (self.lower_ends[rows], self.upper_ends[rows])
             is_long = len(rows) > _MOST_DOTS
-            lower_ends = self.lower_ends[rows]
-            upper_ends = self.upper_ends[rows]
             if is_long:
-                marks.insert(0, Band(x, lower_ends, upper_ends, f"{fill} pale"))
+                bands.insert(0, Band(x, *ends_of_bars, f"p{style_number} pale"))
             else:
-                marks.append(bar_curve(x, lower_ends, upper_ends, look))
-            for dot_x, dot_y, is_unresolved in zip(
-                x.tolist(), y.tolist(), self.is_unresolved[rows], strict=True
-            ):
-                if is_unresolved:
-                    marks.append(Dot(dot_x, dot_y, f"{look} hollow", 3.0))
-                elif not is_long:
-                    marks.append(Dot(dot_x, dot_y, f"{look} {fill}", 3.0))
+                marks.append(bar_curve(x, *ends_of_bars, look))
+            marks += self._dots_of_curve(rows, x, style_number, marks_resolved=not is_long)
         alt = f"{self.title_words} over {self.label(column)}"
-        return Panel(name, x_axis, y_axis, marks, alt, 480.0, 340.0)
+        return Panel(name, x_axis, y_axis, [*bands, *marks], alt, 480.0, 340.0)
+
+    def _value_axis(self, n_labels: int = 0) -> ChartAxis:
+        """The axis of the values of the quantity, upwards, with their uncertainties; longer at its
+        upper end by the room for so many labels under each other.
+        """
+        least_value, largest_value = axis_limits(self.lower_ends, self.upper_ends)
+        # _WORD_HEIGHT: 0.055 of the range, for each label
+        largest_value += _WORD_HEIGHT * n_labels * (largest_value - least_value)
+        return ChartAxis(least_value, largest_value, self.axis_words)
+
+    def _dots_of_curve(
+        self, rows: NDArray[np.intp], x: Array, style_number: int, *, marks_resolved: bool
+    ) -> Iterator[Dot]:
+        """The dots of a curve of the quantity: hollow ones where its value is not resolved, and
+        filled ones at the other points with `marks_resolved`.
+
+        Parameters
+        ----------
+        rows
+            (k,) indices of the points of the sweep on the curve
+        x
+            (k,) their coordinates
+        style_number
+            number of the look of the line and of the fill in the style sheet
+        """
+        look = f"line-{style_number}"
+        for dot_x, dot_y, is_unresolved in zip(
+            x.tolist(), self.value[rows].tolist(), self.is_unresolved[rows], strict=True
+        ):
+            if is_unresolved:
+                yield Dot(dot_x, dot_y, f"{look} hollow", 3.0)
+            elif marks_resolved:
+                yield Dot(dot_x, dot_y, f"{look} p{style_number}", 3.0)
 
     def map_with_scale(self, name: str, mask: Mask, columns: list[str], combination: str) -> Cell:
         """A map of one quantity of a sweep over two axes (`columns`): a panel with a coloured
@@ -568,20 +579,10 @@ class _QuantityFigure:
         that is no larger than its uncertainty, whose rectangle is hatched.
         """
         x_axis, y_axis = (self.chart_axis(column, for_cells=True) for column in columns)
-        least_value = float(np.nanmin(self.value))
-        largest_value = float(np.nanmax(self.value))
-        value_range = largest_value - least_value
-        # Values that differ by no more than round-off (_ROUNDOFF_SPREAD: 1e-9) have one colour.
-        largest_size = max(abs(least_value), abs(largest_value))
-        has_one_colour = value_range <= _ROUNDOFF_SPREAD * largest_size
-        if has_one_colour:
-            value_range = math.inf
-        # place on the scale of colours, from 0 to 1, (n,)
-        colour_share = np.where(mask, (self.value - least_value) / value_range, np.nan)
-
-        # rectangles, each with the text that a pointer shows, and values on them
-        tooltips = [self.tooltip(row) for row in range(len(colour_share))]
         x, y = map(self.coordinates, columns)
+        # rectangles, each with the text that a pointer shows, and values on them
+        tooltips = [self.tooltip(row) for row in range(len(self.value))]
+        colour_share = np.where(mask, self._colour_shares_of_values(), np.nan)
         marks = heat_map((x_axis, y_axis), (x, y), colour_share, tooltips, self.is_unresolved)
         rows = np.flatnonzero(mask & np.isfinite(self.value)).tolist()
         if len(rows) <= _MOST_NUMBERED_CELLS:
@@ -592,11 +593,33 @@ class _QuantityFigure:
 
         alt = f"Map of {self.title_words}, {combination}"
         panel = Panel(name, x_axis, y_axis, marks, alt, 480.0, 360.0, _in_words(combination))
-        if has_one_colour:
+        if self._has_one_value:
             # Cell: panels one under the other; None: a click on them shows no instant
             return Cell((panel,), None)
-        scale = colour_scale(f"{name}-colours", (least_value, largest_value), self.axis_words)
+        scale = colour_scale(f"{name}-colours", self._ends_of_values, self.axis_words)
         return Cell((panel, scale), None)
+
+    @property
+    def _ends_of_values(self) -> tuple[float, float]:
+        """Least and largest value of the quantity at any point of the sweep."""
+        return float(np.nanmin(self.value)), float(np.nanmax(self.value))
+
+    @property
+    def _has_one_value(self) -> bool:
+        """Whether the values of the quantity differ by no more than round-off (`_ROUNDOFF_SPREAD`,
+        1e-9 of the largest), so that they have one colour.
+        """
+        least_value, largest_value = self._ends_of_values
+        largest_size = max(abs(least_value), abs(largest_value))
+        return largest_value - least_value <= _ROUNDOFF_SPREAD * largest_size
+
+    def _colour_shares_of_values(self) -> Array:
+        """Place of the value of each of the n points on the scale of colours, (n,), from 0 at the
+        least value to 1 at the largest; 0 where all have one value, NaN where there is none.
+        """
+        least_value, largest_value = self._ends_of_values
+        value_range = math.inf if self._has_one_value else largest_value - least_value
+        return np.asarray((self.value - least_value) / value_range)
 
     def dots_with_scale(self, name: str, mask: Mask, columns: list[str], combination: str) -> Cell:
         """A panel with a dot for each point of `mask` (n,), and the scale of its colours beneath. A
@@ -608,14 +631,9 @@ class _QuantityFigure:
         n points of the sweep. `is_unresolved` is true for an error that is no larger than its
         uncertainty, whose dot is hollow.
         """
-        # place on the scale of colours, from 0 to 1, (n,)
         x, second_coordinate = map(self.coordinates, columns[:2])
         x_axis, colour_axis = map(self.chart_axis, columns[:2])
-        colour_ends = np.array([colour_axis.low, colour_axis.high])
-        if colour_axis.log:
-            colour_share = np.interp(np.log(second_coordinate), np.log(colour_ends), [0.0, 1.0])
-        else:
-            colour_share = np.interp(second_coordinate, colour_ends, [0.0, 1.0])
+        colour_share = _shares_along(colour_axis, second_coordinate)
 
         # bars and dots
         marks: list[Mark] = [
@@ -627,9 +645,10 @@ class _QuantityFigure:
             marks.append(
                 Dot(float(x[row]), float(self.value[row]), look, 3.6, self.tooltip(row), fill=fill)
             )
-        y_axis = ChartAxis(*axis_limits(self.lower_ends, self.upper_ends), self.axis_words)
         alt = f"{self.title_words} over {x_axis.words}, {combination}"
-        panel = Panel(name, x_axis, y_axis, marks, alt, 480.0, 340.0, _in_words(combination))
+        panel = Panel(
+            name, x_axis, self._value_axis(), marks, alt, 480.0, 340.0, _in_words(combination)
+        )
         scale = colour_scale(
             f"{name}-colours",
             (colour_axis.low, colour_axis.high),
@@ -638,6 +657,25 @@ class _QuantityFigure:
         )
         # Cell: panels one under the other; None: a click on them shows no instant
         return Cell((panel, scale), None)
+
+
+def _label_in_corner(label: str, curve_number: int, x_axis: ChartAxis, y_axis: ChartAxis) -> Note:
+    """The label of a curve in the upper right corner of its panel, under those of the curves before
+    it; `curve_number` counts from 0.
+    """
+    look = f"tick over t{curve_number}"
+    shift = (-4.0, 14.0 + 15.0 * curve_number)  # right and down [pixels]
+    return Note(x_axis.high, y_axis.high, label, look, "end", shift)
+
+
+def _shares_along(axis: ChartAxis, coordinates: Array) -> Array:
+    """Places of coordinates (n,) along an axis, (n,): 0 at its lower end, 1 at the upper one. They
+    are shares of the logarithm on a logarithmic axis.
+    """
+    ends = np.array([axis.low, axis.high])
+    if axis.log:
+        return np.interp(np.log(coordinates), np.log(ends), [0.0, 1.0])
+    return np.interp(coordinates, ends, [0.0, 1.0])
 
 
 def bar_curve(x: Array, lower_ends: Array, upper_ends: Array, look: str) -> Curve:
