@@ -349,12 +349,9 @@ def run_calculix(
         process has ended in any case.
     """
     start_of_run = time.monotonic()
-    is_late = False
     log_file = folder / f"{name}.log"
     # a line for each attempt to solve an increment, which may be accepted or not
     status_file = folder / f"{name}.sta"
-
-    # run; _SECONDS_BETWEEN_LOOKS: 0.25 s
     with log_file.open("w", encoding="utf-8") as stream:
         process = subprocess.Popen(
             [str(program), "-i", name],
@@ -364,49 +361,75 @@ def run_calculix(
             stdout=stream,
             stderr=subprocess.STDOUT,
         )
-        try:
-            while process.poll() is None and not is_late:
-                is_late = time.monotonic() > start_of_run + time_limit
-                if show_progress is not None:
-                    attempts = attempts_in(status_file)
-                    time_fraction = attempts[-1].time_reached / end_time if attempts else 0.0
-                    percent = round(100 * min(time_fraction, 1.0))
-                    show_progress(percent, 100, f"increment {len(attempts)}")
-                time.sleep(0.0 if is_late else _SECONDS_BETWEEN_LOOKS)
-        finally:
-            if process.poll() is None:
-                process.kill()
-            process.wait()
+
+        def show_attempts() -> None:
+            """Report how far the run is, by its status file."""
+            if show_progress is not None:
+                _show_time_reached(attempts_in(status_file), end_time, show_progress)
+
+        is_late = _wait_for_end(process, start_of_run + time_limit, show_attempts)
 
     # did it reach the end? (_RELATIVE_ERROR_OF_PRINTED_TIME: 1e-5)
     attempts = attempts_in(status_file)
     accepted_attempts = [attempt for attempt in attempts if attempt.is_accepted]
     time_reached = max((attempt.time_reached for attempt in accepted_attempts), default=0.0)
-    if (
-        is_late
-        or process.returncode != 0
-        or time_reached < end_time * (1 - _RELATIVE_ERROR_OF_PRINTED_TIME)
-    ):
+    is_at_end = time_reached >= end_time * (1 - _RELATIVE_ERROR_OF_PRINTED_TIME)
+    if is_late or process.returncode != 0 or not is_at_end:
         cause = f"ended with exit code {process.returncode}"
         if is_late:
             cause = f"was stopped at the time limit of {time_limit:g} s"
-        log_lines = [
-            line.strip()
-            for line in log_file.read_text(encoding="utf-8", errors="replace").splitlines()
-        ]
-        lines_with_words = [line for line in log_lines if not set(line) <= set("_-* ")]
-        # _N_SHOWN_LOG_LINES: 6
-        last_lines = " | ".join(lines_with_words[-_N_SHOWN_LOG_LINES:]) or "nothing"
         raise ConvergenceError(
             f"CalculiX {cause} at time {time_reached:.6g} of {end_time:.6g}, in increment"
             f" {len(attempts)};"
-            f" the last lines of its log: {last_lines}"
+            f" the last lines of its log: {_last_words_of(log_file)}"
         )
     return RunRecord(
         time.monotonic() - start_of_run,
         len(accepted_attempts),
         sum(attempt.iterations for attempt in attempts),
     )
+
+
+def _wait_for_end(
+    process: subprocess.Popen[bytes], deadline: float, show_attempts: Callable[[], None]
+) -> bool:
+    """Wait until a process ends, and call `show_attempts` four times a second meanwhile. At the
+    `deadline`, a time of the monotonic clock [s], or on an exception the process is ended. Returns
+    whether the deadline was reached.
+    """
+    is_late = False
+    try:
+        while process.poll() is None and not is_late:
+            is_late = time.monotonic() > deadline
+            show_attempts()
+            time.sleep(0.0 if is_late else _SECONDS_BETWEEN_LOOKS)
+    finally:
+        if process.poll() is None:
+            process.kill()
+        process.wait()
+    return is_late
+
+
+def _show_time_reached(
+    attempts: list[Attempt], end_time: float, show_progress: Callable[[int, int | None, str], None]
+) -> None:
+    """Report how far a run of CalculiX is: the time that its last attempt at an increment reached,
+    in per cent of the deck's `end_time`, 100, and the number of attempts as text.
+    """
+    time_fraction = attempts[-1].time_reached / end_time if attempts else 0.0
+    percent = round(100 * min(time_fraction, 1.0))
+    show_progress(percent, 100, f"increment {len(attempts)}")
+
+
+def _last_words_of(log_file: Path) -> str:
+    """The last six lines with words of a log (`_N_SHOWN_LOG_LINES`), joined by bars; "nothing" for
+    an empty one. Lines that only part others, of dashes or stars, are left out.
+    """
+    log_lines = [
+        line.strip() for line in log_file.read_text(encoding="utf-8", errors="replace").splitlines()
+    ]
+    lines_with_words = [line for line in log_lines if not set(line) <= set("_-* ")]
+    return " | ".join(lines_with_words[-_N_SHOWN_LOG_LINES:]) or "nothing"
 
 
 @dataclass(frozen=True)

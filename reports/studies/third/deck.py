@@ -300,20 +300,54 @@ def build_deck(
     """
     scene = validated(scene, Scene)
     settings = settings or DeckSettings()
+    _require_support_of_loads(scene)
+    scales = scales or find_scales(scene, Counter())
+    lower_body, upper_body = _meshed_bodies(scene, settings, scales)
 
-    # refuse bodies that loads push off their supports, and bulk stress that can't act
+    # instants and loads; the touch takes a fraction of the first increment (_TOUCH_FRACTION: 0.25)
+    path = scene.load.path()
+    time = _instants(scene, settings)
+    normal_load, tangential_load = path.at(time)
+    load_of_touch = _TOUCH_FRACTION * float(normal_load[1])
+    return Deck(
+        scene=scene,
+        settings=settings,
+        scales=scales,
+        lower=lower_body,
+        upper=upper_body,
+        time=read_only_copy(time),
+        normal_load=read_only_copy(normal_load),
+        tangential_load=read_only_copy(tangential_load),
+        touch_time=float(_TOUCH_FRACTION * (time[1] - time[0])),
+        touch_approach=_approach(scene, settings, scales, load_of_touch),
+        **_bulk_and_tilt(path, time),
+    )
+
+
+def _require_support_of_loads(scene: Scene) -> None:
+    """InputError for bodies that the loads push off their supports, for bulk stress that can't act,
+    and for an upper block on rollers under bulk stress and a tangential load Q.
+    """
     check_supports(scene)
     check_bulk_stress(scene)
-    path = scene.load.path()
     on_rollers = getattr(scene.bodies.upper, "base", "") == "rollers"
-    if has_bulk_stress(path) and on_rollers and has_tangential_load(scene):
+    if has_bulk_stress(scene.load.path()) and on_rollers and has_tangential_load(scene):
         raise InputError(
             "bodies.upper.base: a deck holds Q by the rigid plane above, which rollers let go: take"
             " base = 'fixed'"
         )
 
-    # both bodies, with linear quadrilaterals, finest where edges of contact and stick travel
-    scales = scales or find_scales(scene, Counter())
+
+def _meshed_bodies(
+    scene: Scene, settings: DeckSettings, scales: Scales
+) -> tuple[DeckBody, DeckBody]:
+    """The lower and the upper body of an input deck, meshed with linear quadrilaterals, finest
+    where edges of contact and stick travel. Numbers of the upper body's nodes and elements follow
+    those of the lower one.
+
+    `settings` has element sizes and `far_radius` over the contact half-width, `scales` has that
+    half-width and the loads.
+    """
     mesh_settings = MeshSettings(
         element_size=settings.element_size,
         edge_element_size=settings.edge_element_size,
@@ -335,24 +369,7 @@ def build_deck(
         len(lower_body.nodes) + 1,
         len(lower_body.elements) + 1,
     )
-
-    # instants and loads; the touch takes a fraction of the first increment (_TOUCH_FRACTION: 0.25)
-    time = _instants(scene, settings)
-    normal_load, tangential_load = path.at(time)
-    load_of_touch = _TOUCH_FRACTION * float(normal_load[1])
-    return Deck(
-        scene=scene,
-        settings=settings,
-        scales=scales,
-        lower=lower_body,
-        upper=upper_body,
-        time=read_only_copy(time),
-        normal_load=read_only_copy(normal_load),
-        tangential_load=read_only_copy(tangential_load),
-        touch_time=float(_TOUCH_FRACTION * (time[1] - time[0])),
-        touch_approach=_approach(scene, settings, scales, load_of_touch),
-        **_bulk_and_tilt(path, time),
-    )
+    return lower_body, upper_body
 
 
 def _bulk_and_tilt(path: LoadPath, time: Array) -> dict[str, Any]:
@@ -464,31 +481,15 @@ def _body(
     nodes_by_boundary = {
         boundary: mesh.mesh.facets[:, facets] for boundary, facets in mesh.mesh.boundaries.items()
     }
-
-    # A side of an element is on a boundary where its two nodes, in either order, are those of a
-    # facet there. For this each pair of nodes becomes one number, its key: (4, m).
-    key_factors = [places.shape[1], 1]
-    nodes_of_sides = np.sort(np.stack([cells, np.roll(cells, -1, axis=0)], axis=-1), axis=-1)
-    keys_of_sides = nodes_of_sides @ key_factors
-
-    def sides_of_facets(facets: Indices) -> Indices:
-        """Number of the element and of its side 1 to 4, (k, 2), for each facet of the mesh, whose
-        nodes are `facets` (2, k).
-        """
-        keys_of_facets = np.sort(facets.T) @ key_factors
-        element_numbers, side_numbers = np.nonzero(np.isin(keys_of_sides, keys_of_facets).T)
-        return read_only_copy(
-            np.stack([element_numbers + first_element, side_numbers + 1], axis=1), np.int64
-        )
-
     # the left and the right end of a block that bulk stress pulls
     pulled_ends: tuple[Indices, ...] = ()
     if mesh.supports.get("sides") == "pulled":
         facets_of_ends = nodes_by_boundary["sides"]
         is_right = places[0, facets_of_ends].mean(axis=0) > 0
-        left_end = sides_of_facets(facets_of_ends[:, ~is_right])
-        right_end = sides_of_facets(facets_of_ends[:, is_right])
-        pulled_ends = (left_end, right_end)
+        pulled_ends = (
+            _sides_on_facets(cells, facets_of_ends[:, ~is_right], first_element),
+            _sides_on_facets(cells, facets_of_ends[:, is_right], first_element),
+        )
 
     # nodes that may touch, from left to right; nodes that supports hold, by direction x (1), y (2)
     contact_nodes = np.unique(nodes_by_boundary["contact"])
@@ -500,7 +501,7 @@ def _body(
         first_element=first_element,
         nodes=read_only_copy(places.T),
         elements=read_only_copy(cells.T + first_node, np.int64),
-        contact_faces=sides_of_facets(nodes_by_boundary["contact"]),
+        contact_faces=_sides_on_facets(cells, nodes_by_boundary["contact"], first_element),
         contact_nodes=read_only_copy(nodes_in_order_of_x + first_node, np.int64),
         held={
             direction: read_only_copy(np.unique(np.concatenate(nodes)) + first_node, np.int64)
@@ -508,6 +509,30 @@ def _body(
             if nodes
         },
         ends=pulled_ends,
+    )
+
+
+def _sides_on_facets(cells: Indices, facets: Indices, first_element: int) -> Indices:
+    """Numbers of the element and of its side, 1 to 4, for each side of an element that lies on a
+    boundary, (k, 2). It lies there where its two nodes, in either order, are those of a facet.
+
+    Parameters
+    ----------
+    cells
+        (4, m) nodes of the elements; side 1 goes from the first node to the second, and so on
+    facets
+        (2, k) both nodes of each facet on the boundary
+    first_element
+        number of the first element
+    """
+    # each pair of nodes becomes one number, its key: (4, m) and (k,)
+    key_factors = [int(cells.max()) + 1, 1]
+    nodes_of_sides = np.sort(np.stack([cells, np.roll(cells, -1, axis=0)], axis=-1), axis=-1)
+    keys_of_sides = nodes_of_sides @ key_factors
+    keys_of_facets = np.sort(facets.T) @ key_factors
+    element_numbers, side_numbers = np.nonzero(np.isin(keys_of_sides, keys_of_facets).T)
+    return read_only_copy(
+        np.stack([element_numbers + first_element, side_numbers + 1], axis=1), np.int64
     )
 
 
