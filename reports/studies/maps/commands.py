@@ -15,6 +15,8 @@ from reports.console import Part, Sheet, Stages
 if TYPE_CHECKING:
     from reports.advising_by_kernels import KernelAdvice
     from reports.advising_by_numbers import Advice, Change
+    from reports.studies.maps.families import Kind
+    from reports.studies.maps.pages import Tables
     from scenes import Estimate, Scene
 
 _MODEL_ITSELF = (
@@ -31,6 +33,30 @@ def make_map(name: str, options: Options) -> Answer:
     folder, `pages` stands for pages alone without computing, `remake` for all points again. Returns
     exit code 0, a table for the terminal, and the content of the JSON output.
     """
+    from reports.studies.maps import pages
+    from reports.studies.maps.families import KINDS, kind_named
+
+    folder = options.out or Path("out/maps")
+    # KINDS: the kinds of bodies by name
+    kinds = list(KINDS.values()) if name == "all" else [kind_named(name)]
+    pages.require_free(folder)  # InputError if a file of another program would be replaced
+    if not options.pages:
+        folder.mkdir(parents=True, exist_ok=True)
+        stages = Stages(options.quiet)
+        for kind in kinds:
+            _complete_tables(kind, folder, stages, remakes=options.remake)
+
+    # figures and pages of all maps in the folder; of those asked for, kind, errors and heights
+    pages.write(folder)
+    shown_tables = [tables for tables in pages.stored_maps(folder) if tables.kind in kinds]
+    return _answer_of_maps(shown_tables, str(folder / "README.md"))
+
+
+def _complete_tables(kind: Kind, folder: Path, stages: Stages, *, remakes: bool) -> None:
+    """Compute what is missing of both tables of a map: errors of half-plane theory at its points,
+    and heights of the bodies from which theory holds. `kind` is the kind of bodies that the map is
+    for; both tables are CSV files of the `folder`. With `remakes` all points are computed again.
+    """
     from reports.folder import replace_text
     from reports.studies.maps import pages
     from reports.studies.maps.errors import (
@@ -39,32 +65,23 @@ def make_map(name: str, options: Options) -> Answer:
         rows_in,
         table_of_heights,
     )
-    from reports.studies.maps.families import KINDS, kind_named
 
-    folder = options.out or Path("out/maps")
-    # KINDS: the kinds of bodies by name
-    kinds = list(KINDS.values()) if name == "all" else [kind_named(name)]
-    pages.require_free(folder)  # InputError if a file of another program would be replaced
+    file_of_errors, file_of_heights = (folder / file for file in pages.table_names(kind))
+    if remakes:
+        file_of_errors.unlink(missing_ok=True)
+    with stages.stage(kind.title, "points") as report_progress:
+        has_new_rows = compute_missing_rows(kind, file_of_errors, report_progress)
+        if has_new_rows or not file_of_heights.exists():
+            least_heights = least_heights_of(kind, rows_in(file_of_errors), report_progress)
+            replace_text(file_of_heights, table_of_heights(least_heights))
 
-    # two CSV files for each kind: errors at the points of the map, and the least heights
-    computes_maps = not options.pages
-    if computes_maps:
-        folder.mkdir(parents=True, exist_ok=True)
-        stages = Stages(options.quiet)
-        for kind in kinds:
-            file_of_errors, file_of_heights = (folder / file for file in pages.table_names(kind))
-            if options.remake:
-                file_of_errors.unlink(missing_ok=True)
-            with stages.stage(kind.title, "points") as report:
-                has_new_rows = compute_missing_rows(kind, file_of_errors, report)
-                if has_new_rows or not file_of_heights.exists():
-                    least_heights = least_heights_of(kind, rows_in(file_of_errors), report)
-                    replace_text(file_of_heights, table_of_heights(least_heights))
 
-    # figures and pages of all maps in the folder; of those asked for, kind, errors and heights
-    pages.write(folder)
-    page = str(folder / "README.md")
-    shown_tables = [tables for tables in pages.stored_maps(folder) if tables.kind in kinds]
+def _answer_of_maps(shown_tables: list[Tables], page: str) -> Answer:
+    """The answer of the command `map`, with exit code 0: for the terminal a table of the least
+    heights from which theory holds, and the path of the `page`; the same as JSON content.
+    `shown_tables` are kind of bodies, errors and least heights of each map.
+    """
+    from reports.studies.maps import pages
 
     def terminal_output() -> Iterator[Part]:
         """What the terminal shows: the table of least heights, and the path of the page."""

@@ -281,14 +281,7 @@ def _panel(
 
     `tables` has the kind of bodies, and the errors at the points of its map.
     """
-    # ends of the axis of errors [%]; the lower one lies between 0.03 and 0.5
     kind = tables.kind
-    errors_in_percent = [100 * abs(row.errors[quantity].value) for row in tables.rows]
-    largest_error = float(np.nanmax(errors_in_percent))
-    lower_end = float(np.clip(np.nanmin(errors_in_percent) / 1.5, _LEAST_DRAWN, _HIGHEST_FOOT))
-    upper_end = max(1.5 * largest_error, 15.0)
-
-    # both axes, with their ticks
     x_axis = Axis(
         0.9 * kind.heights[0],
         1.1 * kind.heights[-1],
@@ -296,15 +289,6 @@ def _panel(
         log=True,
         ticks=tuple(zip(kind.heights, tick_labels(kind.heights), strict=True)),
     )
-    ticks = [tick for tick in _TICKS if lower_end <= tick <= upper_end]
-    y_axis = Axis(
-        lower_end,
-        upper_end,
-        "|error|, %",
-        log=True,
-        ticks=tuple(zip(ticks, tick_labels(ticks), strict=True)),
-    )
-
     # rules across the panel at 1, 5 and 10 % (ERROR_LEVELS), and the lines of the map
     marks: list[Mark] = [Rule(100 * level, "slope order-2") for level in ERROR_LEVELS]
     for (width, friction), (colour_number, line_style) in line_looks.items():
@@ -312,7 +296,27 @@ def _panel(
         marks += _marks_of_line(rows_of_line, quantity, colour_number, line_style)
     # QUANTITIES: name of a quantity -> its words; _WIDTH, _HEIGHT: of a panel [pixels]
     title = QUANTITIES[quantity]
+    y_axis = _error_axis(tables.rows, quantity)
     return Panel(quantity, x_axis, y_axis, marks, title, _WIDTH, _HEIGHT, title)
+
+
+def _error_axis(rows: Sequence[Row], quantity: str) -> Axis:
+    """The axis of |error| of a quantity in per cent, logarithmic, for the errors at the points of a
+    map (`rows`). It goes from two thirds of the least error, between 0.03 and 0.5, to 1.5 times the
+    largest one, at least 15.
+    """
+    errors_in_percent = [100 * abs(row.errors[quantity].value) for row in rows]
+    largest_error = float(np.nanmax(errors_in_percent))
+    lower_end = float(np.clip(np.nanmin(errors_in_percent) / 1.5, _LEAST_DRAWN, _HIGHEST_FOOT))
+    upper_end = max(1.5 * largest_error, 15.0)
+    ticks = [tick for tick in _TICKS if lower_end <= tick <= upper_end]
+    return Axis(
+        lower_end,
+        upper_end,
+        "|error|, %",
+        log=True,
+        ticks=tuple(zip(ticks, tick_labels(ticks), strict=True)),
+    )
 
 
 def _marks_of_line(

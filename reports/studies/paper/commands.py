@@ -2,8 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 from reports.cli.application import EXIT_OUTSIDE, EXIT_WITHIN, Answer, Options
 from reports.console import Part, Sheet, Stages
+
+if TYPE_CHECKING:
+    from reports.studies.paper.page import PaperReport
+    from reports.studies.paper.tables import Misprint, Statement
 
 
 def paper(options: Options) -> Answer:
@@ -16,48 +23,62 @@ def paper(options: Options) -> Answer:
     """
     from reports.folder import default_folder, usable_folder
 
-    # compute, and write the page
     stages = Stages(options.quiet)
     folder = usable_folder(options.out or default_folder("paper"))
     with stages.stage("loading"):
         from reports.studies.paper import page
-        from reports.studies.paper.tables import proven_in_words
     report = page.write(folder, stages, options.command("paper", "", folder))
 
-    # for JSON: the rows of both tables (`statements`, `misprints`), and how many have each verdict
-    code = EXIT_WITHIN if report.proven else EXIT_OUTSIDE  # exit codes 0 and 1
-    verdicts = page.tally(report.statements)
+    # exit codes 0 and 1
+    code = EXIT_WITHIN if report.proven else EXIT_OUTSIDE
     content = {
         "passed": code == EXIT_WITHIN,
-        "verdicts": verdicts,
+        "verdicts": page.tally(report.statements),
         "statements": [vars(statement) for statement in report.statements],
         "misprints": [vars(misprint) for misprint in report.misprints],
         "page": str(report.page),
         "seconds": stages.seconds,
     }
-
-    # for the terminal: both tables, a summary, and the path of the page
-    counts = ", ".join(f"{count} {verdict}" for verdict, count in verdicts.items())
-    n_proven = sum(row.proven is True for row in report.misprints)
-    heads_of_statements = ("statement", "where", "the paper", "computed", "verdict")
-    rows_of_statements = [
-        (row.key, row.where, row.words, row.computed, row.verdict.value)
-        for row in report.statements
-    ]
-    heads_of_misprints = ("where", "printed", "right", "proof", "proven")
-    rows_of_misprints = [
-        (row.key, row.printed, row.right, row.proof, proven_in_words(row))
-        for row in report.misprints
-    ]
-    summary = (
-        f"{len(report.statements)} statements: {counts}; {len(report.misprints)} misprints:"
-        f" {n_proven} proven by evaluation"
-    )
-    # Sheet: a table on the terminal, of title, heads and rows
     parts: list[Part] = [
-        Sheet("What the paper states in words", heads_of_statements, rows_of_statements),
-        Sheet("Misprints of the paper", heads_of_misprints, rows_of_misprints),
-        summary,
+        _sheet_of_statements(report.statements),
+        _sheet_of_misprints(report.misprints),
+        _summary(report),
         str(report.page),
     ]
     return Answer(code, parts, lambda: content)
+
+
+def _sheet_of_statements(statements: Sequence[Statement]) -> Sheet:
+    """The table, for the terminal, of what the paper states in words: where, in which words, what
+    was computed, and the verdict.
+    """
+    heads = ("statement", "where", "the paper", "computed", "verdict")
+    rows = [(row.key, row.where, row.words, row.computed, row.verdict.value) for row in statements]
+    # Sheet: title, heads and rows
+    return Sheet("What the paper states in words", heads, rows)
+
+
+def _sheet_of_misprints(misprints: Sequence[Misprint]) -> Sheet:
+    """The table, for the terminal, of misprints of the paper: where, what is printed, what is
+    right, the proof by evaluation, and whether it succeeded.
+    """
+    from reports.studies.paper.tables import proven_in_words
+
+    heads = ("where", "printed", "right", "proof", "proven")
+    rows = [(row.key, row.printed, row.right, row.proof, proven_in_words(row)) for row in misprints]
+    # Sheet: title, heads and rows
+    return Sheet("Misprints of the paper", heads, rows)
+
+
+def _summary(report: PaperReport) -> str:
+    """How many statements of the paper have each verdict, and how many of its misprints are
+    proven.
+    """
+    from reports.studies.paper.page import tally
+
+    counts = ", ".join(f"{count} {verdict}" for verdict, count in tally(report.statements).items())
+    n_proven = sum(row.proven is True for row in report.misprints)
+    return (
+        f"{len(report.statements)} statements: {counts}; {len(report.misprints)} misprints:"
+        f" {n_proven} proven by evaluation"
+    )

@@ -46,8 +46,7 @@ def solve_study(source: str, options: Options, *, with_opening_lines: bool = Fal
     (printed tables) and lines for the terminal, and the content of the JSON output.
     """
     from reports.folder import default_folder, usable_folder
-    from reports.studies.sweep.running import prepare, solve_waiting_points, worker_pool
-    from reports.studies.sweep.store import StoreError
+    from reports.studies.sweep.running import prepare, worker_pool
 
     stages = Stages(options.quiet)
     folder = usable_folder(options.out or default_folder(Path(source).stem))
@@ -57,32 +56,18 @@ def solve_study(source: str, options: Options, *, with_opening_lines: bool = Fal
     # read the study and check all its points
     with stages.stage("checking the study", "points") as report_progress:
         prepared_sweep = prepare(
-            source, folder, lambda count: report_progress(count, None, f"{count} points checked")
+            source,
+            folder,
+            lambda n_checked: report_progress(n_checked, None, f"{n_checked} points checked"),
         )
     if with_opening_lines:
         for line in _opening_lines(prepared_sweep):
             say(line)
-    # the command that resumes the sweep
-    command_again = replace(options, resume=False).command("sweep", source, folder)
 
-    def stored_in_words() -> str:
-        """How many points are stored now, as a sentence without its end."""
-        stored_addresses = prepared_sweep.store.addresses()
-        n_stored = sum(point.address in stored_addresses for point in prepared_sweep.points)
-        return f"{n_stored} of {len(prepared_sweep.points)} points are stored"
-
-    # solve; the table has a row for each point; StoreError: a result can't be written
-    try:
-        with stages.stage("sweep", "points") as report_progress:
-            table = solve_waiting_points(prepared_sweep, report=report_progress, **worker_options)
-    except KeyboardInterrupt:
-        # EXIT_INTERRUPTED: exit code 130
-        complain(f"halfplane: interrupted; {stored_in_words()}; resume with: {command_again}")
-        return Answer(EXIT_INTERRUPTED)
-    except StoreError as fault:
-        raise StoreError(
-            f"{fault}; {stored_in_words()}; once there is room resume with: {command_again}"
-        ) from fault
+    command_to_resume = replace(options, resume=False).command("sweep", source, folder)
+    table = _table_of_solved_points(prepared_sweep, stages, worker_options, command_to_resume)
+    if table is None:
+        return Answer(EXIT_INTERRUPTED)  # exit code 130
 
     # how far the sweep is, for JSON: counts, failures, notes
     table_path = prepared_sweep.store.folder / "index.csv"
@@ -95,6 +80,42 @@ def solve_study(source: str, options: Options, *, with_opening_lines: bool = Fal
         lambda: json_content,
         prepared_sweep.study.scene.name,
     )
+
+
+def _table_of_solved_points(
+    prepared_sweep: PreparedSweep,
+    stages: Stages,
+    worker_options: dict[str, Any],
+    command_to_resume: str,
+) -> DataFrame | None:
+    """Solve the points of a sweep that have no stored result: a table with a row for each point.
+    None, with a message on the terminal, where the user interrupted. StoreError where a result
+    can't be written. Both messages state how many points are stored, and `command_to_resume`.
+
+    `stages` shows the progress; `worker_options` are the options that state who solves.
+    """
+    from reports.studies.sweep.running import solve_waiting_points
+    from reports.studies.sweep.store import StoreError
+
+    try:
+        with stages.stage("sweep", "points") as report_progress:
+            return solve_waiting_points(prepared_sweep, report=report_progress, **worker_options)
+    except KeyboardInterrupt:
+        stored_in_words = _stored_in_words(prepared_sweep)
+        complain(f"halfplane: interrupted; {stored_in_words}; resume with: {command_to_resume}")
+        return None
+    except StoreError as fault:
+        raise StoreError(
+            f"{fault}; {_stored_in_words(prepared_sweep)}; once there is room resume with:"
+            f" {command_to_resume}"
+        ) from fault
+
+
+def _stored_in_words(prepared_sweep: PreparedSweep) -> str:
+    """How many points of a sweep are stored now, as a sentence without its end."""
+    stored_addresses = prepared_sweep.store.addresses()
+    n_stored = sum(point.address in stored_addresses for point in prepared_sweep.points)
+    return f"{n_stored} of {len(prepared_sweep.points)} points are stored"
 
 
 def _opening_lines(sweep: PreparedSweep) -> Iterator[str]:
