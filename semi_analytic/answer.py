@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import platform
+import time as clock
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from functools import cache
@@ -193,6 +194,21 @@ class Findings:
     skipped: Mapping[str, tuple[int, str]] = field(default_factory=dict)
     seconds: Mapping[str, float] = field(default_factory=dict)
     scene: Scene | None = None
+
+
+class StopWatch:
+    """Seconds of computing that an answer has taken so far, for each of its parts by name."""
+
+    def __init__(self, *names: str) -> None:
+        """A stop watch for parts with these names that starts now."""
+        self.seconds = dict.fromkeys(names, 0.0)
+        self._clock_at_last_lap = clock.perf_counter()
+
+    def add_lap(self, name: str) -> None:
+        """Add the seconds since the last lap to those of a part."""
+        clock_now = clock.perf_counter()
+        self.seconds[name] += clock_now - self._clock_at_last_lap
+        self._clock_at_last_lap = clock_now
 
 
 def solution_of(question: Question, findings: Findings) -> ContactSolution:

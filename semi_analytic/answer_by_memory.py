@@ -19,7 +19,6 @@ digits. They have no entry but for what arcs lose beyond 1e-12.
 from __future__ import annotations
 
 import math
-import time as clock
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
@@ -43,6 +42,7 @@ from scenes.array_types import Array
 from semi_analytic.answer import (
     Findings,
     Question,
+    StopWatch,
     is_between_edges,
     mirrored_points,
     neglected_coupling,
@@ -177,7 +177,7 @@ def findings_by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> F
     NotFoundError
         Where a value of a field, a half-width or an error is not a number.
     """
-    stop_watch = _StopWatch()
+    stop_watch = StopWatch("history", "fields", "dissipation")
     # the friction history, the instants, and what is evaluated at them
     path, time, n_rows_left_out = _path_and_instants(question, bulk_tilt_path)
     request = _request_of(question, bulk_tilt_path, path, time)
@@ -219,23 +219,6 @@ def findings_by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> F
         skipped=_skipped_work(question.scene, path, path_answer),
         seconds=stop_watch.seconds,
     )
-
-
-class _StopWatch:
-    """Seconds of computing that an answer has taken so far, for its history, its fields and its
-    dissipation, by name.
-    """
-
-    def __init__(self) -> None:
-        """A stop watch that starts now."""
-        self.seconds = {"history": 0.0, "fields": 0.0, "dissipation": 0.0}
-        self._clock_at_last_lap = clock.perf_counter()
-
-    def add_lap(self, name: str) -> None:
-        """Add the seconds since the last lap to those of one of the three names."""
-        clock_now = clock.perf_counter()
-        self.seconds[name] += clock_now - self._clock_at_last_lap
-        self._clock_at_last_lap = clock_now
 
 
 def _path_and_instants(

@@ -11,11 +11,10 @@ give their errors. At constant P the friction work W does not depend on the step
 from __future__ import annotations
 
 import math
-import time as clock
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,17 +22,16 @@ from numpy.typing import NDArray
 from scenes import BodyEffects, Hertz, InputError, PolygonLoad, Rig, Scene
 from scenes.array_types import Array
 from scenes.errors import first_line
-from semi_analytic.answer import Findings, Question, mirrored_points, neglected_coupling
-from semi_analytic.answer_by_memory import distances_and_indices
+from semi_analytic.answer import Findings, Question, StopWatch, mirrored_points, neglected_coupling
 from semi_analytic.corrected import (
     WORDS_UNDER_RIG,
+    FieldsByDistance,
     PathRows,
     PathSeries,
     PointFields,
     TiltAndStrainPart,
     admissibility_checks_of,
     curvatures_of,
-    fields_at,
     instants_and_row_numbers,
     notes_of_effects,
     permanent_stick_half_width,
@@ -286,7 +284,7 @@ def findings_of_rig(question: Question) -> Findings:
         For `straight_steps`, for materials, profiles or rigs that corrected theory does not take,
         and for springs that leave more than one answer.
     """
-    clock_at_start = clock.perf_counter()
+    stop_watch = StopWatch("history", "fields")
     if question.straight_steps:
         raise InputError(
             "straight_steps: it goes with given loads; leave it out where a displacement is"
@@ -294,7 +292,7 @@ def findings_of_rig(question: Question) -> Findings:
         )
 
     followed = _FollowedRig.of_question(question)
-    clock_after_history = clock.perf_counter()
+    stop_watch.add_lap("history")
     # instants, points, and the values at them
     time, row_numbers = instants_and_row_numbers(
         question, followed.loads_up_to_end, followed.last_cycle
@@ -302,21 +300,22 @@ def findings_of_rig(question: Question) -> Findings:
     x = question.x
     if x is None:
         x = mirrored_points(1.05 * float(np.max(followed.corrected_path.half_width)))
-    point_values = _PointValues.of_question(question, followed, x, row_numbers)
+    fields = FieldsByDistance.of_question(question, followed.corrected_path, x, row_numbers)
     # friction work of the last cycle, the closed integral of Q dU + P d(approach), their errors
     cycle_energy = _energy_of(followed)
+    stop_watch.add_lap("fields")
     is_steady = followed.steady_from is not None
     return Findings(
         time=time,
         x=x,
         values={
             **_values_from_answer_datum(question, followed, row_numbers),
-            **point_values.fields_at_points,
+            **{name: fields.at_points(field) for name, field in fields.fields.items()},
             **_works_by_name(question, cycle_energy),
             "permanent_stick_half_width": permanent_stick_half_width(
                 followed.corrected_path, followed.last_cycle
             ),
-            "dissipation_density": point_values.density_at_points,
+            "dissipation_density": _density_of_last_cycle(question, followed, fields),
             # The answer covers the steady cycle alone: it is the first one in it.
             "steady_from": 0 if is_steady else None,
         },
@@ -324,18 +323,13 @@ def findings_of_rig(question: Question) -> Findings:
         message=_message(followed.steady_from, question.scene),
         notes=tuple(_notes(followed, cycle_energy)),
         errors={name: error for name, error in cycle_energy.errors.items() if error},
-        certificates=admissibility_checks_of(
-            followed.corrected_path, point_values.fields, row_numbers
-        ),
+        certificates=admissibility_checks_of(followed.corrected_path, fields.fields, row_numbers),
         counts={
-            "points_evaluated": len(point_values.distance),
+            "points_evaluated": len(fields.distance),
             "rows": len(followed.fine_path.time),
             "pieces": len(followed.fine_path.followed_path.pieces.top_s),
         },
-        seconds={
-            "history": clock_after_history - clock_at_start,
-            "fields": clock.perf_counter() - clock_after_history,
-        },
+        seconds=stop_watch.seconds,
         scene=_scene_of_loads(question.scene, followed.loads_up_to_end, followed.last_cycle),
     )
 
@@ -401,52 +395,15 @@ class _FollowedRig:
         return float(np.max(self.fine_path.followed_path.normal_load))
 
 
-class _PointValues(NamedTuple):
-    """Fields of an answer at n instants, and friction work per area W(x), by the distance |x| of
-    its m points. All are even or odd in x, so that each |x| is evaluated once.
-
-    Attributes
-    ----------
-    distance, distance_index
-        (k,) different |x| [length]; (m,) for each point the index of its own among them
-    fields
-        pressure, shear [stress], slip [length] and state, (n, k) each, by name
-    density
-        (k,) W(x) of the last cycle [energy per area]
+def _density_of_last_cycle(
+    question: Question, followed: _FollowedRig, fields: FieldsByDistance
+) -> Array:
+    """Friction work per area W(x) of the last cycle of a rig at the m points of the answer, (m,)
+    [energy per area]; NaN where the question does not want it.
     """
-
-    distance: Array
-    distance_index: NDArray[np.int64]
-    fields: dict[str, NDArray[Any]]
-    density: Array
-
-    @classmethod
-    def of_question(
-        cls, question: Question, followed: _FollowedRig, x: Array, row_numbers: NDArray[np.int64]
-    ) -> _PointValues:
-        """Fields and W(x) at points x (m,) [length] along the path of a followed rig; the instants
-        are the rows of the path with these numbers, (n,). A field that the question does not want
-        is NaN, a state that it does not want is open.
-        """
-        distance, distance_index = distances_and_indices(x)
-        point_fields = PointFields(followed.corrected_path, distance)
-        fields = fields_at(question, point_fields, distance, row_numbers)
-        density = np.full(len(distance), np.nan)
-        if question.wants("dissipation_density"):
-            density = point_fields.work_density(followed.last_cycle)
-        return cls(distance, distance_index, fields, density)
-
-    @property
-    def fields_at_points(self) -> dict[str, NDArray[Any]]:
-        """The fields at the m points, (n, m) each, by name."""
-        return {
-            name: np.take(field, self.distance_index, axis=1) for name, field in self.fields.items()
-        }
-
-    @property
-    def density_at_points(self) -> Array:
-        """W(x) of the last cycle at the m points, (m,) [energy per area]."""
-        return np.asarray(self.density[self.distance_index])
+    if not question.wants("dissipation_density"):
+        return np.full(len(fields.distance_index), np.nan)
+    return np.asarray(fields.at_points(fields.point_fields.work_density(followed.last_cycle)))
 
 
 def _values_from_answer_datum(

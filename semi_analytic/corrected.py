@@ -38,8 +38,7 @@ the path of half-planes from exact theory gives the error of the steps.
 from __future__ import annotations
 
 import math
-import time as clock
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -63,6 +62,7 @@ from scenes.errors import first_line
 from semi_analytic.answer import (
     Findings,
     Question,
+    StopWatch,
     is_between_edges,
     mirrored_points,
     neglected_coupling,
@@ -1325,6 +1325,12 @@ class _Paths:
         return self.rows.cycles[self.covered_cycles[-1]]
 
     @property
+    def effects(self) -> BodyEffects:
+        """What the finite bodies add to half-planes."""
+        assert self.question.effects is not None  # for the type checker
+        return self.question.effects
+
+    @property
     def largest_half_width(self) -> float:
         """Largest contact half-width of half-planes in the last covered cycle [length]."""
         return float(np.max(self.path_of_half_planes.half_width[self.last_cycle]))
@@ -1373,82 +1379,112 @@ def _findings_of_symmetric_scene(question: Question) -> Findings:
 
     The dissipation is measured over the last cycle of the answer. Errors that are 0 are left out.
     """
-    # The path is followed twice: `paths` holds both, and `paths.rows` the ends of the steps. Clock
-    # readings in between give the seconds that each part of the computation took.
-    clock_at_start = clock.perf_counter()
+    stop_watch = StopWatch("history", "fields", "dissipation")
+    # the path, followed twice; `paths.rows` are the ends of the steps
     paths = _followed_paths(question)
     path_with_bodies = paths.path_with_bodies
-    clock_after_history = clock.perf_counter()
+    stop_watch.add_lap("history")
 
-    # Points: those asked for, or 200 across the widest contact and 5 % beyond.
+    # points: those asked for, or 200 across the widest contact and 5 % beyond
     x = question.x
     if x is None:
         x = mirrored_points(1.05 * float(np.max(path_with_bodies.half_width)))
-
-    # Fields are even or odd in x: they are evaluated once at each |x|.
-    distance, index_of_distance = distances_and_indices(x)
-    # `last_cycle`: rows of the last cycle of the answer; row_numbers: row nearest to each instant.
+    # `last_cycle`: rows of the last cycle of the answer; row_numbers: row nearest to each instant
     time, row_numbers = instants_and_row_numbers(question, paths.rows, paths.last_cycle)
-    point_fields = PointFields(path_with_bodies, distance)
-    fields_at_distances = fields_at(question, point_fields, distance, row_numbers)
-
-    # What tilt and bulk strain do: `centres` are the centres x of contact and stick zone.
+    fields = FieldsByDistance.of_question(question, path_with_bodies, x, row_numbers)
+    # what tilt and bulk strain do
     tilt_and_strain = _tilt_and_strain_of(paths)
-    values_over_time = values_over_time_at(question, path_with_bodies, row_numbers)
-    contact_centres, stick_centres = tilt_and_strain.centres(paths.rows.time)
-    values_over_time["contact_edges"] = (
-        values_over_time["contact_edges"] + contact_centres[row_numbers, None]
-    )
-    values_over_time["stick_edges"] = (
-        values_over_time["stick_edges"] + stick_centres[row_numbers, None]
-    )
-    clock_after_fields = clock.perf_counter()
+    values_over_time = _values_with_moved_edges(paths, tilt_and_strain, row_numbers)
+    stop_watch.add_lap("fields")
 
-    # Friction work of the cycles, W(x), and errors by the name of the value.
-    friction_work = _works_and_density(paths, point_fields, distance, tilt_and_strain)
+    # friction work of the cycles, W(x), and errors by the name of the value
+    friction_work = _works_and_density(paths, fields.point_fields, fields.distance, tilt_and_strain)
     errors = friction_work.errors | _errors_of_steps(paths) | _errors_of_contact(paths)
-    seconds = {
-        "history": clock_after_history - clock_at_start,
-        "fields": clock_after_fields - clock_after_history,
-    }
-    seconds["dissipation"] = clock.perf_counter() - clock_after_fields
     termination, message = _termination_and_message(paths)
-    fields_at_points = {
-        name: np.take(field, index_of_distance, axis=1)
-        for name, field in fields_at_distances.items()
-    }
-    stick_half_width = permanent_stick_half_width(
-        path_with_bodies, paths.last_cycle, stick_centres[paths.last_cycle]
-    )
-
-    # Names are those of the values in a ContactSolution.
-    values: dict[str, Any] = {
-        **values_over_time,
-        **fields_at_points,
-        "permanent_stick_half_width": stick_half_width,
-        "dissipation": float(friction_work.work_of_cycles[-1]),
-        "loop_work": friction_work.loop_work,
-        "cycle_dissipation": friction_work.work_of_cycles,
-        "dissipation_density": friction_work.density[index_of_distance],
-        # a cycle that is followed but not in the answer is none of its steady ones
-        "steady_from": paths.steady_from if paths.is_steady else None,
-    }
+    stop_watch.add_lap("dissipation")
     return Findings(
         time=time,
         x=x,
-        values=values,
+        # names are those of the values in a ContactSolution
+        values={
+            **values_over_time,
+            **{name: fields.at_points(field) for name, field in fields.fields.items()},
+            "permanent_stick_half_width": _permanent_stick_with_bodies(paths, tilt_and_strain),
+            **friction_work.by_name(fields),
+            # a cycle that is followed but not in the answer is none of its steady ones
+            "steady_from": paths.steady_from if paths.is_steady else None,
+        },
         termination=termination,
         message=message,
         notes=tuple(_notes_of(paths, tilt_and_strain)),
         errors={name: error for name, error in errors.items() if error},
-        certificates=admissibility_checks_of(path_with_bodies, fields_at_distances, row_numbers),
+        certificates=admissibility_checks_of(path_with_bodies, fields.fields, row_numbers),
         counts={
-            "points_evaluated": len(distance),
+            "points_evaluated": len(fields.distance),
             "rows": len(paths.rows.time),
             "pieces": len(path_with_bodies.followed_path.pieces.top_s),
             "cycles_solved": len(paths.rows.cycles),
         },
-        seconds=seconds,
+        seconds=stop_watch.seconds,
+    )
+
+
+class FieldsByDistance(NamedTuple):
+    """Fields of an answer at n instants by the distance |x| of its m points from the middle of
+    contact. All are even or odd in x, so that each |x| is evaluated once.
+
+    Attributes
+    ----------
+    distance, distance_index
+        (k,) different |x| [length]; (m,) for each point the index of its own among them
+    point_fields
+        evaluates fields at these distances along the followed path
+    fields
+        pressure, shear [stress], slip [length] and state, (n, k) each, by name
+    """
+
+    distance: Array
+    distance_index: Indices
+    point_fields: PointFields
+    fields: dict[str, NDArray[Any]]
+
+    @classmethod
+    def of_question(
+        cls, question: Question, path_with_bodies: PathSeries, x: Array, row_numbers: Indices
+    ) -> FieldsByDistance:
+        """Fields at points x (m,) [length] along a followed path, at its rows with these numbers,
+        (n,). A field that the question does not want is NaN, a state that it does not want is open.
+        """
+        distance, distance_index = distances_and_indices(x)
+        point_fields = PointFields(path_with_bodies, distance)
+        fields = fields_at(question, point_fields, distance, row_numbers)
+        return cls(distance, distance_index, point_fields, fields)
+
+    def at_points(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Values at the distances, (k,) or (n, k), as values at the m points, (m,) or (n, m)."""
+        return np.take(values, self.distance_index, axis=-1)
+
+
+def _values_with_moved_edges(
+    paths: _Paths, tilt_and_strain: TiltAndStrainPart, row_numbers: Indices
+) -> dict[str, Array]:
+    """Loads, displacements, half-widths (n,) and edges (n, 2) at the rows with these numbers, by
+    their names in a solution; contact and stick edges moved by tilt and bulk strain of the bodies.
+    """
+    values_over_time = values_over_time_at(paths.question, paths.path_with_bodies, row_numbers)
+    contact_centres, stick_centres = tilt_and_strain.centres(paths.rows.time)
+    for name, centres in (("contact_edges", contact_centres), ("stick_edges", stick_centres)):
+        values_over_time[name] = values_over_time[name] + centres[row_numbers, None]
+    return values_over_time
+
+
+def _permanent_stick_with_bodies(paths: _Paths, tilt_and_strain: TiltAndStrainPart) -> float:
+    """Half-width of the permanent stick zone of the last cycle [length], which moves by tilt and
+    bulk strain of the bodies; NaN where no point sticks throughout.
+    """
+    _, stick_centres = tilt_and_strain.centres(paths.rows.time)
+    return permanent_stick_half_width(
+        paths.path_with_bodies, paths.last_cycle, stick_centres[paths.last_cycle]
     )
 
 
@@ -1803,43 +1839,57 @@ def _states(point_fields: PointFields, distance: Array, row_numbers: Indices) ->
     row_numbers
         (n,) numbers of the instants
     """
-    # s: coordinate of a half-width in the table of flat punches, which gives the half-width.
     path_with_bodies = point_fields.series
     followed_path = path_with_bodies.followed_path
     signs_of_sides = np.array([-1.0, 1.0])
-    half_width = path_with_bodies.half_width[row_numbers, None]
-    stick_half_width = followed_path.table.half_width(followed_path.stick_edge_s[row_numbers])[
-        :, None
-    ]
-    inner_zone_ends = followed_path.table.half_width(followed_path.inner_zone_s[row_numbers])
+    states_without_inner_zone = _states_by_edge_zone(followed_path, distance, row_numbers)
 
-    # direction: of slip at the edge, 0 where it sticks; inner_zone_direction: of slip in the inner
-    # zone, 0 without one.
-    # By the direction of slip, -1, 0 or +1, plus 1.
-    states_by_direction = np.array((SLIP_REVERSE, STICK, SLIP_FORWARD), dtype=np.int8)
-    state_at_edge = states_by_direction[followed_path.direction[row_numbers, None] + 1]
-    state_in_inner_zone = states_by_direction[
+    # the inner zone, if there is one: its ends as coordinates s of half-widths in the table of flat
+    # punches, and its direction of slip, 0 without one
+    inner_zone_ends = followed_path.table.half_width(followed_path.inner_zone_s[row_numbers])
+    state_in_inner_zone = _STATES_BY_DIRECTION[
         followed_path.inner_zone_direction[row_numbers, None] + 1
     ]
-
-    # In full slip the stick zone ends at 0: only x = 0 is within it, and that point slips.
-    is_within_stick_edges = is_between_edges(stick_half_width * signs_of_sides, distance) & (
-        stick_half_width > 0
-    )
-    states_without_inner_zone = np.where(is_within_stick_edges, np.int8(STICK), state_at_edge)
     is_in_inner_zone = (distance > inner_zone_ends[:, [0]]) & (distance < inner_zone_ends[:, [1]])
     states = np.where(is_in_inner_zone, state_in_inner_zone, states_without_inner_zone)
 
     # At these instants points inside the contact slip further than by the memory curve.
     for index, extra_slip in point_fields.inner_slips(row_numbers):
-        state_of_extra_slip = states_by_direction[extra_slip.direction + 1]
-        # is_slipping (k,): whether a point slips further.
+        state_of_extra_slip = _STATES_BY_DIRECTION[extra_slip.direction + 1]
+        # is_slipping (k,): whether a point slips further
         states[index] = np.where(
             extra_slip.is_slipping, state_of_extra_slip, states_without_inner_zone[index]
         )
+    half_width = path_with_bodies.half_width[row_numbers, None]
     is_pressed = followed_path.normal_load[row_numbers, None] > 0
     is_in_contact = is_between_edges(half_width * signs_of_sides, distance) & is_pressed
     return np.where(is_in_contact, states, np.int8(OPEN))
+
+
+# By the direction of slip, -1, 0 or +1, plus 1.
+_STATES_BY_DIRECTION = np.array((SLIP_REVERSE, STICK, SLIP_FORWARD), dtype=np.int8)
+
+
+def _states_by_edge_zone(
+    followed_path: FollowedPath, distance: Array, row_numbers: Indices
+) -> NDArray[np.int8]:
+    """State of each point at |x| = `distance` (k,) at the rows of a followed path with these
+    numbers, by the slip zone at the edge of contact alone, as if all were in contact: (n, k).
+
+    Stick within the stick edges, else forward or reverse slip as at the edge, or stick where the
+    edge sticks. `direction` of the path is that of slip at the edge, 0 where it sticks.
+    """
+    signs_of_sides = np.array([-1.0, 1.0])
+    # stick_edge_s: coordinate s of the stick edge in the table of flat punches
+    stick_half_width = followed_path.table.half_width(followed_path.stick_edge_s[row_numbers])[
+        :, None
+    ]
+    state_at_edge = _STATES_BY_DIRECTION[followed_path.direction[row_numbers, None] + 1]
+    # In full slip the stick zone ends at 0: only x = 0 is within it, and that point slips.
+    is_within_stick_edges = is_between_edges(stick_half_width * signs_of_sides, distance) & (
+        stick_half_width > 0
+    )
+    return np.where(is_within_stick_edges, np.int8(STICK), state_at_edge)
 
 
 class _WorkOfAnswer(NamedTuple):
@@ -1853,6 +1903,17 @@ class _WorkOfAnswer(NamedTuple):
     loop_work: float
     density: Array
     errors: dict[str, float]
+
+    def by_name(self, fields: FieldsByDistance) -> dict[str, float | Array]:
+        """The works and W(x) by their names in a solution. W(x) is given at the m points of the
+        answer, (m,), which `fields` has by their distance.
+        """
+        return {
+            "dissipation": float(self.work_of_cycles[-1]),
+            "loop_work": self.loop_work,
+            "cycle_dissipation": self.work_of_cycles,
+            "dissipation_density": fields.at_points(self.density),
+        }
 
 
 def _works_and_density(
@@ -1882,30 +1943,18 @@ def _works_and_density(
         NaN for what the question does not ask for
     """
     question = paths.question
-    # c: number of cycles of the answer.
     work_of_cycles = np.full(len(paths.covered_cycles), np.nan)
     loop_work = math.nan
     density = np.full(len(distance), np.nan)
-
-    # Of dissipation and dissipation density, those that are asked for.
-    wanted_fields = question.fields & _FIELDS_OF_WORK
     errors: dict[str, float] = {}
+    # of dissipation and dissipation density, those that are asked for
+    wanted_fields = question.fields & _FIELDS_OF_WORK
     if not wanted_fields:
         return _WorkOfAnswer(work_of_cycles, loop_work, density, errors)
 
-    # end_rows: rows at which the initial loading and each cycle end.
+    # at the ends of the initial loading and of each cycle
     end_times = paths.rows.time[list(paths.rows.end_rows)]
-    question_of_half_planes = replace(
-        question,
-        effects=None,
-        fields=wanted_fields,
-        x=distance,
-        time=end_times,
-        cycles="all",
-    )
-
-    # Exact half-plane theory of the same scene, at the same points.
-    exact_theory = findings_by_memory(question_of_half_planes, None)
+    exact_theory = _exact_theory(paths, wanted_fields, distance, end_times)
     if question.wants("dissipation"):
         # Theory stops at a steady cycle, which later ones equal.
         solved_works = np.asarray(exact_theory.values["cycle_dissipation"])
@@ -1957,10 +2006,8 @@ def _density_and_error(
     step_error = float(np.max(np.abs(density_by_steps - exact_density))) / largest_density
     if not path_of_half_planes.work(last_cycle) > 0:  # no friction work, nothing to be relative to
         return density, step_error
-    effects = paths.question.effects
-    assert effects is not None  # for the type checker
     return density, step_error + work_uncertainty_by_bodies(
-        paths.path_with_bodies, path_of_half_planes, last_cycle, effects
+        paths.path_with_bodies, path_of_half_planes, last_cycle, paths.effects
     )
 
 
@@ -1986,12 +2033,12 @@ def _works_and_errors(
     tilt_and_strain
         work that tilt and bulk strain add, or why it is left out
     """
-    path_of_half_planes = paths.path_of_half_planes
-    path_with_bodies = paths.path_with_bodies
     # Rows of each cycle of the answer in the followed path.
     rows_of_cycles = [paths.rows.cycles[cycle] for cycle in paths.covered_cycles]
-    works_of_half_planes = np.array([path_of_half_planes.work(rows) for rows in rows_of_cycles])
-    works_of_bodies = np.array([path_with_bodies.work(rows) for rows in rows_of_cycles])
+    works_of_half_planes = np.array(
+        [paths.path_of_half_planes.work(rows) for rows in rows_of_cycles]
+    )
+    works_of_bodies = np.array([paths.path_with_bodies.work(rows) for rows in rows_of_cycles])
     works_of_tilt_and_strain = [tilt_and_strain.work(cycle) for cycle in paths.covered_cycles]
 
     # Both paths by the same steps: their errors nearly cancel.
@@ -1999,7 +2046,6 @@ def _works_and_errors(
     friction_works = friction_works + np.array(
         [added_work.value for added_work in works_of_tilt_and_strain]
     )
-
     # The displacements lack what tilt and bulk strain do to slip: no comparison with them.
     has_loop_work = (
         paths.question.wants("loop_work")
@@ -2007,32 +2053,54 @@ def _works_and_errors(
         and paths.is_steady
         and paths.rows.period is not None
     )
-    loop_work = path_with_bodies.loop_work(paths.last_cycle) if has_loop_work else math.nan
+    loop_work = math.nan
+    if has_loop_work:
+        loop_work = paths.path_with_bodies.loop_work(paths.last_cycle)
     exact_last_work = float(exact_works[-1])
     if exact_last_work <= 0:
         return friction_works, loop_work, {}
-
-    # Errors of the steps: half of that of half-planes, and twice the change by halved steps.
-    step_error = _FACTOR_ON_STEP_ERROR * abs(float(works_of_half_planes[-1]) / exact_last_work - 1)
-    change_by_halving = abs(_work_of_halved_steps(paths) - float(works_of_bodies[-1]))
-    step_error += _FACTOR_ON_HALVING * change_by_halving / exact_last_work
-    error_of_tilt_and_strain = works_of_tilt_and_strain[-1].uncertainty / exact_last_work
-    effects = paths.question.effects
-    assert effects is not None  # for the type checker
-
-    # Uncertainty that the numbers of the bodies leave, relative.
-    uncertainty_by_bodies = work_uncertainty_by_bodies(
-        path_with_bodies, path_of_half_planes, paths.last_cycle, effects
+    errors = _errors_of_last_work(
+        paths, exact_last_work, works_of_tilt_and_strain[-1].uncertainty, has_loop_work
     )
-    errors = {"dissipation": step_error + error_of_tilt_and_strain + uncertainty_by_bodies}
     if tilt_and_strain.left_out:
         errors["dissipation"] = math.nan  # how much tilt and strain add is not known
-    if has_loop_work:
-        loop_work_of_half_planes = path_of_half_planes.loop_work(paths.last_cycle)
-        errors["loop_work"] = (
-            abs(loop_work_of_half_planes / exact_last_work - 1) + uncertainty_by_bodies
-        )
     return friction_works, loop_work, errors
+
+
+def _errors_of_last_work(
+    paths: _Paths,
+    exact_work: float,
+    uncertainty_of_tilt_and_strain: float,
+    has_loop_work: bool,
+) -> dict[str, float]:
+    """Relative errors of the friction work of the last cycle, "dissipation", and of the work of the
+    loads in it, "loop_work", where there is one.
+
+    Each is over `exact_work` > 0, the work by exact half-plane theory [energy per thickness]. The
+    error of the steps is half of that of half-planes, and twice the change by halved steps. What
+    the numbers of the bodies leave uncertain is added, and the uncertainty of the work that tilt
+    and bulk strain add.
+    """
+    path_of_half_planes = paths.path_of_half_planes
+    last_cycle = paths.last_cycle
+    work_by_steps = float(path_of_half_planes.work(last_cycle))
+    step_error = _FACTOR_ON_STEP_ERROR * abs(work_by_steps / exact_work - 1)
+    change_by_halving = abs(
+        _work_of_halved_steps(paths) - float(paths.path_with_bodies.work(last_cycle))
+    )
+    step_error += _FACTOR_ON_HALVING * change_by_halving / exact_work
+    uncertainty_by_bodies = work_uncertainty_by_bodies(
+        paths.path_with_bodies, path_of_half_planes, last_cycle, paths.effects
+    )
+    errors = {
+        "dissipation": step_error
+        + uncertainty_of_tilt_and_strain / exact_work
+        + uncertainty_by_bodies
+    }
+    if has_loop_work:
+        loop_work_of_half_planes = path_of_half_planes.loop_work(last_cycle)
+        errors["loop_work"] = abs(loop_work_of_half_planes / exact_work - 1) + uncertainty_by_bodies
+    return errors
 
 
 def work_uncertainty_by_bodies(
@@ -2108,8 +2176,6 @@ def _errors_of_contact(paths: _Paths) -> dict[str, float]:
     paths
         load path with the bodies and with half-planes; `last_cycle`: rows of the last cycle
     """
-    effects = paths.question.effects
-    assert effects is not None  # for the type checker
     path_with_bodies = paths.path_with_bodies
     path_of_half_planes = paths.path_of_half_planes
     last_cycle = paths.last_cycle
@@ -2130,7 +2196,8 @@ def _errors_of_contact(paths: _Paths) -> dict[str, float]:
     half_width_ratio = path_with_bodies.half_width[row] / path_of_half_planes.half_width[row]
     half_width_change = abs(float(half_width_ratio) - 1)
     # The larger of the fractions of curvatures that follow P and of those that follow Q.
-    uncertain_fraction = max(uncertain_fraction_of_curvatures(effects, largest_half_width).values())
+    fractions_of_loads = uncertain_fraction_of_curvatures(paths.effects, largest_half_width)
+    uncertain_fraction = max(fractions_of_loads.values())
     return {
         "pressure": pressure_change * uncertain_fraction + LEAST_UNCERTAIN_FRACTION,
         "contact_half_width": half_width_change * uncertain_fraction + LEAST_UNCERTAIN_FRACTION,
@@ -2151,8 +2218,6 @@ def _work_of_halved_steps(paths: _Paths) -> float:
         load path followed with the bodies; `last_cycle`: rows of the last cycle of the answer
     """
     followed_path = paths.path_with_bodies.followed_path
-    effects = paths.question.effects
-    assert effects is not None  # for the type checker
     n_rows = len(followed_path.normal_load)
 
     # edge_s: coordinate of the edge of contact, grows with it; direction: of slip at the edge in
@@ -2171,7 +2236,7 @@ def _work_of_halved_steps(paths: _Paths) -> float:
         followed_path.friction,
         np.interp(row_numbers, np.arange(n_rows), followed_path.normal_load),
         np.interp(row_numbers, np.arange(n_rows), followed_path.tangential_load),
-        curvatures_of(effects),
+        curvatures_of(paths.effects),
     )
 
     # The first row of a cycle ends a step before it. step_work: of the step that ends at each row,
@@ -2198,8 +2263,7 @@ def _tilt_and_strain_of(paths: _Paths) -> TiltAndStrainPart:
         cycle of the answer; the question with its scene and effects
     """
     question = paths.question
-    effects = question.effects
-    assert effects is not None  # for the type checker
+    effects = paths.effects
     # TILT_AND_STRAIN_NAMES: attributes of `effects` with tilt and strain per P and per Q.
     if not any(getattr(effects, name).value for name in TILT_AND_STRAIN_NAMES):
         return TiltAndStrainPart()
@@ -2279,54 +2343,70 @@ def _errors_of_steps(paths: _Paths) -> dict[str, float]:
         load path of half-planes by straight steps; `last_cycle`: rows of the last cycle of the
         answer; the question with the fields that are wanted
     """
-    question = paths.question
     path_of_half_planes = paths.path_of_half_planes
-    field_names = tuple(name for name in ("shear", "slip") if question.wants(name))
+    field_names = tuple(name for name in ("shear", "slip") if paths.question.wants(name))
     friction = path_of_half_planes.followed_path.friction
     if not field_names or not friction:
         return {}
-    last_cycle = paths.last_cycle
-
-    # 9 instants of the last cycle, and 35 places from near the middle to the edge of contact.
-    row_numbers = np.unique(
-        np.linspace(last_cycle.start, last_cycle.stop - 1, _INSTANTS_COMPARED).astype(int)
-    )
-    places = np.linspace(
-        0.0, float(np.max(path_of_half_planes.half_width[row_numbers])), _PLACES_COMPARED
-    )[1:]
-    question_of_half_planes = replace(
-        question,
-        effects=None,
-        fields=frozenset(field_names),
-        x=places,
-        time=paths.rows.time[row_numbers],
-        cycles="all",
-    )
-
-    # Exact theory and steps at the same instants and places.
-    exact_theory = findings_by_memory(question_of_half_planes, None)
+    row_numbers, places = _rows_and_places_compared(paths)
+    exact_theory = _exact_theory(paths, field_names, places, paths.rows.time[row_numbers])
     point_fields = PointFields(path_of_half_planes, places)
     pressure = point_fields.pressure(row_numbers)
     largest_pressure = float(np.max(pressure, where=np.isfinite(pressure), initial=0.0))
-
-    # Points near an edge of contact or stick are not compared: the fields have roots there.
-    half_width = path_of_half_planes.half_width[row_numbers, None]
-    stick_half_width = np.nan_to_num(path_of_half_planes.stick_half_width[row_numbers, None])
-    is_off_contact_edge = np.abs(places - half_width) > _EDGE_DISTANCE_SHARE * half_width
-    is_off_stick_edge = np.abs(places - stick_half_width) > _EDGE_DISTANCE_SHARE * half_width
-    is_compared = is_off_contact_edge & is_off_stick_edge
-    fields_by_steps = {"shear": point_fields.shear, "slip": point_fields.slip}
+    is_compared = _is_off_edges(path_of_half_planes, row_numbers, places)
     errors = {}
     for name in field_names:
         exact_values = exact_theory.values[name]
-        values_by_steps = fields_by_steps[name](row_numbers)
-        difference = np.where(is_compared, np.abs(values_by_steps - exact_values), 0.0)
+        evaluate = point_fields.shear if name == "shear" else point_fields.slip
+        difference = np.where(is_compared, np.abs(evaluate(row_numbers) - exact_values), 0.0)
         scale = (
             friction * largest_pressure if name == "shear" else float(np.max(np.abs(exact_values)))
         )
         if scale > 0:
             errors[name] = float(np.max(difference)) / scale
     return errors
+
+
+def _rows_and_places_compared(paths: _Paths) -> tuple[Indices, Array]:
+    """Numbers of 9 rows of the last cycle, fewer of a short one, and 35 places from near the middle
+    to the edge of contact (k,) [length], at which fields by steps are compared with exact theory.
+    """
+    last_cycle = paths.last_cycle
+    row_numbers = np.unique(
+        np.linspace(last_cycle.start, last_cycle.stop - 1, _INSTANTS_COMPARED).astype(int)
+    )
+    largest_half_width = float(np.max(paths.path_of_half_planes.half_width[row_numbers]))
+    return row_numbers, np.linspace(0.0, largest_half_width, _PLACES_COMPARED)[1:]
+
+
+def _is_off_edges(path: PathSeries, row_numbers: Indices, places: Array) -> NDArray[np.bool_]:
+    """Whether places (k,) [length] are further than 1 % of the contact half-width from the edges of
+    contact and of stick, at the rows of a path with these numbers: (n, k). Next to the edges shear
+    and slip have roots.
+    """
+    half_width = path.half_width[row_numbers, None]
+    stick_half_width = np.nan_to_num(path.stick_half_width[row_numbers, None])
+    # _EDGE_DISTANCE_SHARE: 0.01
+    is_off_contact_edge = np.abs(places - half_width) > _EDGE_DISTANCE_SHARE * half_width
+    is_off_stick_edge = np.abs(places - stick_half_width) > _EDGE_DISTANCE_SHARE * half_width
+    return np.asarray(is_off_contact_edge & is_off_stick_edge)
+
+
+def _exact_theory(
+    paths: _Paths, field_names: Iterable[str], places: Array, time: Array
+) -> Findings:
+    """Exact half-plane theory of the scene, without what the bodies add: fields with these names at
+    places (k,) [length] and times (n,).
+    """
+    question_of_half_planes = replace(
+        paths.question,
+        effects=None,
+        fields=frozenset(field_names),
+        x=places,
+        time=time,
+        cycles="all",
+    )
+    return findings_by_memory(question_of_half_planes, None)
 
 
 def permanent_stick_half_width(
@@ -2396,14 +2476,13 @@ def _notes_of(paths: _Paths, tilt_and_strain: TiltAndStrainPart) -> Iterator[str
     """
     question = paths.question
     scene = question.scene
-    assert question.effects is not None  # for the type checker
     # A note if Dundurs' beta is not 0: normal and tangential problem are solved uncoupled.
     yield from neglected_coupling(scene.material)
     # Load at which tilt and strain are made dimensionless: mean P of an ellipse, else its largest.
     load = _reference_load(scene, paths.rows.normal_load[paths.last_cycle])
     half_width = float(paths.path_with_bodies.contact.half_width(load))
     modulus = composite_modulus(scene.material)
-    yield from notes_of_effects(question.effects, half_width, modulus, tilt_and_strain)
+    yield from notes_of_effects(paths.effects, half_width, modulus, tilt_and_strain)
     if tilt_and_strain.has_work:
         yield (
             "no closed integral of Q dU to compare the dissipation with: displacements are without"
@@ -2424,11 +2503,9 @@ def admissibility_checks_of(
         tangential_balance    |M - Q| / (f times the largest P)
         cone                  the largest |q| - f p over the points, over f times the largest p
 
-    M is the tangential force that the flat punches up to the edge of contact carry by their memory:
-    F, which they locked in while they stuck, plus kt G + t4 G_4 by the curvatures that the loads
-    give to the faces. G and G_4 are the loads of the punches of x^2/2 and x^4/24. The balance is
-    not checked while P = 0. The Coulomb limit ("cone") is checked where both pressure and shear
-    were asked for.
+    M is the tangential force that the flat punches up to the edge of contact carry by their memory
+    and by the curvatures that the loads give to the faces. The balance is not checked while P = 0.
+    The Coulomb limit ("cone") is checked where both pressure and shear were asked for.
 
     Parameters
     ----------
@@ -2440,25 +2517,11 @@ def admissibility_checks_of(
         (n,) numbers of those instants
     """
     followed_path = path_with_bodies.followed_path
-    friction = followed_path.friction
-    largest_friction_force = max(
-        friction * float(np.max(followed_path.normal_load)), np.finfo(float).tiny
-    )
-    # edge_s: coordinate s of the edge of contact in the table of flat punches.
-    edge_s = followed_path.edge_s[row_numbers]
-    parabola_load = followed_path.table.parabola_load(edge_s)
-    fourth_load = followed_path.table.fourth_load(edge_s)
-    # F, then kt G and t4 G_4, all at the edge of contact.
-    carried_force = followed_path.pieces.locked_in_force[followed_path.uppermost_piece[row_numbers]]
-    carried_force = carried_force + followed_path.tangential_curvature[row_numbers] * parabola_load
-    carried_force = carried_force + followed_path.tangential_fourth[row_numbers] * fourth_load
-    missing_force = np.abs(carried_force - followed_path.tangential_load[row_numbers])
-    is_pressed = followed_path.normal_load[row_numbers] > 0
-    missing_force = np.where(is_pressed, missing_force, 0.0)
-    checks = {"tangential_balance": missing_force / largest_friction_force}
+    checks = {"tangential_balance": _relative_missing_force(followed_path, row_numbers)}
     pressure = fields["pressure"]
     shear = fields["shear"]
     if np.any(np.isfinite(pressure)) and np.any(np.isfinite(shear)):
+        friction = followed_path.friction
         with np.errstate(invalid="ignore"):
             excess = np.abs(shear) - friction * pressure
         largest_excess = np.fmax.reduce(excess, axis=1, initial=0.0)
@@ -2466,3 +2529,26 @@ def admissibility_checks_of(
         largest_limit = friction * largest_pressure
         checks["cone"] = largest_excess / max(largest_limit, np.finfo(float).tiny)
     return checks
+
+
+def _relative_missing_force(followed_path: FollowedPath, row_numbers: Indices) -> Array:
+    """|M - Q| over f times the largest P of a followed path, at its rows with these numbers, (n,);
+    0 while P = 0. M is the tangential force that the flat punches up to the edge of contact carry.
+
+    M = F + kt G + t4 G_4: F was locked in while the punches stuck, kt and t4 are the curvatures in
+    x^2/2 and x^4/24 that the loads give to the faces, G and G_4 the loads of the punches for these.
+    """
+    largest_friction_force = max(
+        followed_path.friction * float(np.max(followed_path.normal_load)), np.finfo(float).tiny
+    )
+    # edge_s: coordinate s of the edge of contact in the table of flat punches
+    edge_s = followed_path.edge_s[row_numbers]
+    parabola_load = followed_path.table.parabola_load(edge_s)
+    fourth_load = followed_path.table.fourth_load(edge_s)
+    # F, then kt G and t4 G_4, all at the edge of contact
+    carried_force = followed_path.pieces.locked_in_force[followed_path.uppermost_piece[row_numbers]]
+    carried_force = carried_force + followed_path.tangential_curvature[row_numbers] * parabola_load
+    carried_force = carried_force + followed_path.tangential_fourth[row_numbers] * fourth_load
+    missing_force = np.abs(carried_force - followed_path.tangential_load[row_numbers])
+    is_pressed = followed_path.normal_load[row_numbers] > 0
+    return np.where(is_pressed, missing_force, 0.0) / largest_friction_force
