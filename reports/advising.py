@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from reports.advising_by_kernels import KernelAdvice, advise_by_kernels
-from reports.advising_by_numbers import Advice, advise_by_numbers
+from reports.advising_by_numbers import Advice, advise_by_numbers, words_of_refusal
 from scenes import ConvergenceError, InputError, Scene, scene_of
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ def advise(
         advice = advise_by_numbers(stated_scene, limit, effects)
         reason_for_kernels = advice.reason_for_size_alone
     except InputError as refusal:
-        reason_for_kernels = str(refusal)
+        reason_for_kernels = words_of_refusal(refusal)
     if advice is not None and not reason_for_kernels:
         return advice
     try:

@@ -364,6 +364,16 @@ def _change_of_stick(
     return Estimate(corrected_half_width / theory_value - 1, uncertainty + _RELATIVE_ERROR_OF_STICK)
 
 
+def words_of_refusal(refusal: Exception) -> str:
+    """Why theory does not take a scene, without the name of the argument `effects`, which only
+    callers from Python state.
+
+    >>> words_of_refusal(InputError("effects: the contact would split"))
+    'the contact would split'
+    """
+    return str(refusal).removeprefix("effects: ")
+
+
 def split_difference_of_work(comparison: JudgedPair, budget: ErrorBudget | None) -> Why:
     """Split the difference of the dissipation W between finite elements of real bodies and
     half-plane theory into its causes.
@@ -408,7 +418,7 @@ def split_difference_of_work(comparison: JudgedPair, budget: ErrorBudget | None)
             advice = advise_by_numbers(comparison.scene, effects=comparison.effects)
             parts = _parts_of_flat_faces(advice, comparison)
     except (InputError, ConvergenceError) as reason:
-        return Why(total_change, reason_not_split=str(reason))
+        return Why(total_change, reason_not_split=words_of_refusal(reason))
 
     causes_without_estimate = [
         cause for cause, part in parts.items() if math.isnan(part.uncertainty)

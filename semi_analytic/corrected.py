@@ -1658,8 +1658,8 @@ def _require_one_contact(
 def contact_splits_error() -> InputError:
     """Error where bodies bend the faces away from each other, so that the contact would split."""
     return InputError(
-        "effects: the normal curvature is negative and larger than that of the profile: the contact"
-        " would split, which corrected theory does not take"
+        "effects: the normal curvature is negative and larger than that of the profile: by it alone"
+        " the contact would split, which corrected theory does not take"
     )
 
 

@@ -126,6 +126,27 @@ def test_what_the_numbers_do_not_cover_is_not_split_and_says_why() -> None:
     assert why.content()["main_cause"] is None
 
 
+def test_reasons_do_not_name_an_argument_of_python(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A wedge of |x|^1.3 on a layer as thick as its contact is wide."""
+    profile = {"kind": "power_law", "exponent": 1.3, "length": 1.0, "rise": 1e-3}
+    layer = {"kind": "block", "width": 20.0, "height": 1.0}
+    scene = load_scene("hertz-paper").vary(
+        profile=profile, bodies={"lower": layer, "upper": {"kind": "half_plane"}}, expected=[]
+    )
+    reasons: list[str] = []
+
+    def keep_reason(_scene: Scene, _limit: float, reason: str) -> None:
+        reasons.append(reason)
+
+    monkeypatch.setattr(advising, "advise_by_kernels", keep_reason)
+    advise(scene)
+    run = run_of(scene, -0.1, 1e-3)
+    run.result = SimpleNamespace(settings={"mesh": asdict(MeshSettings())})
+    reasons.append(split_difference_of_work(run, None).reason_not_split)
+    assert all(reason.startswith("the normal curvature is negative") for reason in reasons)
+    assert len(reasons) == 2
+
+
 def unlike_blocks() -> Scene:
     """Of the library's, the upper one of aluminium: Dundurs' beta is 0.12."""
     steel = {"young_modulus": 210e3, "poisson_ratio": 0.3}
