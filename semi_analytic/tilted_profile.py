@@ -50,7 +50,7 @@ from itertools import pairwise
 from typing import ClassVar, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from scenes import InputError, NotFoundError, ProfileDataError
 from scenes.array_types import Array
@@ -259,6 +259,22 @@ class ConvexProfile(abc.ABC):
             )
         return centre, half_width
 
+    def _wide_contact(self, first_touch: Array) -> tuple[Array, Array]:
+        """Centre and half-length, (n,) each [length], of a contact that is wider than the one
+        looked for: the start of Newton's method. `first_touch` (n,) is where the profile touches
+        without load.
+
+        From there the residual of either end is nearly a convex function of that end, and hardly
+        depends on the other. `knots` are places where h'' is not smooth; `typical_half_length` is
+        that of a contact of this profile.
+        """
+        left_end = first_touch - self.typical_half_length
+        right_end = first_touch + self.typical_half_length
+        if len(self.knots):
+            left_end = np.minimum(left_end, self.knots[0] - self.typical_half_length)
+            right_end = np.maximum(right_end, self.knots[-1] + self.typical_half_length)
+        return (left_end + right_end) / 2, (right_end - left_end) / 2
+
     def _contact_by_newton(
         self, load_product: Array, tilt: Array, first_touch: Array
     ) -> tuple[Array, Array]:
@@ -282,17 +298,7 @@ class ConvexProfile(abc.ABC):
         # notation: h gap between the unloaded faces, theta angle of a point x = m + c cos(theta) of
         #           the contact, h d theta is integrated from 0 to pi
         """
-        # Start wider than the contact, from left_start to right_start: then the residual of either
-        # end is nearly a convex function of that end, and hardly depends on the other.
-        # knots: places where h'' is not smooth; typical_half_length: of a contact of this profile.
-        left_start = first_touch - self.typical_half_length
-        right_start = first_touch + self.typical_half_length
-        if len(self.knots):
-            left_start = np.minimum(left_start, self.knots[0] - self.typical_half_length)
-            right_start = np.maximum(right_start, self.knots[-1] + self.typical_half_length)
-        m = (left_start + right_start) / 2
-        c = (right_start - left_start) / 2
-
+        m, c = self._wide_contact(first_touch)
         # `balance` gives the mean slope, A times the carried load, and integrals of h'' over a
         # contact.
         shift = 0 * first_touch  # step of m from the last accepted one to the trial
@@ -318,15 +324,11 @@ class ConvexProfile(abc.ABC):
             newton_shift, newton_widening = _newton_step(
                 trial_balance, slope_residual, load_residual, trial_c, c
             )
-            # Neither end of contact moves by more than c, nor past the place that touches first.
-            left_move = np.clip(
-                newton_shift - newton_widening, -c, 0.9 * np.maximum(first_touch - m + c, 0.0)
+            limited_shift, limited_widening = _limited_step(
+                newton_shift, newton_widening, first_touch - m, c
             )
-            right_move = np.clip(
-                newton_shift + newton_widening, 0.9 * np.minimum(first_touch - m - c, 0.0), c
-            )
-            shift = np.where(is_accepted, (left_move + right_move) / 2, shift / 2)
-            widening = np.where(is_accepted, (right_move - left_move) / 2, widening / 2)
+            shift = np.where(is_accepted, limited_shift, shift / 2)
+            widening = np.where(is_accepted, limited_widening, widening / 2)
             descent_before_step = np.where(
                 is_accepted,
                 np.abs(slope_residual * shift - load_residual * widening),
@@ -337,6 +339,29 @@ class ConvexProfile(abc.ABC):
             if np.all(largest_step <= 1e-10 * c + 1e-14 * np.abs(m)):
                 return m + shift, c + widening
         raise InputError("profile: its sides do not rise enough to carry the load under this tilt")
+
+
+def _limited_step(
+    shift: Array, widening: Array, centre_to_first_touch: Array, half_width: Array
+) -> tuple[Array, Array]:
+    """Steps of the centre and of the half-length of contacts, (n,) each [length], of which neither
+    moves an end by more than the half-length, nor past the place that touches first.
+
+    `shift` and `widening` (n,) are the steps without these limits, `half_width` (n,) is the
+    half-length before. `centre_to_first_touch` (n,) is the distance from the centre of contact to
+    the place that touches without load, with its sign.
+    """
+    left_move = np.clip(
+        shift - widening,
+        -half_width,
+        0.9 * np.maximum(centre_to_first_touch + half_width, 0.0),
+    )
+    right_move = np.clip(
+        shift + widening,
+        0.9 * np.minimum(centre_to_first_touch - half_width, 0.0),
+        half_width,
+    )
+    return (left_move + right_move) / 2, (right_move - left_move) / 2
 
 
 def _newton_step(
@@ -806,6 +831,41 @@ class CurvedProfile(ConvexProfile):
             right_bound = np.where(is_beyond, middle, right_bound)
         return left_bound, right_bound
 
+    def _ends_of_smooth_parts(self, m: Array, c: Array) -> tuple[Array, Array]:
+        """Ends of the parts of contacts between which h'' is smooth, as angles theta [rad] and as
+        places x = m + c cos(theta) [length], (..., k + 2) each for k knots of the profile: right
+        end of the contact, knots from right to left, left end.
+
+        m and c are centres and half-lengths, (..., 1). A knot outside a contact lies at the end
+        that is next to it.
+        """
+        distance_to_knot = self.knots[::-1] - m
+        knot_root = np.sqrt(np.maximum((c - distance_to_knot) * (c + distance_to_knot), 0.0))
+        knot_theta = np.arctan2(knot_root, distance_to_knot)
+        angles_of_part_ends = np.concatenate([0 * m, knot_theta, 0 * m + np.pi], axis=-1)
+        clipped_knots = np.clip(distance_to_knot + m, m - c, m + c)
+        places_of_part_ends = np.concatenate([m + c, clipped_knots, m - c], axis=-1)
+        return angles_of_part_ends, places_of_part_ends
+
+    def _weights_of_nodes(self, angle_spans: Array, places_of_part_ends: Array) -> Array:
+        """Weights of quadrature nodes over the parts of contacts, (..., parts, nodes), for means
+        over equal angles from 0 to pi.
+
+        Beyond its outermost node the rule leaves out a tail of the integral. At the knot x = 0,
+        where h'' is like |x|^(n - 2), n = `exponent`, the tail is a geometric series: the outermost
+        weight takes it too. `angle_spans` (..., parts, 1) are the lengths of the parts [rad],
+        `places_of_part_ends` (..., parts + 1) the places x of their ends.
+        """
+        weights = angle_spans * self.rule.weight / np.pi
+        if len(self.knots):
+            tail_exponent = (
+                (self.exponent - 1) * self.rule.weight[0] / self.rule.distance_from_begin[0]
+            )
+            factor_of_tail = 1 + 1 / math.expm1(tail_exponent)
+            weights[..., 0] *= np.where(places_of_part_ends[..., :-1] == 0, factor_of_tail, 1.0)
+            weights[..., -1] *= np.where(places_of_part_ends[..., 1:] == 0, factor_of_tail, 1.0)
+        return weights
+
     def _nodes_of_contact(self, m: Array, c: Array) -> tuple[Array, Array, Array]:
         """Quadrature over contacts of centre m and half-length c: places xi of the nodes, distances
         xi - m [length], and weights whose sum is 1, in a new last axis of all nodes.
@@ -816,14 +876,7 @@ class CurvedProfile(ConvexProfile):
         m, c = np.broadcast_arrays(m, c)
         m = m[..., None]
         c = c[..., None]
-        # Ends of the parts as angles and as places: right end of the contact, knots from right to
-        # left, left end. A knot outside lies at the end that is next to it.
-        distance_to_knot = self.knots[::-1] - m
-        knot_root = np.sqrt(np.maximum((c - distance_to_knot) * (c + distance_to_knot), 0.0))
-        knot_theta = np.arctan2(knot_root, distance_to_knot)
-        angles_of_part_ends = np.concatenate([0 * m, knot_theta, 0 * m + np.pi], axis=-1)
-        clipped_knots = np.clip(distance_to_knot + m, m - c, m + c)
-        places_of_part_ends = np.concatenate([m + c, clipped_knots, m - c], axis=-1)
+        angles_of_part_ends, places_of_part_ends = self._ends_of_smooth_parts(m, c)
         angle_spans = np.diff(angles_of_part_ends)[..., None]
 
         # A node is placed from the nearer end of its part, so that its distance from a knot keeps
@@ -853,17 +906,7 @@ class CurvedProfile(ConvexProfile):
             2 * c[..., None] * half_sine * (sine * half_cosine + cosine * half_sine)
         )
         xi = at_nearer_end(places_of_part_ends) - distance_from_nearer_end
-        weights = angle_spans * self.rule.weight / np.pi
-        if len(self.knots):
-            # Beyond its outermost node the rule leaves out a tail of the integral. At the knot x =
-            # 0, where h'' is like |x|^(n - 2), n = `exponent`, the tail is a geometric series: the
-            # outermost weight takes it too.
-            tail_exponent = (
-                (self.exponent - 1) * self.rule.weight[0] / self.rule.distance_from_begin[0]
-            )
-            factor_of_tail = 1 + 1 / math.expm1(tail_exponent)
-            weights[..., 0] *= np.where(places_of_part_ends[..., :-1] == 0, factor_of_tail, 1.0)
-            weights[..., -1] *= np.where(places_of_part_ends[..., 1:] == 0, factor_of_tail, 1.0)
+        weights = self._weights_of_nodes(angle_spans, places_of_part_ends)
         shape = (*xi.shape[:-2], xi.shape[-2] * xi.shape[-1])
         return xi.reshape(shape), (xi - m[..., None]).reshape(shape), weights.reshape(shape)
 
@@ -1142,8 +1185,8 @@ class NestedIntervals:
         """Distance by which one end of contact moves outwards while the load rises by `load_rise`
         to `load`, (n,) [length]; `load_rise` is at most `load`.
 
-        It is the integral over the load of the rate of that end, the derivative of its series. The
-        difference of two values of the series would be mere round-off where both are close.
+        It is the integral over the load of the rate of that end, of a parabola in closed form. The
+        difference of two places of the end would be mere round-off where both are close.
 
         Parameters
         ----------
@@ -1151,29 +1194,31 @@ class NestedIntervals:
             (n,) +1 for the right end, -1 for the left one
         load, load_rise
             (n,) [force per thickness]
-
-        # notation: eta normal load, m and c centre and half-length of the contact, kappa tilt per
-        #           load
         """
         # radius: of a parabola; None for other profiles. tilt_per_load: kappa; compliance: A =
         # 2/E*.
         radius = self.profile.radius
-        if radius is not None:  # of a parabola in closed form
-            _, half_width_after = self.exact_centre_and_half_width(load)
-            _, half_width_before = self.exact_centre_and_half_width(load - load_rise)
-            widening_rate = (
-                2 * self.compliance * radius / np.pi / (half_width_after + half_width_before)
-            )
-            return load_rise * (widening_rate - side * radius * self.tilt_per_load)
+        if radius is None:
+            return self._edge_movement_by_series(side, load, load_rise)
+        _, half_width_after = self.exact_centre_and_half_width(load)
+        _, half_width_before = self.exact_centre_and_half_width(load - load_rise)
+        widening_rate = (
+            2 * self.compliance * radius / np.pi / (half_width_after + half_width_before)
+        )
+        return load_rise * (widening_rate - side * radius * self.tilt_per_load)
+
+    def _edge_movement_by_series(self, side: Array, load: Array, load_rise: Array) -> Array:
+        """Distance by which one end of contact moves outwards while the load rises by `load_rise`
+        to `load`, (n,) [length]: the integral over the load of the derivatives of two series.
+
+        These are the centre m and the half-length c of the contact, as functions of v = sqrt(eta -
+        eta_b) above each cut load eta_b. The ranges of v follow one another on one axis; an end at
+        `side` = +1 or -1, (n,), moves outwards at the rate dc + side dm.
+        """
         series = self._series
         outward_movement = np.zeros(load.shape)
-
-        # Eight Gauss points in each range.
-        gauss_nodes, gauss_weights = gauss_rule(8)
         # From the load downwards, in each pass over the range between two cuts that holds what is
-        # left. Integrated is over v = sqrt(eta - eta_b), eta_b the lower cut. The ranges of v
-        # follow one another on one axis, on which the series of m and c are defined; begin_loads:
-        # eta_b; cuts_on_axis: the cuts on that axis.
+        # left. begin_loads: eta_b; cuts_on_axis: the cuts on the axis of v.
         range_number = np.searchsorted(series.begin_loads, load, side="right") - 1
         remaining_rise = load_rise
         upper_root = np.sqrt(load - series.begin_loads[range_number])
@@ -1181,17 +1226,7 @@ class NestedIntervals:
             rise_in_range = np.minimum(remaining_rise, upper_root * upper_root)
             lower_root = np.sqrt(upper_root * upper_root - rise_in_range)
             root_step = rise_in_range / np.maximum(upper_root + lower_root, 1e-300)
-            lower_cut_on_axis = series.cuts_on_axis[range_number][:, None]
-            upper_cut_on_axis = np.nextafter(series.cuts_on_axis[range_number + 1], 0.0)[:, None]
-            place_on_axis = np.clip(
-                lower_cut_on_axis + (upper_root[:, None] - root_step[:, None] * gauss_nodes),
-                lower_cut_on_axis,
-                upper_cut_on_axis,
-            )
-            half_width_rate = series.half_width.derivative(place_on_axis)
-            centre_rate = series.centre.derivative(place_on_axis)
-            outward_rate = half_width_rate + side[:, None] * centre_rate
-            outward_movement += root_step * np.sum(gauss_weights * outward_rate, axis=1)
+            outward_movement += series.movement_in_range(side, range_number, upper_root, root_step)
             range_number = np.where(remaining_rise > rise_in_range, range_number - 1, -1)
             remaining_rise = remaining_rise - rise_in_range
             upper_root = series.cuts_on_axis[range_number + 1] - series.cuts_on_axis[range_number]
@@ -1200,30 +1235,39 @@ class NestedIntervals:
     def load_with_edge_at(self, x: Array) -> Array:
         """The normal load P at which the contact first reaches x, so that x is an end of it [force
         per thickness]; infinite where the contact under the largest load does not reach x.
-
-        x is an end where the mean of h' over the contact is -(alpha_0 + kappa P), minus the tilt
-        under P. With x fixed, the sum of mean and tilt changes its sign once as the half-length c
-        grows: Newton's method for c, kept in a bracket.
         """
-        # tilt_without_load: alpha_0, tilt_per_load: kappa, compliance: A = 2/E*.
+        # tilt_without_load: tilt at P = 0; compliance: A = 2/E*.
         widest_middle, widest_half_width = self.exact_centre_and_half_width(self.largest_load)
         is_reached = np.abs(x - widest_middle) <= widest_half_width * (1 + 1e-8)
         reached_x = x[is_reached]
-        tilt_over_compliance = self.tilt_per_load / self.compliance
         # side: +1 if x is the right end, -1 if the left. The contact has the centre x - side c.
         side = np.where(
             reached_x < float(self.profile.place_of_first_touch(self.tilt_without_load)), -1.0, 1.0
         )
+        c = self._half_length_with_end_at(reached_x, side)
+        loads = np.full(x.shape, np.inf)
+        loads[is_reached] = (
+            self.profile.balance(reached_x - side * c, c).load_product / self.compliance
+        )
+        return np.where(loads <= self.largest_load * (1 + 1e-9), loads, np.inf)
 
-        # Bracket of c, then Newton's method.
-        least_c = np.zeros(reached_x.shape)
-        largest_c = np.full(reached_x.shape, 2.1 * self.largest_half_width)
+    def _half_length_with_end_at(self, x: Array, side: Array) -> Array:
+        """Half-length c of the contact that has an end at x, (n,) [length]: the right end where
+        `side` is +1, the left one where it is -1. Its centre is x - side c.
+
+        x is an end where the mean of h' over the contact is -(alpha_0 + kappa P), minus the tilt
+        under P. With x fixed, the sum of mean and tilt changes its sign once as c grows: Newton's
+        method for c, kept in a bracket. alpha_0 is `tilt_without_load`, kappa `tilt_per_load`.
+        """
+        tilt_over_compliance = self.tilt_per_load / self.compliance
+        least_c = np.zeros(x.shape)
+        largest_c = np.full(x.shape, 2.1 * self.largest_half_width)
         c = largest_c / 2
         # _MOST_NEWTON_STEPS: 120.
         for _ in range(_MOST_NEWTON_STEPS):
             # Of a trial contact: mean of h', A times the carried load, and integrals of h'' over
             # the angle.
-            balance = self.profile.balance(reached_x - side * c, c)
+            balance = self.profile.balance(x - side * c, c)
             # Sum of mean slope and tilt, times side: positive while c is too small.
             slope_excess = side * (balance.mean_slope + self.tilt_without_load)
             slope_excess = slope_excess + side * tilt_over_compliance * balance.load_product
@@ -1241,11 +1285,7 @@ class NestedIntervals:
             c = new_c
             if np.all(is_done):
                 break
-        loads = np.full(x.shape, np.inf)
-        loads[is_reached] = (
-            self.profile.balance(reached_x - side * c, c).load_product / self.compliance
-        )
-        return np.where(loads <= self.largest_load * (1 + 1e-9), loads, np.inf)
+        return c
 
 
 class _IntervalSeries(NamedTuple):
@@ -1264,6 +1304,34 @@ class _IntervalSeries(NamedTuple):
     cuts_on_axis: Array
     centre: PiecewiseSeries
     half_width: PiecewiseSeries
+
+    def movement_in_range(
+        self, side: Array, range_number: NDArray[np.intp], upper_root: Array, root_step: Array
+    ) -> Array:
+        """Distance by which an end of contact moves outwards within one range of v, (n,) [length]:
+        the integral of its rate over v, by eight Gauss points.
+
+        Parameters
+        ----------
+        side
+            (n,) +1 for the right end, -1 for the left one
+        range_number
+            (n,) number of the range
+        upper_root, root_step
+            (n,) v at the larger load, and its growth up to there [square root of a load]
+        """
+        gauss_nodes, gauss_weights = gauss_rule(8)
+        lower_cut_on_axis = self.cuts_on_axis[range_number][:, None]
+        upper_cut_on_axis = np.nextafter(self.cuts_on_axis[range_number + 1], 0.0)[:, None]
+        place_on_axis = np.clip(
+            lower_cut_on_axis + (upper_root[:, None] - root_step[:, None] * gauss_nodes),
+            lower_cut_on_axis,
+            upper_cut_on_axis,
+        )
+        half_width_rate = self.half_width.derivative(place_on_axis)
+        centre_rate = self.centre.derivative(place_on_axis)
+        outward_rate = half_width_rate + side[:, None] * centre_rate
+        return np.asarray(root_step * np.sum(gauss_weights * outward_rate, axis=1))
 
 
 def _on_one_axis(series: list[PiecewiseSeries], cuts_on_axis: Array) -> PiecewiseSeries:
