@@ -120,6 +120,102 @@ class Ellipse(NamedTuple):
         return self.origin - cmath.phase(normal_phasor + tangential_phasor)
 
 
+@dataclass(eq=False)
+class _BracketedSearch:
+    """Search for n times by Newton steps, each kept in a bracket between two times: the state of
+    the iteration, (n,) each.
+
+    The iteration ends where round-off keeps the error from falling.
+
+    Attributes
+    ----------
+    time
+        the iterates
+    earliest_time, latest_time
+        the ends of the brackets
+    best_time, least_error, n_idle_steps
+        the iterate with the least |error| so far, that error, and how many steps since have brought
+        no smaller one
+    is_converged
+        whether `best_time` is the time looked for
+    last_step_length
+        length of the last step
+    begin
+        the time from which digits count: steps are short against the distance from it
+    """
+
+    time: Array
+    earliest_time: Array
+    latest_time: Array
+    best_time: Array
+    least_error: Array
+    n_idle_steps: NDArray[np.int64]
+    is_converged: NDArray[np.bool_]
+    last_step_length: Array
+    begin: float
+
+    @classmethod
+    def between(cls, begin: float, end: float, first_guess: Array) -> _BracketedSearch:
+        """The search between two times from a first guess (n,); `begin` may be the later one."""
+        earliest_time = np.full(first_guess.shape, min(begin, end))
+        latest_time = np.full(first_guess.shape, max(begin, end))
+        return cls(
+            time=first_guess,
+            earliest_time=earliest_time,
+            latest_time=latest_time,
+            best_time=first_guess.copy(),
+            least_error=np.full(first_guess.shape, math.inf),
+            n_idle_steps=np.zeros(first_guess.shape, int),
+            is_converged=np.zeros(first_guess.shape, bool),
+            last_step_length=latest_time - earliest_time,
+            begin=begin,
+        )
+
+    def record_errors(self, signed_error: Array) -> None:
+        """Take note of the errors of the iterates, (n,), positive where a time is too late: the
+        best times so far, and which of them have converged.
+
+        Short steps without a smaller error are round-off. After a long one, which halves a bracket,
+        steps with a smaller error follow.
+        """
+        absolute_error = np.abs(signed_error)
+        is_improved = absolute_error < self.least_error
+        np.copyto(self.best_time, self.time, where=is_improved)
+        np.copyto(self.least_error, absolute_error, where=is_improved)
+        self.n_idle_steps = (self.n_idle_steps + 1) * ~is_improved
+        # _MOST_IDLE_STEPS, _SHORT_STEP_SHARE: 3 steps, and 1e-9 of the time since `begin`
+        has_stalled = (self.n_idle_steps >= _MOST_IDLE_STEPS) & (
+            self.last_step_length <= _SHORT_STEP_SHARE * np.abs(self.best_time - self.begin)
+        )
+        # _ROUND_OFF_SHARE_OF_TIME: 4.5e-16 of the time
+        is_round_off = self.last_step_length <= _ROUND_OFF_SHARE_OF_TIME * np.abs(self.best_time)
+        # A time that has converged stays so: below round-off a step may be long again.
+        self.is_converged |= (self.least_error == 0) | has_stalled | is_round_off
+
+    def take_step(self, signed_error: Array, error_rate: Array) -> None:
+        """Shrink the brackets and go to the next iterates: by Newton's step where it stays in the
+        bracket and is at most half as long as the last step, else to the middle of the bracket.
+
+        `signed_error` (n,) are the errors of the iterates, positive where a time is too late, and
+        `error_rate` (n,) their derivatives in time. Times that have converged stay.
+        """
+        np.copyto(self.earliest_time, self.time, where=signed_error < 0)
+        np.copyto(self.latest_time, self.time, where=signed_error > 0)
+        newton_step = np.full(self.time.shape, -math.inf)
+        np.divide(-signed_error, error_rate, out=newton_step, where=error_rate > 0)
+        newton_time = self.time + newton_step
+        takes_newton_time = (
+            (self.earliest_time <= newton_time)
+            & (newton_time <= self.latest_time)
+            & (2 * np.abs(newton_time - self.time) <= self.last_step_length)
+        )
+        middle_time = (self.earliest_time + self.latest_time) / 2
+        next_time = np.where(takes_newton_time, newton_time, middle_time)
+        np.copyto(next_time, self.best_time, where=self.is_converged)
+        self.last_step_length = np.abs(next_time - self.time)
+        self.time = next_time
+
+
 @dataclass(frozen=True)
 class LoadSegment(abc.ABC):
     """A smooth piece of a load path on start <= t <= end; times may have any shape, and results
@@ -266,8 +362,6 @@ class LoadSegment(abc.ABC):
         since `begin`, by Newton's method safeguarded by bisection.
 
         Newton's method without a bracket is tried first. Where it fails, each time gets a bracket.
-        A bracket is halved where a Newton step leaves it, or is longer than half the last step. The
-        iteration ends where round-off keeps the error from falling.
 
         Parameters
         ----------
@@ -295,57 +389,15 @@ class LoadSegment(abc.ABC):
 
         # The sign of an error: positive where the time is too late.
         direction = math.copysign(1.0, total_change) * math.copysign(1.0, end - begin)
-        earliest_time = np.full(wanted_change.shape, min(begin, end))
-        latest_time = np.full(wanted_change.shape, max(begin, end))
-
-        # For each of the n times: the iterate with the least error so far, and how many steps since
-        # have brought no smaller one.
-        best_time = time.copy()
-        least_error = np.full(wanted_change.shape, math.inf)
-        n_idle_iterations = np.zeros(wanted_change.shape, int)
-        is_converged = np.zeros(wanted_change.shape, bool)
-        last_step_length = latest_time - earliest_time
+        search = _BracketedSearch.between(begin, end, time)
         for _ in range(_MOST_BRACKETED_STEPS):
             # Change of the combination since `begin`, and its time derivative, at the iterates.
-            change_so_far, rate = self._change_and_rate(combination, time, begin)
+            change_so_far, rate = self._change_and_rate(combination, search.time, begin)
             signed_error = direction * (change_so_far - wanted_change)
-            absolute_error = np.abs(signed_error)
-            is_improved = absolute_error < least_error
-            np.copyto(best_time, time, where=is_improved)
-            np.copyto(least_error, absolute_error, where=is_improved)
-            n_idle_iterations = (n_idle_iterations + 1) * ~is_improved
-            # Short steps without a smaller error are round-off. After a long one, which halves a
-            # bracket, steps with a smaller error follow.
-            # _MOST_IDLE_STEPS, _SHORT_STEP_SHARE: 3 steps, and 1e-9 of the time since `begin`
-            has_stalled = (n_idle_iterations >= _MOST_IDLE_STEPS) & (
-                last_step_length <= _SHORT_STEP_SHARE * np.abs(best_time - begin)
-            )
-            # _ROUND_OFF_SHARE_OF_TIME: 4.5e-16 of the time
-            is_round_off = last_step_length <= _ROUND_OFF_SHARE_OF_TIME * np.abs(best_time)
-            # A time that has converged stays so: below round-off a step may be long again.
-            is_converged |= (least_error == 0) | has_stalled | is_round_off
-            if is_converged.all():
-                return best_time
-
-            # The bracket shrinks: it begins where the time was too early, ends where it was too
-            # late.
-            np.copyto(earliest_time, time, where=signed_error < 0)
-            np.copyto(latest_time, time, where=signed_error > 0)
-            approach_rate = direction * rate
-            newton_step = np.full(wanted_change.shape, -math.inf)
-            np.divide(-signed_error, approach_rate, out=newton_step, where=approach_rate > 0)
-
-            # Newton's step where it stays in the bracket and converges, else the bracket's middle.
-            newton_time = time + newton_step
-            takes_newton_time = (
-                (earliest_time <= newton_time)
-                & (newton_time <= latest_time)
-                & (2 * np.abs(newton_time - time) <= last_step_length)
-            )
-            next_time = np.where(takes_newton_time, newton_time, (earliest_time + latest_time) / 2)
-            np.copyto(next_time, best_time, where=is_converged)
-            last_step_length = np.abs(next_time - time)
-            time = next_time
+            search.record_errors(signed_error)
+            if search.is_converged.all():
+                return search.best_time
+            search.take_step(signed_error, direction * rate)
         raise NotFoundError(
             f"no time was found at which the loads have changed as wanted, between {begin:.17g} and"
             f" {end:.17g}"
@@ -803,10 +855,6 @@ class HarmonicSegment(LoadSegment):
         """Turning points of a combination c_P P + c_Q Q of the loads: times inside the segment at
         which its rate is zero, ascending [rad]; none of a constant combination.
 
-        One harmonic, amplitude cos(t + lead), turns where t + lead is a multiple of pi. Of several,
-        the highest the m-th, z^m times the rate is a polynomial in z = exp(i t). Its roots on the
-        unit circle are refined by Newton steps.
-
         >>> segment = HarmonicSegment(0.0, 2 * math.pi, (3.0, 0.0), ((1.0, 0.0), (1.0, 0.0)), ())
         >>> [
         ...     round(time / math.pi, 4) for time in segment.turning_points(NORMAL_LOAD)
@@ -816,29 +864,53 @@ class HarmonicSegment(LoadSegment):
         # Upper bounds of the amplitudes of the combination's harmonics, k = 0, 1, ...
         # `_fourier_coefficients` (2, m + 1): those of P and of Q.
         largest_amplitudes = np.abs(combination) @ np.abs(self._fourier_coefficients)
-
         # An ellipse: each load has one harmonic.
         if self.ellipse:
-            amplitude, lead = self.amplitude_and_lead(combination)
-            # _ROUND_OFF_SHARE: 1e-14 of the largest term
-            if (
-                abs(amplitude) <= _ROUND_OFF_SHARE * largest_amplitudes[1]
-            ):  # constant but for round-off
-                return []
-            first_multiple = math.ceil((self.start + lead) / math.pi)
-            last_multiple = math.floor((self.end + lead) / math.pi)
-            turning_times = [
-                multiple * math.pi - lead for multiple in range(first_multiple, last_multiple + 1)
-            ]
-            return [time for time in turning_times if self.start < time < self.end]
+            return self._turning_points_of_ellipse(combination, largest_amplitudes[1])
+        angles = self._angles_without_rate(combination, largest_amplitudes)
 
-        # Several harmonics: coefficients i k c_k of the rate, those at round-off set to 0.
+        # An angle is a time but for whole periods: all its times along the segment.
+        period = 2 * math.pi
+        first_times = angles + period * np.floor((self.start - angles) / period)
+        n_periods = math.ceil((self.end - self.start) / period) + 2
+        times = first_times[:, None] + period * np.arange(n_periods)
+        return _refined_turning_points(self, combination, times.ravel())
+
+    def _turning_points_of_ellipse(
+        self, combination: Combination, largest_amplitude: float
+    ) -> list[float]:
+        """Turning points of a combination of loads that have one harmonic: amplitude cos(t + lead)
+        turns where t + lead is a multiple of pi. Times inside the segment, ascending [rad].
+
+        None where the amplitude is 0 but for round-off, 1e-14 of `largest_amplitude`, the sum of
+        the absolute terms that it is made of.
+        """
+        amplitude, lead = self.amplitude_and_lead(combination)
+        # _ROUND_OFF_SHARE: 1e-14
+        if abs(amplitude) <= _ROUND_OFF_SHARE * largest_amplitude:
+            return []
+        first_multiple = math.ceil((self.start + lead) / math.pi)
+        last_multiple = math.floor((self.end + lead) / math.pi)
+        turning_times = [
+            multiple * math.pi - lead for multiple in range(first_multiple, last_multiple + 1)
+        ]
+        return [time for time in turning_times if self.start < time < self.end]
+
+    def _angles_without_rate(self, combination: Combination, largest_amplitudes: Array) -> Array:
+        """Angles [rad] in a period at which the rate of a combination of loads with several
+        harmonics is zero, but for round-off; empty of a constant combination.
+
+        Of harmonics up to the m-th, z^m times the rate is a polynomial in z = exp(i t). The angles
+        are those of its roots on the unit circle. `largest_amplitudes` (m + 1,) are upper bounds of
+        the amplitudes of the combination's harmonics, k = 0, 1, ...
+        """
+        # Coefficients i k c_k of the rate, those at round-off set to 0.
         rate_coefficients = self._rate_coefficients(combination)
         largest_rate = float(np.arange(len(largest_amplitudes)) @ largest_amplitudes)
         rate_coefficients[np.abs(rate_coefficients) <= _ROUND_OFF_SHARE * largest_rate] = 0
         # LEAST_LOAD_CHANGE: 1e-290; smaller rates count as 0
         if largest_rate < LEAST_LOAD_CHANGE or not np.any(rate_coefficients):
-            return []
+            return np.zeros(0)
 
         # z^m times twice the rate, with c_-k the conjugate of c_k: a polynomial of degree 2 m.
         highest_harmonic = int(np.flatnonzero(rate_coefficients)[-1])
@@ -847,14 +919,7 @@ class HarmonicSegment(LoadSegment):
             np.concatenate([coefficients_below_zero, rate_coefficients[: highest_harmonic + 1]])
         )
         # _DISTANCE_OF_DOUBLE_ROOTS: 1e-5, by which round-off parts a double root
-        angles = np.angle(roots[np.abs(np.abs(roots) - 1) < _DISTANCE_OF_DOUBLE_ROOTS])
-        period = 2 * math.pi
-
-        # A root's angle is a time but for whole periods: all its times along the segment.
-        first_times = angles + period * np.floor((self.start - angles) / period)
-        n_periods = math.ceil((self.end - self.start) / period) + 2
-        times = first_times[:, None] + period * np.arange(n_periods)
-        return _refined_turning_points(self, combination, times.ravel())
+        return np.angle(roots[np.abs(np.abs(roots) - 1) < _DISTANCE_OF_DOUBLE_ROOTS])
 
     def _time_inside(
         self,
