@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -349,31 +349,13 @@ def piecewise_series_by_halving(
     UnresolvedError
         Where values are no numbers, or a first interval would be divided into more than 400.
     """
-
-    def values_on(begins: Array, ends: Array) -> Array:
-        """Values of the function at the Chebyshev points of m intervals, one row each."""
-        # CHEBYSHEV_NODES: Chebyshev points on [-1, 1]
-        places = begins[:, None] + (ends - begins)[:, None] * (1 + CHEBYSHEV_NODES) / 2
-        return np.asarray(function(places), dtype=float)
-
     # The intervals that are not accurate yet, (m,): their ends, and which first interval each is a
     # part of. At the beginning these are the first intervals themselves.
     begins = edges[:-1]
     ends = edges[1:]
     first_interval = np.arange(len(edges) - 1)
-    values = values_on(begins, ends)
-
-    # Limits for all parts of a first interval, (n,).
-    # _SHORTEST_PIECE: 1e-14 of the first interval, the length at which halving ends
-    least_length = np.maximum(
-        _SHORTEST_PIECE * (ends - begins), 4e-16 * np.maximum(np.abs(begins), np.abs(ends))
-    )
-    largest_values = np.max(np.abs(values), axis=1)
-    scales = np.zeros(len(begins)) if scale is None else np.asarray(scale, dtype=float)
-    # The values on the next interval count too: a function may be zero on one.
-    negligible_error = np.maximum(
-        1e-15 * np.maximum(largest_values, np.append(largest_values[1:], 0.0)), 4e-15 * scales
-    )
+    values = _values_on_intervals(function, begins, ends)
+    limits = _HalvingLimits.of_first_intervals(begins, ends, values, scale)
     # For each first interval: how many of its parts have been given a series.
     n_series = np.zeros(len(begins), dtype=int)
 
@@ -385,18 +367,15 @@ def piecewise_series_by_halving(
         # One turn: a series on each interval, and whether it is accurate.
         coefficients = chebyshev_coefficients(values)
         n_series = n_series + np.bincount(first_interval, minlength=len(n_series))
-        error_limits = np.maximum(
-            1e-13 * np.max(np.abs(values), axis=1), negligible_error[first_interval]
+        can_be_halved = ends - begins > limits.least_length[first_interval]
+        is_to_be_halved = can_be_halved & (
+            truncation_error(coefficients) > limits.largest_errors(values, first_interval)
         )
-        can_be_halved = ends - begins > least_length[first_interval]
-        is_to_be_halved = (truncation_error(coefficients) > error_limits) & can_be_halved
         # _MOST_PIECES: 400 series for the parts of one first interval
-        unresolved_intervals = np.flatnonzero(
-            ~np.all(np.isfinite(values), axis=1)
-            | (is_to_be_halved & (n_series[first_interval] > _MOST_PIECES))
-        )
-        if len(unresolved_intervals):
-            first_unresolved = unresolved_intervals[0]
+        has_too_many_parts = is_to_be_halved & (n_series[first_interval] > _MOST_PIECES)
+        is_unresolved = ~np.all(np.isfinite(values), axis=1) | has_too_many_parts
+        if np.any(is_unresolved):
+            first_unresolved = int(np.argmax(is_unresolved))
             raise UnresolvedError(float(begins[first_unresolved]), float(ends[first_unresolved]))
         accurate_begins.append(begins[~is_to_be_halved])
         accurate_series.append(coefficients[~is_to_be_halved])
@@ -409,13 +388,63 @@ def piecewise_series_by_halving(
         ends = np.append(middles, ends)
         first_interval = np.tile(first_interval[is_to_be_halved], 2)
         if len(begins):
-            values = values_on(begins, ends)
+            values = _values_on_intervals(function, begins, ends)
 
     ascending_order = np.argsort(np.concatenate(accurate_begins))
     return PiecewiseSeries(
         np.append(np.concatenate(accurate_begins)[ascending_order], edges[-1]),
         np.concatenate(accurate_series)[ascending_order].T.copy(),
     )
+
+
+def _values_on_intervals(function: Function, begins: Array, ends: Array) -> Array:
+    """Values of a function at the Chebyshev points of m intervals, one row each, (m, nodes);
+    `begins` and `ends` (m,) are the ends of the intervals.
+    """
+    # CHEBYSHEV_NODES: Chebyshev points on [-1, 1]
+    places = begins[:, None] + (ends - begins)[:, None] * (1 + CHEBYSHEV_NODES) / 2
+    return np.asarray(function(places), dtype=float)
+
+
+class _HalvingLimits(NamedTuple):
+    """Limits at which intervals are halved no more, (n,) for all parts of each of n first
+    intervals: least length of a part, and error of a series that is negligible.
+    """
+
+    least_length: Array
+    negligible_error: Array
+
+    @classmethod
+    def of_first_intervals(
+        cls, begins: Array, ends: Array, values: Array, scale: ArrayLike | None
+    ) -> _HalvingLimits:
+        """The limits from the first intervals: their ends (n,) and the values (n, nodes) of the
+        function on them. `scale` is a size of values beside which errors are negligible: a number,
+        (n,), or None.
+
+        A part has at least 1e-14 of the length of its first interval. Negligible is 1e-15 of the
+        largest value on an interval or on the next one, since a function may be zero on one; or
+        4e-15 of `scale`.
+        """
+        # _SHORTEST_PIECE: 1e-14
+        least_length = np.maximum(
+            _SHORTEST_PIECE * (ends - begins), 4e-16 * np.maximum(np.abs(begins), np.abs(ends))
+        )
+        largest_values = np.max(np.abs(values), axis=1)
+        scales = np.zeros(len(begins)) if scale is None else np.asarray(scale, dtype=float)
+        negligible_error = np.maximum(
+            1e-15 * np.maximum(largest_values, np.append(largest_values[1:], 0.0)), 4e-15 * scales
+        )
+        return cls(least_length, negligible_error)
+
+    def largest_errors(self, values: Array, first_interval: NDArray[np.intp]) -> Array:
+        """Largest error that a series may have, on m parts, (m,): 1e-13 of the largest value on the
+        part, or what is negligible. `values` (m, nodes) are those of the function, `first_interval`
+        (m,) the number of the first interval of each part.
+        """
+        return np.maximum(
+            1e-13 * np.max(np.abs(values), axis=1), self.negligible_error[first_interval]
+        )
 
 
 def _runs_of_short_pieces(pieces: PiecewiseSeries, first_edges: Array) -> list[tuple[int, int]]:

@@ -742,6 +742,30 @@ _CURVATURE_POLYNOMIALS /= np.abs(_CURVATURE_POLYNOMIALS).max(axis=1, keepdims=Tr
 _DIVISORS_OF_TWO_INTEGRATIONS = np.array([1 * 2, 3 * 4, 5 * 6, 7 * 8])
 
 
+def _smoothing_rows(n_functions: int, smoothing_weight: float) -> Array:
+    """Least-squares equations, (n, k + 1) with the right side 0 last, that keep neighbouring
+    weights w_j of k functions close: root of `smoothing_weight` times their difference. None, (0, k
+    + 1), where that weight is 0.
+    """
+    if not smoothing_weight:
+        return np.zeros((0, n_functions + 1))
+    differences = np.diff(np.eye(n_functions + 1)[:n_functions], axis=0)
+    return np.asarray(math.sqrt(smoothing_weight) * differences)
+
+
+def _non_negative_weights(equations: Array) -> Array:
+    """Least-squares solution w >= 0, (k,), of equations (n, k + 1) with the right side in the last
+    column. NotFoundError where the iteration does not converge.
+    """
+    from scipy.optimize import nnls
+
+    n_weights = equations.shape[1] - 1
+    try:
+        return np.asarray(nnls(equations[:, :-1], equations[:, -1], maxiter=50 * n_weights)[0])
+    except RuntimeError as reason:
+        raise NotFoundError(f"no curve through the rows was found: {reason}") from reason
+
+
 @dataclass(frozen=True, eq=False)
 class _ScaledRows:
     """Dimensionless measured points, and what is fitted to them.
@@ -830,45 +854,14 @@ class _ScaledRows:
         NotFoundError
             Where non-negative least squares do not converge.
         """
-        from scipy.optimize import nnls
-
         # The basis functions B_j at the points, (n_rows, n_functions).
         middle = float(middle_and_half_length[0]) if self.middle_is_fitted else 0.0
         flat_half_length = float(middle_and_half_length[-1]) if self.kind == "flat_rounded" else 0.0
         basis_functions = self.basis_functions(np.abs(self.x - middle), flat_half_length)
         means = basis_functions.mean(axis=0)
-        n_rows, n_functions = basis_functions.shape
-
-        # The best offset for any w: without the means of all columns it drops out.
-        x_from_mean = self.x - self.x.mean()
-        equations = np.column_stack([basis_functions - means, self.h - self.h.mean()])
-
-        # The best tilt for any w is linear in w: entry j is that of column j, the last that of h.
-        tilt_of_columns = np.zeros(n_functions + 1)
-        if self.tilt_is_fitted:
-            tilt_of_columns = (
-                x_from_mean @ equations / (x_from_mean @ x_from_mean + self.tilt_weight)
-            )
-            untilted_equations = equations - np.outer(x_from_mean, tilt_of_columns)
-            equations = np.vstack(
-                [untilted_equations, math.sqrt(self.tilt_weight) * tilt_of_columns]
-            )
-
-        # The triangle R of Q R has the same least squares, with as many rows as columns.
-        if n_rows > n_functions + 1:
-            equations = np.asarray(np.linalg.qr(equations, mode="r"))
-
-        # Smoothing adds an equation for each pair of neighbouring w_j.
-        smoothing_rows = np.zeros((0, n_functions + 1))
-        if smoothing_weight:
-            differences = np.diff(np.eye(n_functions + 1)[:n_functions], axis=0)
-            smoothing_rows = math.sqrt(smoothing_weight) * differences
-        equations = np.vstack([equations, smoothing_rows])
-
-        try:
-            basis_weights = nnls(equations[:, :-1], equations[:, -1], maxiter=50 * n_functions)[0]
-        except RuntimeError as reason:
-            raise NotFoundError(f"no curve through the rows was found: {reason}") from reason
+        equations, tilt_of_columns = self._equations_of_weights(basis_functions)
+        smoothing_rows = _smoothing_rows(basis_functions.shape[1], smoothing_weight)
+        basis_weights = _non_negative_weights(np.vstack([equations, smoothing_rows]))
 
         # Offset, tilt and heights that belong to these weights, and what they add to the sum of
         # squares.
@@ -878,6 +871,7 @@ class _ScaledRows:
         fitted_heights = offset + tilt * (self.x - middle) + profile_heights
         tilt_penalty = math.sqrt(self.tilt_weight) * tilt if self.tilt_is_fitted else 0.0
         penalties = np.append(smoothing_rows[:, :-1] @ basis_weights, tilt_penalty)
+        # The offset counts as a parameter, and each weight that is not 0.
         n_parameters = (
             1.0
             + self.tilt_is_fitted
@@ -897,6 +891,36 @@ class _ScaledRows:
             smoothing_weight=smoothing_weight,
             residuals=np.append(fitted_heights - self.h, penalties),
         )
+
+    def _equations_of_weights(self, basis_functions: Array) -> tuple[Array, Array]:
+        """Linear least-squares equations for the k weights w_j of a profile, with the best offset
+        and tilt for any w put in: (m, k + 1), the right side last. Also the tilt that belongs to
+        each column, (k + 1,): the best tilt is the last one minus the others times w.
+
+        `basis_functions` (n, k) are the functions B_j at the points; `x` and `h` (n,) are places
+        and heights of the points, dimensionless. The tilt is fitted if `tilt_is_fitted`, with
+        `tilt_weight` tilt^2 in the sum of squares; else it is 0. There are at most k + 1 equations.
+        """
+        n_rows, n_functions = basis_functions.shape
+        # The best offset for any w: without the means of all columns it drops out.
+        x_from_mean = self.x - self.x.mean()
+        equations = np.column_stack(
+            [basis_functions - basis_functions.mean(axis=0), self.h - self.h.mean()]
+        )
+        # The best tilt for any w is linear in w: entry j is that of column j, the last that of h.
+        tilt_of_columns = np.zeros(n_functions + 1)
+        if self.tilt_is_fitted:
+            tilt_of_columns = (
+                x_from_mean @ equations / (x_from_mean @ x_from_mean + self.tilt_weight)
+            )
+            untilted_equations = equations - np.outer(x_from_mean, tilt_of_columns)
+            equations = np.vstack(
+                [untilted_equations, math.sqrt(self.tilt_weight) * tilt_of_columns]
+            )
+        # The triangle R of Q R has the same least squares, with as many rows as columns.
+        if n_rows > n_functions + 1:
+            equations = np.asarray(np.linalg.qr(equations, mode="r"))
+        return equations, tilt_of_columns
 
     def fit_from(self, first_guess: Array, smoothing_weight: float) -> _Fit:
         """Least-squares fit of the profile with the best middle and half-length of the flat, where

@@ -480,7 +480,7 @@ def _polynomial_of_lowest_power(
     heights: Array,
     end: float,
     lowest_power: int,
-    coefficient_count: int,
+    n_coefficients: int,
     height_roundoff: float,
 ) -> _InnerPolynomial | None:
     """Least-squares fit of heights near x = 0 by h = s^m g(s) with s = (x/end)^2, and the errors of
@@ -499,37 +499,27 @@ def _polynomial_of_lowest_power(
         largest x of the fit [length]
     lowest_power
         m, the lowest power of x^2
-    coefficient_count
+    n_coefficients
         number of Chebyshev coefficients of g
     height_roundoff
         standard deviation of the heights' round-off [length]
     """
     s = (1 + samples.places) / 2
-    # Least squares for the coefficients of g by a QR factorisation.
-    orthogonal_factor, triangular_factor = np.linalg.qr(
-        s[:, None] ** lowest_power * samples.polynomials[:, :coefficient_count]
+    g_coefficients, coefficients_per_height = _refined_least_squares(
+        s[:, None] ** lowest_power * samples.polynomials[:, :n_coefficients], heights
     )
-    inverse_of_triangle = np.linalg.inv(triangular_factor)
-    g_coefficients = inverse_of_triangle @ (orthogonal_factor.T @ heights)
-    # Once more for the residuals, which a single solution leaves too large by round-off.
-    g_coefficients = g_coefficients + inverse_of_triangle @ (
-        orthogonal_factor.T @ (heights - (orthogonal_factor @ (triangular_factor @ g_coefficients)))
-    )
-
+    terms_of_b = _slope_terms(lowest_power, n_coefficients)
     # B and its derivative dB/ds at s = 0 and s = 1 are linear in g: a column for each coefficient.
-    s_series = chebyshev.Chebyshev([0.5, 0.5], domain=[0.0, 1.0])
-    polynomials = [chebyshev.Chebyshev(row, domain=[0.0, 1.0]) for row in np.eye(coefficient_count)]
-    terms_of_b = [
-        lowest_power * polynomial + s_series * polynomial.deriv() for polynomial in polynomials
-    ]
     s_of_ends = np.array([0.0, 1.0])
     b_at_ends = np.stack([term(s_of_ends) for term in terms_of_b], axis=1)
     b_rate_at_ends = np.stack([term.deriv()(s_of_ends) for term in terms_of_b], axis=1)
 
     # Errors of B and dB/ds at the ends: four standard deviations of the heights' round-off.
     stated_roundoff = _DEVIATIONS_IN_STATED_ERROR * height_roundoff
-    b_errors = stated_roundoff * np.linalg.norm(b_at_ends @ inverse_of_triangle, axis=1)
-    b_rate_errors = stated_roundoff * np.linalg.norm(b_rate_at_ends @ inverse_of_triangle, axis=1)
+    b_errors = stated_roundoff * np.linalg.norm(b_at_ends @ coefficients_per_height, axis=1)
+    b_rate_errors = stated_roundoff * np.linalg.norm(
+        b_rate_at_ends @ coefficients_per_height, axis=1
+    )
     b_sizes = np.abs(b_at_ends @ g_coefficients)
     # _LARGEST_RELATIVE_LOAD_ERROR: 1e-7 of the load
     if not np.all(b_errors < _LARGEST_RELATIVE_LOAD_ERROR * b_sizes):
@@ -552,3 +542,28 @@ def _polynomial_of_lowest_power(
         height_roundoff,
         LoadErrors(load_error, stiffness_error),
     )
+
+
+def _refined_least_squares(equations: Array, right_side: Array) -> tuple[Array, Array]:
+    """Least-squares solution (k,) of n equations (n, k) for the right side (n,), and the inverse
+    (k, k) of the triangle R of the factorisation Q R of the equations.
+
+    Independent errors of the right side with a standard deviation e make errors of the solution of
+    e times the rows of that inverse. The residuals are solved for once more: a single solution
+    leaves them too large by round-off.
+    """
+    orthogonal_factor, triangular_factor = np.linalg.qr(equations)
+    inverse_of_triangle = np.linalg.inv(triangular_factor)
+    solution = inverse_of_triangle @ (orthogonal_factor.T @ right_side)
+    residuals = right_side - (orthogonal_factor @ (triangular_factor @ solution))
+    solution = solution + inverse_of_triangle @ (orthogonal_factor.T @ residuals)
+    return solution, inverse_of_triangle
+
+
+def _slope_terms(lowest_power: int, n_coefficients: int) -> list[chebyshev.Chebyshev]:
+    """The terms m T_j + s T_j' of B = m g + s g', one for each Chebyshev polynomial T_j(s) of g on
+    0 <= s <= 1: the slope of a profile h = s^m g(s) is a multiple of B. m is `lowest_power`.
+    """
+    s_series = chebyshev.Chebyshev([0.5, 0.5], domain=[0.0, 1.0])
+    polynomials = [chebyshev.Chebyshev(row, domain=[0.0, 1.0]) for row in np.eye(n_coefficients)]
+    return [lowest_power * polynomial + s_series * polynomial.deriv() for polynomial in polynomials]

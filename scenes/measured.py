@@ -320,40 +320,20 @@ class FromFile(Frozen):
                 "key_missing", "the key {key} is missing", {"key": self.table}
             )
 
-        # File, units of the scene, and the columns with the kind of unit of each.
         path = _folder(validation) / self.file
-        units = (validation.context or {}).get("units")
-        if not isinstance(units, str):
-            # _DEFAULT_UNITS: "N, mm, MPa"
-            units = _DEFAULT_UNITS
         stated_columns = getattr(self, "columns", None)
-        # Optional columns, such as bulk stress, that the scene names.
+        # Optional columns, such as bulk stress, that the scene names; then the kind of unit of each
+        # column.
         optional_names = self._optional_columns_in(stated_columns)
-        kinds = self.column_kinds | {
+        unit_kinds = self.column_kinds | {
             name: self.optional_column_kinds[name] for name in optional_names
         }
-
-        # The columns of the file, each converted into the scene's units.
-        file_table = self._table_of(path, tuple(kinds), stated_columns)
+        file_table = self._table_of(path, tuple(unit_kinds), stated_columns)
         # (what, how) for the key `read_as`
         descriptions = layout_in_words(path, file_table)
-        is_converted = False
-        for column, (name, kind) in enumerate(kinds.items()):
-            # Number that means zero, factor to the scene's units, and a description.
-            column_reading = self._reading_of_column(path, file_table, column, name, kind, units)
-            is_converted = is_converted or (column_reading.unit_known and kind != "time")
-            # Numbers that are not finite are refused later, with their row.
-            with np.errstate(over="ignore", invalid="ignore"):
-                file_table.values[:, column] -= column_reading.zero
-                file_table.values[:, column] *= column_reading.factor
-            descriptions.append((name, column_reading.description))
-
-        # What else the user gets to know, such as columns that were not read.
-        descriptions += self._stated_quantities_in_words()
-        if file_table.unread_headings:
-            descriptions.append(("not read", _headings_in_words(file_table.unread_headings)))
-        if is_converted:
-            descriptions.append((SCENE_UNITS, units))
+        descriptions += self._convert_columns(
+            path, file_table, unit_kinds, _scene_units(validation)
+        )
 
         names_stated_twice = [name for name in optional_names if getattr(self, name) is not None]
         if names_stated_twice:
@@ -361,22 +341,72 @@ class FromFile(Frozen):
                 f"{self.file}: {names_stated_twice[0]} is a column of the file and stated beside"
                 " it: leave one out"
             )
-
-        # Rows with the quantities that the scene states in place of columns.
-        values = Table.of_rows(self._with_stated_quantities(file_table.values)).values
-        # The optional columns come last.
-        n_table_columns = values.shape[1] - len(optional_names)
-        values_of_keys: dict[str, Any] = {
-            self.table: Table.of_rows(values[:, :n_table_columns]),
-            "read_as": tuple(descriptions),
-        }
-        for index, name in enumerate(optional_names):
-            values_of_keys[name] = tuple(values[:, n_table_columns + index].tolist())
+        values_of_keys = self._keys_of_columns(file_table.values, optional_names)
+        values_of_keys["read_as"] = tuple(descriptions)
         # The model is frozen, and is still being validated here.
         for key, key_value in values_of_keys.items():
             object.__setattr__(self, key, key_value)
         self.model_fields_set.update(values_of_keys)
         return self
+
+    def _convert_columns(
+        self, path: Path, file_table: TextTable, unit_kinds: Mapping[str, Kind], scene_units: str
+    ) -> list[tuple[str, str]]:
+        """Convert each column of a text file's table into the scene's units, in place, and return
+        what the user gets to know about it: pairs of what, and how it was read.
+
+        After the columns these are quantities that the scene states in place of columns, headings
+        that were not read, and the units of the scene, if a column other than time has a unit.
+
+        Parameters
+        ----------
+        path, file_table
+            the file, and its rows `values` (n, columns) as they are written there
+        unit_kinds
+            for each column, in their order, its name and kind of unit, such as "force"
+        scene_units
+            units of the scene, such as "N, mm, MPa"
+
+        Raises
+        ------
+        InputError
+            For a unit that is not understood.
+        """
+        descriptions = []
+        is_converted = False
+        for column, (name, unit_kind) in enumerate(unit_kinds.items()):
+            # Number that means zero, factor to the scene's units, and a description.
+            column_reading = self._reading_of_column(
+                path, file_table, column, name, unit_kind, scene_units
+            )
+            is_converted = is_converted or (column_reading.unit_known and unit_kind != "time")
+            # Numbers that are not finite are refused later, with their row.
+            with np.errstate(over="ignore", invalid="ignore"):
+                file_table.values[:, column] -= column_reading.zero
+                file_table.values[:, column] *= column_reading.factor
+            descriptions.append((name, column_reading.description))
+        descriptions += self._stated_quantities_in_words()
+        if file_table.unread_headings:
+            descriptions.append(("not read", _headings_in_words(file_table.unread_headings)))
+        if is_converted:
+            descriptions.append((SCENE_UNITS, scene_units))
+        return descriptions
+
+    def _keys_of_columns(self, values: Array, optional_names: Sequence[str]) -> dict[str, Any]:
+        """Values of the scene's keys that the columns of a file fill in, by key: the rows of the
+        table `self.table`, and each optional column, such as bulk stress, as a key of its name.
+
+        `values` (n, columns) are in the scene's units; the optional columns come last. Quantities
+        that the scene states in place of columns are put into the rows.
+        """
+        all_values = Table.of_rows(self._with_stated_quantities(values)).values
+        n_table_columns = all_values.shape[1] - len(optional_names)
+        values_of_keys: dict[str, Any] = {
+            self.table: Table.of_rows(all_values[:, :n_table_columns])
+        }
+        for index, name in enumerate(optional_names):
+            values_of_keys[name] = tuple(all_values[:, n_table_columns + index].tolist())
+        return values_of_keys
 
     def _table_of(
         self, path: Path, columns: tuple[str, ...], stated_columns: Frozen | None
@@ -615,6 +645,15 @@ def _check_thickness(path: Path, name: str, unit: ColumnUnit, thickness: float |
     if unit.per_length:
         fault_text = "per length already: leave out the key thickness"
     raise InputError(f"{path}: {name} is in {unit.word} ({unit.source}), {fault_text}")
+
+
+def _scene_units(validation: ValidationInfo) -> str:
+    """Units of the scene that is being read, such as "N, mm, MPa", which they are where it states
+    none. `validation.context` holds them under "units".
+    """
+    units = (validation.context or {}).get("units")
+    # _DEFAULT_UNITS: "N, mm, MPa"
+    return units if isinstance(units, str) else _DEFAULT_UNITS
 
 
 def _folder(validation: ValidationInfo) -> Path:
