@@ -9,11 +9,14 @@ from __future__ import annotations
 
 import math
 import time as clock
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from scenes import OPEN
+from scenes.array_types import Array
 from semi_analytic.answer import (
     STEADY_FIELDS,
     Findings,
@@ -77,12 +80,8 @@ class GridAnswer:
         if question.time is not None:
             path_end = (*path.initial_loading, *path.cycle)[-1].end
             time_in_followed_path(question.time, path.start, path_end, path.period)  # or refused
-        x = question.x
-        if x is None:
-            contact_edges = contact_edges_along(self._path_loads, self._tilted_contact)
-            x = mirrored_points(1.05 * float(np.max(np.abs(contact_edges))))
         self.question = question
-        self.x = x
+        self.x = self._points()
         # Whether the fields asked for are the same in the steady cycle however it was reached.
         self._steady_only = question.wants_last_cycle_alone and question.fields <= STEADY_FIELDS
         # pointwise: whether fields at points are wanted; steady: whether the last cycle is enough.
@@ -91,7 +90,7 @@ class GridAnswer:
             self._tilted_contact,
             scene.profile.height,
             scene.friction.coefficient,
-            x,
+            self.x,
             question.time,
             GridRequest(
                 most_cycles=max(scene.cycles, 2),
@@ -99,6 +98,15 @@ class GridAnswer:
                 pointwise=question.wants("shear", "slip", "state"),
             ),
         )
+
+    def _points(self) -> Array:
+        """Points of the answer (k,) [length]: those of the question, else 200 up to 1.05 times the
+        largest distance of an edge of contact from x = 0, on both sides.
+        """
+        if self.question.x is not None:
+            return self.question.x
+        contact_edges = contact_edges_along(self._path_loads, self._tilted_contact)
+        return mirrored_points(1.05 * float(np.max(np.abs(contact_edges))))
 
     def findings(self, steady_cycle: Findings | None) -> Findings:
         """The answer of a path that was followed on grids: loads, fields and friction work, their
@@ -109,59 +117,75 @@ class GridAnswer:
         are taken from it, W also for each cycle from the first steady one on. A last cycle that is
         not steady gets a note of how far its W may be from the steady one.
         """
-        question = self.question
-        path_on_grids = self.path_on_grids
-        path = question.scene.load.path()
-        is_steady = path_on_grids.steady_from is not None
-
-        # path_on_grids: works of all cycles, index of the first steady one (None if none is),
-        # errors.
         values = self._values()
-        work_of_last_cycle = float(path_on_grids.works[-1])
         errors = self._errors_on_grids()
         if steady_cycle is not None:
-            cycle_works = values["cycle_dissipation"]
-            is_before_steady = np.arange(len(cycle_works)) < (path_on_grids.steady_from or 0)
-            steady_work = steady_cycle.values["dissipation"]
-            values["cycle_dissipation"] = np.where(is_before_steady, cycle_works, steady_work)
-            values["uncertainties"] = {}
-            # _VALUES_OF_STEADY_CYCLE: names of W, W(x), permanent stick and loop work.
-            for name in _VALUES_OF_STEADY_CYCLE:
-                values[name] = steady_cycle.values.get(name)
-            # WORK_FIELDS: the names of W and W(x).
-            errors |= dict.fromkeys(question.fields & WORK_FIELDS, 0.0)
+            values |= self._values_of_steady_cycle(steady_cycle, values["cycle_dissipation"])
+            # WORK_FIELDS: the names of W and W(x)
+            errors |= dict.fromkeys(self.question.fields & WORK_FIELDS, 0.0)
             errors |= dict(steady_cycle.errors)
         if np.isfinite(values["stick_edges"]).any():
             # an edge lies anywhere in its cell, however the steady cycle is found
             values["uncertainties"]["stick_edges"] = self._cell_width
-        notes = [*neglected_coupling(question.scene.material), self._note(steady_cycle)]
-
-        # period: duration of a cycle, None for a path that does not repeat.
-        if path.period is not None and not is_steady:
-            # `unsteady_work` estimates how far the last cycle's work is from the steady one.
-            unsteady_share = path_on_grids.unsteady_work / work_of_last_cycle
-            notes.append(
-                f"the last cycle, number {len(path_on_grids.works)}, is not steady: by the trend"
-                f" its dissipation is within {unsteady_share:.1e} of the steady one"
-            )
-        termination = "end of path"
-        message = "the path was followed to its end"
-        if path_on_grids.steady_from is not None:
-            termination = "steady"
-            message = (
-                f"cycle {path_on_grids.steady_from + 1} repeats the one before to"
-                f" {path_on_grids.steady_tolerance:.0e} of its work"
-            )
+        path_on_grids = self.path_on_grids
+        termination, message = self._term_and_sentence_of_end()
         return Findings(
             time=path_on_grids.time[self._rows()],
             x=self.x,
             values=values,
             termination=termination,
             message=message,
-            notes=tuple(notes),
+            notes=tuple(self._notes(steady_cycle)),
             errors=errors,
             counts={"cycles_solved": len(path_on_grids.works), **path_on_grids.counts},
             seconds={"history": clock.perf_counter() - self._start_of_clock},
+        )
+
+    def _values_of_steady_cycle(
+        self, steady_cycle: Findings, works_on_grids: Array
+    ) -> dict[str, Any]:
+        """W, W(x), permanent stick and loop work of the steady cycle, found without grids, by their
+        names in a solution; none of them is uncertain.
+
+        W of each cycle is that on grids, `works_on_grids` (n_cycles,), up to the first steady one.
+        """
+        n_cycles_before = self.path_on_grids.steady_from or 0
+        is_before_steady = np.arange(len(works_on_grids)) < n_cycles_before
+        values: dict[str, Any] = {
+            name: steady_cycle.values.get(name) for name in _VALUES_OF_STEADY_CYCLE
+        }
+        values["cycle_dissipation"] = np.where(
+            is_before_steady, works_on_grids, steady_cycle.values["dissipation"]
+        )
+        return values | {"uncertainties": {}}
+
+    def _notes(self, steady_cycle: Findings | None) -> Iterator[str]:
+        """Sentences for the notes: coupling that is left out, the grids, and how far the friction
+        work of a last cycle that is not steady may be from the steady one.
+
+        `steady_cycle` is the answer for the steady cycle by a method without grids, or None.
+        """
+        path_on_grids = self.path_on_grids
+        scene = self.question.scene
+        yield from neglected_coupling(scene.material)
+        yield self._note(steady_cycle)
+        # period: duration of a cycle, None for a path that does not repeat
+        if scene.load.path().period is not None and path_on_grids.steady_from is None:
+            unsteady_share = path_on_grids.unsteady_work / float(path_on_grids.works[-1])
+            yield (
+                f"the last cycle, number {len(path_on_grids.works)}, is not steady: by the trend"
+                f" its dissipation is within {unsteady_share:.1e} of the steady one"
+            )
+
+    def _term_and_sentence_of_end(self) -> tuple[str, str]:
+        """How the path ended, as a term, "steady" or "end of path", and as a sentence."""
+        path_on_grids = self.path_on_grids
+        if path_on_grids.steady_from is None:
+            return "end of path", "the path was followed to its end"
+        return (
+            "steady",
+            f"cycle {path_on_grids.steady_from + 1} repeats the one before to"
+            f" {path_on_grids.steady_tolerance:.0e} of its work",
         )
 
     def _errors_on_grids(self) -> dict[str, float]:
@@ -229,75 +253,109 @@ class GridAnswer:
         """Loads (n,), edges (n, 2), fields (n, k) at n instants and k points, friction work and the
         uncertainty of permanent stick as the grids give them, by the names of a ContactSolution;
         NaN, and open, for what was not asked for.
-
-        The tangential displacement U of the grids has the datum length 1, that of the answer the
-        datum length L of the profile: (A/pi) Q ln(L) is added, A = 2/E*.
         """
-        question = self.question
-        path_on_grids = self.path_on_grids
-        scene = question.scene
-        # Instants of the answer: all that were followed, or those of the last cycle.
         rows = self._rows()
-        time = path_on_grids.time[rows]
+        return {
+            **self._fields(rows),
+            **self._works(),
+            **self._loads_and_edges(rows),
+            **self._permanent_stick(),
+            "steady_from": self.path_on_grids.steady_from,
+        }
+
+    def _loads_and_edges(self, rows: slice) -> dict[str, Array]:
+        """Loads, bulk stresses, tilt, moments and half-widths (n,), and edges (n, 2), at the
+        instants `rows` of the path, by their names in a solution.
+        """
+        path_on_grids = self.path_on_grids
         normal_load, tangential_load, _, tilt = path_on_grids.loads[:, rows]
         contact_edges = path_on_grids.contact_edges[rows]
         stick_edges = path_on_grids.stick_edges[rows]
-        contact_middle = np.mean(contact_edges, axis=1)
-        contact_half_width = np.diff(contact_edges)[:, 0] / 2
-        stress_of_lower_body, stress_of_upper_body = self._path_loads.bulk_stresses(time)
-
-        # A/pi of half-planes, and what the other datum length adds to U.
-        unit_compliance = 2 / (math.pi * composite_modulus(scene.material))
-        datum_shift = unit_compliance * tangential_load * math.log(scene.profile.datum_length)
-        # Friction work of each cycle; of the last alone where the steady cycle is enough.
-        works = path_on_grids.works[-1:] if self._steady_only else path_on_grids.works
-        values: dict[str, Any] = {
-            "tangential_displacement": path_on_grids.displacement[rows] + datum_shift,
-            "normal_approach": self._tilted_contact.approach(
-                contact_middle, contact_half_width, normal_load, tilt
-            ),
-            "pressure": path_on_grids.pressure[rows],
-            "shear": path_on_grids.shear[rows],
-            "slip": path_on_grids.slip[rows],
-            "dissipation_density": path_on_grids.density,
-        }
-        for name, values_of_field in values.items():
-            if not question.wants(name):
-                values[name] = np.full_like(values_of_field, np.nan)
-        values["state"] = path_on_grids.state[rows]
-        if not question.wants("state"):
-            values["state"] = np.full_like(path_on_grids.state[rows], OPEN)
-        if question.wants("dissipation"):
-            is_steady = path_on_grids.steady_from is not None
-            values["dissipation"] = float(works[-1])
-            values["loop_work"] = path_on_grids.loop_work if is_steady else math.nan
-            values["cycle_dissipation"] = works
-        else:
-            values["dissipation"] = math.nan
-            values["loop_work"] = math.nan
-            values["cycle_dissipation"] = np.full_like(works, np.nan)
-
-        # A path without cycles begins unloaded, where nothing sticks.
-        permanent_stick_edges = np.full(2, math.nan)
-        uncertainties = {}
-        if scene.load.path().period is not None:
-            permanent_stick_edges = path_on_grids.permanent_stick_edges
-            uncertainties["permanent_stick_half_width"] = path_on_grids.permanent_stick_uncertainty
-        return values | {
+        stress_of_lower_body, stress_of_upper_body = self._path_loads.bulk_stresses(
+            path_on_grids.time[rows]
+        )
+        return {
             "normal_load": normal_load,
             "tangential_load": tangential_load,
             "contact_edges": contact_edges,
             "stick_edges": stick_edges,
-            "contact_half_width": contact_half_width,
+            "contact_half_width": np.diff(contact_edges)[:, 0] / 2,
             "stick_half_width": np.diff(stick_edges)[:, 0] / 2,
-            "permanent_stick_half_width": float(permanent_stick_edges[1] - permanent_stick_edges[0])
-            / 2,
-            "permanent_stick_edges": permanent_stick_edges,
-            "uncertainties": uncertainties,
-            "steady_from": path_on_grids.steady_from,
             "bulk_stress_lower": stress_of_lower_body,
             "bulk_stress_upper": stress_of_upper_body,
             "tilt": tilt,
             "moment": path_on_grids.moment[rows],
             "shear_moment": path_on_grids.shear_moment[rows],
+        }
+
+    def _fields(self, rows: slice) -> dict[str, NDArray[Any]]:
+        """Displacements (n,), pressure, shear, slip and state (n, k) at the instants `rows` of the
+        path and k points, and friction work per area (k,), by their names in a solution; NaN, and
+        open, for what was not asked for.
+
+        The tangential displacement U of the grids has the datum length 1, that of the answer the
+        datum length L of the profile: (A/pi) Q ln(L) is added, A = 2/E*.
+        """
+        scene = self.question.scene
+        path_on_grids = self.path_on_grids
+        normal_load, tangential_load, _, tilt = path_on_grids.loads[:, rows]
+        contact_edges = path_on_grids.contact_edges[rows]
+        unit_compliance = 2 / (math.pi * composite_modulus(scene.material))  # A/pi
+        datum_shift = unit_compliance * tangential_load * math.log(scene.profile.datum_length)
+        fields: dict[str, NDArray[Any]] = {
+            "tangential_displacement": path_on_grids.displacement[rows] + datum_shift,
+            "normal_approach": self._tilted_contact.approach(
+                np.mean(contact_edges, axis=1),
+                np.diff(contact_edges)[:, 0] / 2,
+                normal_load,
+                tilt,
+            ),
+            "pressure": path_on_grids.pressure[rows],
+            "shear": path_on_grids.shear[rows],
+            "slip": path_on_grids.slip[rows],
+            "dissipation_density": path_on_grids.density,
+            "state": path_on_grids.state[rows],
+        }
+        for name, field in fields.items():
+            if not self.question.wants(name):
+                fields[name] = np.full_like(field, OPEN if name == "state" else np.nan)
+        return fields
+
+    def _works(self) -> dict[str, float | Array]:
+        """Friction work of the last cycle and of each one, (n_cycles,), and the closed integral of
+        the loads over their displacements in the last one [energy per thickness], by their names in
+        a solution; NaN where they were not asked for, or without a steady cycle.
+        """
+        path_on_grids = self.path_on_grids
+        # of the last cycle alone where the steady cycle is enough
+        works = path_on_grids.works[-1:] if self._steady_only else path_on_grids.works
+        if not self.question.wants("dissipation"):
+            return {
+                "dissipation": math.nan,
+                "loop_work": math.nan,
+                "cycle_dissipation": np.full_like(works, np.nan),
+            }
+        is_steady = path_on_grids.steady_from is not None
+        return {
+            "dissipation": float(works[-1]),
+            "loop_work": path_on_grids.loop_work if is_steady else math.nan,
+            "cycle_dissipation": works,
+        }
+
+    def _permanent_stick(self) -> dict[str, Any]:
+        """Half-width and edges (2,) of the permanent stick zone, and the uncertainty of the former
+        as the grids give it, by name [length]. NaN, without uncertainty, of a path without cycles:
+        it begins unloaded, where nothing sticks.
+        """
+        edges = np.full(2, math.nan)
+        uncertainties = {}
+        if self.question.scene.load.path().period is not None:
+            edges = self.path_on_grids.permanent_stick_edges
+            uncertainties["permanent_stick_half_width"] = (
+                self.path_on_grids.permanent_stick_uncertainty
+            )
+        return {
+            "permanent_stick_half_width": float(edges[1] - edges[0]) / 2,
+            "permanent_stick_edges": edges,
+            "uncertainties": uncertainties,
         }

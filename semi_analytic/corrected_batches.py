@@ -280,29 +280,64 @@ def _works_and_stick(
     modulus
         E* [stress]
     """
+    punches = _Punches(loads, curvatures, contact, modulus)
+    edges = _edges_of_cycle(punches)
+    works = _works_of_forward_and_reverse_slip(punches, edges)
+    # dP/da must be positive, and the profile wide enough.
+    stiffness = _least_stiffness_at_edge(loads, curvatures, contact, modulus, edges.contact_edge)
+    is_refused = ~(stiffness[:, 0] > 0) | np.isnan(edges.least_contact_edge[:, 0])
+    works[:, is_refused] = np.nan
+    return np.stack([*works, np.where(is_refused, np.nan, edges.stick_edge[:, 0])])
 
-    def cycle_at(half_width: Array) -> CycleOfPunches:
+
+class _Punches(NamedTuple):
+    """The flat punches that make up the contacts of m elliptic load paths on one profile.
+
+    Three functions of the half-width of a punch, (m, k) values for half-widths (m, k), rise through
+    0 at an edge of a cycle: of the largest contact, of the least contact, of permanent stick.
+
+    Attributes
+    ----------
+    loads
+        P and Q of m ellipses, and f
+    curvatures
+        N, N_Q of the gap and T, T_P of the faces, (m, 1) each
+    contact
+        normal contact of the profile; `least_half_width` is that of its flat
+    modulus
+        E* [stress]
+    """
+
+    loads: EllipseOfLoads
+    curvatures: CurvatureColumns
+    contact: SymmetricContact
+    modulus: float
+
+    def cycle_at(self, half_width: Array) -> CycleOfPunches:
         """Coulomb bounds and load outside over the cycle, of punches of these half-widths."""
         profile_load = np.where(
-            half_width > contact.least_half_width, contact.load(half_width), 0.0
+            half_width > self.contact.least_half_width, self.contact.load(half_width), 0.0
         )
-        parabola_load = math.pi * modulus / 4 * half_width**2
-        return cycle_of_punches(loads, curvatures, profile_load, parabola_load)
+        parabola_load = math.pi * self.modulus / 4 * half_width**2
+        return cycle_of_punches(self.loads, self.curvatures, profile_load, parabola_load)
 
-    # Functions of the half-width of a punch that rise through 0 at the edge that is looked for. A
-    # punch touches while the normal load outside of it is positive.
-    def minus_largest_load_outside(half_width: Array) -> Array:
-        load_outside = cycle_at(half_width).load_outside
+    def minus_largest_load_outside(self, half_width: Array) -> Array:
+        """Minus the largest normal load outside of a punch in the cycle: the punch touches while
+        that load is positive.
+        """
+        load_outside = self.cycle_at(half_width).load_outside
         return -(load_outside.mean + load_outside.amplitude)
 
-    def minus_least_load_outside(half_width: Array) -> Array:
-        load_outside = cycle_at(half_width).load_outside
+    def minus_least_load_outside(self, half_width: Array) -> Array:
+        """Minus the least normal load outside of a punch in the cycle."""
+        load_outside = self.cycle_at(half_width).load_outside
         return load_outside.amplitude - load_outside.mean
 
-    def overlap_of_bounds(half_width: Array) -> Array:
-        # max(B_+) - min(B_-): if positive, no force that a punch locks in stays between the Coulomb
-        # bounds all through the cycle.
-        forward_bound, reverse_bound, _ = cycle_at(half_width)
+    def overlap_of_bounds(self, half_width: Array) -> Array:
+        """max(B_+) - min(B_-) of the Coulomb bounds in the cycle: if positive, no force that a
+        punch locks in stays between them all through.
+        """
+        forward_bound, reverse_bound, _ = self.cycle_at(half_width)
         return (
             forward_bound.mean
             + forward_bound.amplitude
@@ -310,39 +345,62 @@ def _works_and_stick(
             + reverse_bound.amplitude
         )
 
-    # Edges (m, 1): of the largest and the least contact in the cycle, and of permanent stick.
-    largest_load = loads.mean_normal + loads.normal_amplitude
-    largest_half_width = np.minimum(contact.half_width(largest_load) * 2, contact.extent)
-    no_half_width = np.zeros_like(largest_half_width)
-    contact_edge = _roots_between(minus_largest_load_outside, no_half_width, largest_half_width)
-    least_contact_edge = _roots_between(minus_least_load_outside, no_half_width, contact_edge)
-    stick_edge = np.minimum(
-        _roots_between(overlap_of_bounds, no_half_width, contact_edge), contact_edge
-    )
 
-    # Integrals over the punches from permanent stick to the largest contact, in two ranges.
-    works = np.zeros((2, len(contact_edge)))
+class _EdgesOfCycle(NamedTuple):
+    """Half-widths in a cycle, (m, 1) each [length]: of the largest and of the least contact, and of
+    permanent stick, 0 where no point sticks all through. NaN where the contact would be wider than
+    the profile or than twice that of half-planes.
+    """
+
+    contact_edge: Array
+    least_contact_edge: Array
+    stick_edge: Array
+
+
+def _edges_of_cycle(punches: _Punches) -> _EdgesOfCycle:
+    """Edges of contact and of permanent stick in the cycles of m elliptic load paths, as roots over
+    the half-width of a punch, up to twice the largest contact of half-planes, or to the end of the
+    profile, `extent`.
+    """
+    loads = punches.loads
+    largest_load = loads.mean_normal + loads.normal_amplitude
+    largest_half_width = np.minimum(
+        punches.contact.half_width(largest_load) * 2, punches.contact.extent
+    )
+    no_half_width = np.zeros_like(largest_half_width)
+    contact_edge = _roots_between(
+        punches.minus_largest_load_outside, no_half_width, largest_half_width
+    )
+    least_contact_edge = _roots_between(
+        punches.minus_least_load_outside, no_half_width, contact_edge
+    )
+    stick_edge = _roots_between(punches.overlap_of_bounds, no_half_width, contact_edge)
+    return _EdgesOfCycle(contact_edge, least_contact_edge, np.minimum(stick_edge, contact_edge))
+
+
+def _works_of_forward_and_reverse_slip(punches: _Punches, edges: _EdgesOfCycle) -> Array:
+    """Friction work of forward and of reverse slip, times pi/A = pi E*/2, (2, m): the integral of
+    w(c) dc/c over the punches of half-width c from permanent stick to the largest contact.
+
+    w(c) is the work of a punch. Punches beyond the edge of the least contact open in a part of the
+    cycle: w has a kink there, at which the range is divided.
+    """
+    works = np.zeros((2, len(edges.contact_edge)))
     node_fractions, node_weights = _crowded_gauss_rule()
-    # Punches beyond the edge of the least contact open in a part of the cycle: w has a kink there.
-    kink = np.clip(least_contact_edge, stick_edge, contact_edge)
+    kink = np.clip(edges.least_contact_edge, edges.stick_edge, edges.contact_edge)
     for inner_edge, length_of_range in (
-        (stick_edge, kink - stick_edge),
-        (kink, contact_edge - kink),
+        (edges.stick_edge, kink - edges.stick_edge),
+        (kink, edges.contact_edge - kink),
     ):
         half_width = inner_edge + length_of_range * node_fractions
-        work_of_punches = _work_of_punches(cycle_at(half_width), loads.friction)
-        # _SMALLEST_FLOAT: smallest positive number, against division by 0.
+        work_of_punches = _work_of_punches(punches.cycle_at(half_width), punches.loads.friction)
+        # _SMALLEST_FLOAT: smallest positive number, against division by 0
         works += np.sum(
             work_of_punches
             * (node_weights * length_of_range / np.maximum(half_width, _SMALLEST_FLOAT)),
             axis=2,
         )
-
-    # dP/da must be positive, and the profile wide enough.
-    stiffness = _least_stiffness_at_edge(loads, curvatures, contact, modulus, contact_edge)
-    is_refused = ~(stiffness[:, 0] > 0) | np.isnan(least_contact_edge[:, 0])
-    works[:, is_refused] = np.nan
-    return np.stack([*works, np.where(is_refused, np.nan, stick_edge[:, 0])])
+    return works
 
 
 def _crowded_gauss_rule() -> tuple[Array, Array]:
@@ -471,37 +529,14 @@ def _work_of_punches(cycle: CycleOfPunches, friction: Array) -> Array:
         f (m, 1)
     """
     forward_bound, reverse_bound, load_outside = cycle
-    full_angle = 2 * math.pi
-    # A punch is in contact all the time, or within this angle of the largest L, or never (0).
-    # _SMALLEST_FLOAT: smallest positive number, against division by 0.
-    cosine_of_opening = np.clip(
-        -load_outside.mean / np.maximum(load_outside.amplitude, _SMALLEST_FLOAT), -1.0, 1.0
-    )
-    opening_angle = np.arccos(cosine_of_opening)
-    is_always_closed = load_outside.mean >= load_outside.amplitude
-
-    # F is B_+ at the begin: at the maximum of B_+, or where contact begins and both bounds meet.
-    begin_angle = np.where(
-        is_always_closed, forward_bound.phase, load_outside.phase - opening_angle
-    )
-    contact_angle = np.where(is_always_closed, full_angle, 2 * opening_angle)
-    # Angles of the largest and the least value of both bounds, in their order after the begin:
-    # between them each bound is monotonic.
-    turning_angles = np.stack(
-        [
-            forward_bound.phase,
-            forward_bound.phase + math.pi,
-            reverse_bound.phase,
-            reverse_bound.phase + math.pi,
-        ]
-    )
-    angles_since_begin = np.minimum(np.mod(turning_angles - begin_angle, full_angle), contact_angle)
-    angles_since_begin.sort(axis=0)
+    begin_angle, contact_angle = _contact_angles(cycle)
+    # F is B_+ at the begin.
     locked_in_force = forward_bound.values_at(begin_angle)
     works = np.zeros((2, *begin_angle.shape))
 
-    # From angle to angle, until contact ends: int L dB while the rising bound B = s B_s takes s F
-    # with it, from the s F before to the bound at the angle.
+    # From turning point to turning point, until contact ends: int L dB while the rising bound B =
+    # s B_s takes s F with it, from the s F before to the bound at the angle.
+    angles_since_begin = _turning_angles_since(begin_angle, contact_angle, cycle)
     for angle in (*(begin_angle + angles_since_begin), begin_angle + contact_angle):
         for index, direction, bound in ((0, 1.0, forward_bound), (1, -1.0, reverse_bound)):
             bound_at_angle = bound.values_at(angle)
@@ -512,6 +547,46 @@ def _work_of_punches(cycle: CycleOfPunches, friction: Array) -> Array:
             works[index] += np.where(is_slipping, integral_to_angle - integral_to_force, 0.0)
             locked_in_force = np.where(is_slipping, direction * bound_at_angle, locked_in_force)
     return np.asarray(friction * np.maximum(works, 0.0))
+
+
+def _contact_angles(cycle: CycleOfPunches) -> tuple[Array, Array]:
+    """Phase angle t at which the cycle of a punch is begun, and the angle over which the punch is
+    in contact after it, (m, k) each [rad].
+
+    A punch that is always in contact begins at the maximum of the Coulomb bound B_+. Another one
+    begins where its contact does, where both bounds meet: it is in contact within an angle of the
+    largest load outside of it, or never (0).
+    """
+    load_outside = cycle.load_outside
+    # _SMALLEST_FLOAT: smallest positive number, against division by 0
+    cosine_of_opening = np.clip(
+        -load_outside.mean / np.maximum(load_outside.amplitude, _SMALLEST_FLOAT), -1.0, 1.0
+    )
+    opening_angle = np.arccos(cosine_of_opening)
+    is_always_closed = load_outside.mean >= load_outside.amplitude
+    begin_angle = np.where(
+        is_always_closed, cycle.forward_bound.phase, load_outside.phase - opening_angle
+    )
+    return begin_angle, np.where(is_always_closed, 2 * math.pi, 2 * opening_angle)
+
+
+def _turning_angles_since(begin_angle: Array, contact_angle: Array, cycle: CycleOfPunches) -> Array:
+    """Angles from the begin of the cycle of a punch to the largest and the least values of both its
+    Coulomb bounds, ascending, (4, m, k) [rad]; that of the end of contact where they are later.
+
+    Between them each bound is monotonic. `begin_angle` and `contact_angle` (m, k) are the phase
+    angle of the begin, and the angle over which the punch is in contact.
+    """
+    forward_phase = cycle.forward_bound.phase
+    reverse_phase = cycle.reverse_bound.phase
+    turning_angles = np.stack(
+        [forward_phase, forward_phase + math.pi, reverse_phase, reverse_phase + math.pi]
+    )
+    angles_since_begin = np.minimum(
+        np.mod(turning_angles - begin_angle, 2 * math.pi), contact_angle
+    )
+    angles_since_begin.sort(axis=0)
+    return angles_since_begin
 
 
 def _load_integral(bound: _Sinusoid, load_outside: _Sinusoid, bound_value: Array) -> Array:
