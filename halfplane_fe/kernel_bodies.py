@@ -30,6 +30,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
@@ -47,7 +48,7 @@ from halfplane_fe.remainder import (
     require_known_effects,
 )
 from halfplane_fe.supports import bodies_are_alike
-from meshes import MeshSettings, Solid, SurfaceGrading, build
+from meshes import BodyMesh, MeshSettings, Solid, SurfaceGrading, build
 from scenes import (
     Cylinder,
     Elastic,
@@ -326,63 +327,129 @@ def fitted_kernels(
         r, coefficients (degree + 1, degree + 1) of k_nn, k_tt and k_tn, and the singular part.
     """
     if jump_kernels is not None:
-        singular_kernels = jump_kernels.kernels_at(kernels.x, kernels.x_of_forces)
-        kernels = kernels._replace(
-            inward_displacement_by_pressure=kernels.inward_displacement_by_pressure
-            - singular_kernels.inward_displacement_by_pressure,
-            x_displacement_by_shear=kernels.x_displacement_by_shear
-            - singular_kernels.x_displacement_by_shear,
-            x_displacement_by_pressure=kernels.x_displacement_by_pressure
-            - singular_kernels.x_displacement_by_pressure,
-            # By reciprocity k_nt(x, s) = -k_tn(s, x); the singular part of k_tn is symmetric.
-            outward_displacement_by_shear=kernels.outward_displacement_by_shear
-            + singular_kernels.x_displacement_by_pressure,
-        )
-
+        kernels = _without_singular_part(kernels, jump_kernels)
     # Polynomials at all places: chebyshev returns T_0 to T_degree, (n, degree + 1).
     reach = float(np.abs(kernels.x).max())
     chebyshev = np.polynomial.chebyshev.chebvander
-    polynomials_of_x = chebyshev(kernels.x / reach, degree)
-    polynomials_of_s = chebyshev(kernels.x_of_forces / reach, degree)
-
-    def products(i: int, j: int) -> Array:
-        """T_i(x/r) T_j(s/r) at all places, (n, m)."""
-        return np.multiply.outer(polynomials_of_x[:, i], polynomials_of_s[:, j])
-
-    # k_nn and k_tt: symmetric in i and j, so that each pair is fitted once.
-    even_pairs = [(i, j) for i, j in even_exponents(degree) if i <= j]
-    even_terms = np.stack(
-        [(products(i, j) + products(j, i)).ravel() for i, j in even_pairs], axis=1
+    polynomials_of_x = np.asarray(chebyshev(kernels.x / reach, degree), dtype=float)
+    polynomials_of_s = np.asarray(chebyshev(kernels.x_of_forces / reach, degree), dtype=float)
+    normal_coefficients, tangential_coefficients = _symmetric_coefficients(
+        polynomials_of_x,
+        polynomials_of_s,
+        kernels.inward_displacement_by_pressure,
+        kernels.x_displacement_by_shear,
     )
-    even_kernels = np.stack(
-        [kernels.inward_displacement_by_pressure.ravel(), kernels.x_displacement_by_shear.ravel()],
+    coupling_coefficients = _coupling_coefficients(
+        polynomials_of_x,
+        polynomials_of_s,
+        kernels.x_displacement_by_pressure,
+        kernels.outward_displacement_by_shear,
+    )
+    return FaceKernels(
+        reach, normal_coefficients, tangential_coefficients, coupling_coefficients, jump_kernels
+    )
+
+
+def _without_singular_part(
+    kernels: RemainderKernels, jump_kernels: CurvatureJumpKernels
+) -> RemainderKernels:
+    """Kernels of a body minus their singular part, which stems from jumps of the curvature of the
+    face: what is left is smooth enough for polynomials.
+
+    `kernels` are displacements of the face at `x` by unit forces at `x_of_forces`, minus those of a
+    half-plane.
+    """
+    singular_kernels = jump_kernels.kernels_at(kernels.x, kernels.x_of_forces)
+    return kernels._replace(
+        inward_displacement_by_pressure=kernels.inward_displacement_by_pressure
+        - singular_kernels.inward_displacement_by_pressure,
+        x_displacement_by_shear=kernels.x_displacement_by_shear
+        - singular_kernels.x_displacement_by_shear,
+        x_displacement_by_pressure=kernels.x_displacement_by_pressure
+        - singular_kernels.x_displacement_by_pressure,
+        # By reciprocity k_nt(x, s) = -k_tn(s, x), with k_nt outwards by a force along x and k_tn
+        # along x by a pressing force; the singular part of k_tn is symmetric.
+        outward_displacement_by_shear=kernels.outward_displacement_by_shear
+        + singular_kernels.x_displacement_by_pressure,
+    )
+
+
+def _product_terms(
+    polynomials_of_x: Array, polynomials_of_s: Array, pairs: Sequence[tuple[int, int]]
+) -> Array:
+    """Products T_i(x) T_j(s) at all n places x of displacements and m places s of forces, one
+    column for each of k pairs (i, j) of degrees, (n m, k).
+
+    `polynomials_of_x` (n, d + 1) and `polynomials_of_s` (m, d + 1) are T_0 to T_d at these places.
+    """
+    return np.stack(
+        [
+            np.multiply.outer(polynomials_of_x[:, i], polynomials_of_s[:, j]).ravel()
+            for i, j in pairs
+        ],
         axis=1,
     )
-    even_coefficients = np.linalg.lstsq(even_terms, even_kernels, rcond=None)[0]
-    symmetric_coefficients = np.zeros((2, degree + 1, degree + 1))
-    for (i, j), coefficient in zip(even_pairs, even_coefficients, strict=True):
-        symmetric_coefficients[:, i, j] += coefficient
-        symmetric_coefficients[:, j, i] += coefficient
 
-    # k_tn and, by reciprocity, -k_nt with x and s exchanged, in one fit.
-    odd_pairs = odd_exponents(degree)
-    terms_of_k_tn = np.stack([products(i, j).ravel() for i, j in odd_pairs], axis=1)
-    terms_of_minus_k_nt = np.stack([products(j, i).ravel() for i, j in odd_pairs], axis=1)
-    odd_kernels = np.concatenate(
-        [kernels.x_displacement_by_pressure.ravel(), -kernels.outward_displacement_by_shear.ravel()]
+
+def _symmetric_coefficients(
+    polynomials_of_x: Array, polynomials_of_s: Array, *symmetric_kernels: Array
+) -> Array:
+    """Coefficients (k, d + 1, d + 1) of T_i(x) T_j(s) that fit k kernels which are symmetric in x
+    and s: even i + j up to the degree d, the same for (i, j) and (j, i). Least squares, in which
+    each pair is fitted once.
+
+    Parameters
+    ----------
+    polynomials_of_x, polynomials_of_s
+        (n, d + 1) and (m, d + 1) T_0 to T_d at the places of the displacements and of the forces
+    symmetric_kernels
+        k kernels, (n, m) each [1 / stress]
+    """
+    n_polynomials = polynomials_of_x.shape[1]
+    pairs = [(i, j) for i, j in even_exponents(n_polynomials - 1) if i <= j]
+    terms = _product_terms(polynomials_of_x, polynomials_of_s, pairs) + _product_terms(
+        polynomials_of_x, polynomials_of_s, [(j, i) for i, j in pairs]
     )
-    odd_coefficients = np.linalg.lstsq(
-        np.concatenate([terms_of_k_tn, terms_of_minus_k_nt]), odd_kernels, rcond=None
+    right_sides = np.stack([kernel.ravel() for kernel in symmetric_kernels], axis=1)
+    fitted_coefficients = np.linalg.lstsq(terms, right_sides, rcond=None)[0]
+    coefficients = np.zeros((len(symmetric_kernels), n_polynomials, n_polynomials))
+    for (i, j), coefficient in zip(pairs, fitted_coefficients, strict=True):
+        coefficients[:, i, j] += coefficient
+        coefficients[:, j, i] += coefficient
+    return coefficients
+
+
+def _coupling_coefficients(
+    polynomials_of_x: Array,
+    polynomials_of_s: Array,
+    x_displacement_by_pressure: Array,
+    outward_displacement_by_shear: Array,
+) -> Array:
+    """Coefficients (d + 1, d + 1) of T_i(x) T_j(s), i + j odd and at most the degree d, that fit
+    the kernel k_tn and, by reciprocity, -k_nt with x and s exchanged, in one fit of least squares.
+
+    Parameters
+    ----------
+    polynomials_of_x, polynomials_of_s
+        (n, d + 1) and (m, d + 1) T_0 to T_d at the places of the displacements and of the forces
+    x_displacement_by_pressure, outward_displacement_by_shear
+        (n, m) k_tn, along x by a pressing force, and k_nt, outwards by a force along x [1 / stress]
+    """
+    n_polynomials = polynomials_of_x.shape[1]
+    pairs = odd_exponents(n_polynomials - 1)
+    terms_of_k_tn = _product_terms(polynomials_of_x, polynomials_of_s, pairs)
+    terms_of_minus_k_nt = _product_terms(
+        polynomials_of_x, polynomials_of_s, [(j, i) for i, j in pairs]
+    )
+    right_side = np.concatenate(
+        [x_displacement_by_pressure.ravel(), -outward_displacement_by_shear.ravel()]
+    )
+    fitted_coefficients = np.linalg.lstsq(
+        np.concatenate([terms_of_k_tn, terms_of_minus_k_nt]), right_side, rcond=None
     )[0]
-    coupling_coefficients = np.zeros((degree + 1, degree + 1))
-    coupling_coefficients[tuple(np.transpose(odd_pairs))] = odd_coefficients
-    return FaceKernels(
-        reach,
-        symmetric_coefficients[0],
-        symmetric_coefficients[1],
-        coupling_coefficients,
-        jump_kernels,
-    )
+    coefficients = np.zeros((n_polynomials, n_polynomials))
+    coefficients[tuple(np.transpose(pairs))] = fitted_coefficients
+    return coefficients
 
 
 @dataclass(frozen=True, eq=False)
@@ -525,11 +592,9 @@ def _on_middle_line(
     lower_face, upper_face
         shapes of the two faces: `depth` of each below its middle, at places x
     """
-    # Normal of the line midway between the faces.
+    # Normal of the line midway between the faces: the lower one lies at y = -depth, the upper one
+    # at y = +depth.
     x = interface_along_axes.x
-    depth_of_lower_face = lower_face.depth(x)
-    depth_of_upper_face = upper_face.depth(x)
-    # The lower face lies at y = -depth, the upper one at y = +depth.
     slope = (_slope_of(upper_face, x) - _slope_of(lower_face, x)) / 2
     n_y = 1 / np.sqrt(1 + slope**2)
     n_x = -slope * n_y
@@ -567,7 +632,7 @@ def _on_middle_line(
         interface_along_axes,
         face_lengths=read_only_copy(interface_along_axes.face_lengths / n_y),
         face_normals=read_only_copy(np.stack([n_x, n_y])),
-        gap=read_only_copy((depth_of_lower_face + depth_of_upper_face) * n_y),
+        gap=read_only_copy((lower_face.depth(x) + upper_face.depth(x)) * n_y),
         normal_compliance=read_only_copy(normal_compliance),
         tangential_compliance=read_only_copy(tangential_compliance),
         coupling=read_only_copy(coupling) if coupling.any() else None,
@@ -695,15 +760,10 @@ def body_kernels(
         return None
     material = getattr(scene.material, name)
 
-    # Singular part of the kernels of a face that is an arc, or a flat between two arcs; where there
-    # is a flat, the curvature jumps at its ends, which needs more forces and elements.
-    jump_kernels = None
-    has_curvature_jump = False
-    arc_of_face = face_of(shape, scene.profile).arc
-    if arc_of_face is not None:
-        flat_half_length, radius = arc_of_face
-        jump_kernels = CurvatureJumpKernels(flat_half_length, radius, material)
-        has_curvature_jump = flat_half_length > 0
+    # The curvature of a face jumps at the ends of a flat between arcs, which needs a higher degree
+    # and more elements.
+    jump_kernels = _singular_kernels(face_of(shape, scene.profile), material)
+    has_curvature_jump = jump_kernels is not None and jump_kernels.flat_half_length > 0
     degree = _degree_of_kernels(name, shape, reach)
     n_forces = degree // 2 + 2
     if has_curvature_jump:
@@ -712,22 +772,55 @@ def body_kernels(
         n_forces = max(n_forces, _N_FORCES_AT_JUMP)
     # _N_ELEMENTS_AT_JUMP: 160; _N_ELEMENTS: 48, over the distance to the nearest end of the body
     n_elements = _N_ELEMENTS_AT_JUMP if has_curvature_jump else _N_ELEMENTS
+    force_places = reach * np.sin(np.linspace(0.0, np.pi / 2, n_forces))
 
     # A fine mesh, and one with elements twice as large: unit forces at n_forces places x >= 0.
     kernels_of_meshes = []
     for size_factor in (1.0, _FACTOR_OF_COARSE_MESH):
-        size_by_body = nearest_end(shape) / n_elements
-        # _FEWEST_ELEMENTS: 12
-        size_by_reach = reach * _N_ELEMENTS / _FEWEST_ELEMENTS / n_elements
-        element_size = size_factor * min(size_by_body, size_by_reach)
-        grading = SurfaceGrading(inner=0.0, outer=reach, size=element_size, edge_size=element_size)
-        # _SIZE_GROWTH: growth of the element size per distance, 0.1
-        body = build(
-            name, shape, scene.profile, grading, MeshSettings(growth=size_factor * _SIZE_GROWTH)
+        body = _mesh_for_kernels(
+            name, shape, scene.profile, reach, n_elements=n_elements, size_factor=size_factor
         )
-        force_places = reach * np.sin(np.linspace(0.0, np.pi / 2, n_forces))
         computed_kernels = remainder_kernels(body, material, force_places, datum_length)
         kernels_of_meshes.append(fitted_kernels(computed_kernels, jump_kernels, degree))
         work_counts["kernel unknowns"] += computed_kernels.unknowns
         work_counts["kernel solves"] += 1
     return BodyKernels(*kernels_of_meshes)
+
+
+def _singular_kernels(face: Face, material: Elastic) -> CurvatureJumpKernels | None:
+    """Singular part of the kernels of a body whose face is an arc, or a flat between two arcs; None
+    for a flat face. `material` is that of the body.
+    """
+    if face.arc is None:
+        return None
+    flat_half_length, radius = face.arc
+    return CurvatureJumpKernels(flat_half_length, radius, material)
+
+
+def _mesh_for_kernels(
+    name: str, shape: Solid, profile: Profile, reach: float, *, n_elements: int, size_factor: float
+) -> BodyMesh:
+    """Mesh of a body from which its kernels are computed: elements of one size over the part of the
+    face that may touch, and larger ones away from it.
+
+    Parameters
+    ----------
+    name, shape
+        "lower" or "upper", and the shape of the body
+    profile
+        of the faces
+    reach
+        half-width of the part of the face that may touch [length]
+    n_elements
+        number of elements over the distance to the nearest end of the body; over the reach there is
+        a quarter of them at least
+    size_factor
+        factor on the size of all elements and on its growth: 1 of the fine mesh, 2 of the coarse
+    """
+    size_by_body = nearest_end(shape) / n_elements
+    # _N_ELEMENTS: 48; _FEWEST_ELEMENTS: 12
+    size_by_reach = reach * _N_ELEMENTS / _FEWEST_ELEMENTS / n_elements
+    element_size = size_factor * min(size_by_body, size_by_reach)
+    grading = SurfaceGrading(inner=0.0, outer=reach, size=element_size, edge_size=element_size)
+    # _SIZE_GROWTH: growth of the element size per distance, 0.1
+    return build(name, shape, profile, grading, MeshSettings(growth=size_factor * _SIZE_GROWTH))

@@ -14,6 +14,7 @@ matrix.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -153,6 +154,43 @@ def _folded(matrix: Array, parity_of_rows: float, parity_of_columns: float) -> A
     )
 
 
+def _states_at_all_nodes(states: Sequence[InterfaceState], images: _Images) -> list[InterfaceState]:
+    """Contact states at all n nodes, from those at the nodes with x >= 0; without forces and gap
+    where a long run has dropped them.
+
+    A state's values are approach, shift and tilt, then slip, p, q and gap of the nodes. `images`
+    has for each node the index of the node or its image in the half, the share of its force, and
+    the sign of its q and slip.
+    """
+    # Index of each value of a state among the values of the half.
+    n_nodes_of_half = int(images.node_of_half.max()) + 1
+    nodal_indices = [3 + images.node_of_half + quantity * n_nodes_of_half for quantity in range(4)]
+    index_in_half = np.concatenate([np.arange(3), *nodal_indices])
+    # Factors of approach, shift and tilt, then of slip, p, q and gap.
+    factors = np.concatenate(
+        [
+            np.ones(3),
+            images.shear_sign,
+            images.force_share,
+            images.force_share * images.shear_sign,
+            np.ones_like(images.force_share),
+        ]
+    )
+    # by node state: open, stick, and slip in the opposite sense
+    states_of_image = np.array([OPEN, STICK, SLIP_REVERSE, SLIP_FORWARD], dtype=np.int8)
+
+    def at_all_nodes(state: InterfaceState) -> InterfaceState:
+        """One contact state at all nodes."""
+        n_values = len(index_in_half) if state.is_complete else 3 + len(images.node_of_half)
+        values = state.values[index_in_half[:n_values]] * factors[:n_values]
+        values.flags.writeable = False
+        node_states = state.node_states[images.node_of_half]
+        node_states = np.where(images.shear_sign < 0, states_of_image[node_states], node_states)
+        return replace(state, values=values, node_states=read_only_copy(node_states, np.int8))
+
+    return [at_all_nodes(state) for state in states]
+
+
 def run_at_all_nodes(run: PathRun, faces: Interface) -> PathRun:
     """Solution along a load path at all nodes of `faces`, from a `run` that was solved on those at
     x >= 0: the left half is the mirror image.
@@ -169,43 +207,11 @@ def run_at_all_nodes(run: PathRun, faces: Interface) -> PathRun:
     faces
         contact compliance of all n nodes
     """
-    # (n,) index of each node or its image in the half, share of its force, sign of q and slip
     images = _images(faces)
-    n_nodes_of_half = len(faces.x) - len(faces.x) // 2
-    # Index of each value of a state among the values of the half.
-    nodal_indices = [3 + images.node_of_half + quantity * n_nodes_of_half for quantity in range(4)]
-    index_in_half = np.concatenate([np.arange(3), *nodal_indices])
-
-    # Factors of approach, shift and tilt, then of slip, p, q and gap.
-    sign_of_slip = images.shear_sign
-    factor_of_shear = images.force_share * images.shear_sign
-    factors = np.concatenate(
-        [
-            np.ones(3),
-            sign_of_slip,
-            images.force_share,
-            factor_of_shear,
-            np.ones_like(images.force_share),
-        ]
-    )
-    # by state: open, stick, and slip in the opposite sense
-    states_of_image = np.array([OPEN, STICK, SLIP_REVERSE, SLIP_FORWARD], dtype=np.int8)
-
-    def state_at_all_nodes(state: InterfaceState) -> InterfaceState:
-        """The contact state at all nodes, from that on one half; without forces and gap where a
-        long run has dropped them.
-        """
-        n_values = len(index_in_half) if state.is_complete else 3 + len(images.node_of_half)
-        values = state.values[index_in_half[:n_values]] * factors[:n_values]
-        values.flags.writeable = False
-        node_states = state.node_states[images.node_of_half]
-        node_states = np.where(images.shear_sign < 0, states_of_image[node_states], node_states)
-        return replace(state, values=values, node_states=read_only_copy(node_states, np.int8))
-
     middle = len(faces.x) // 2  # number of the node at x = 0
     return replace(
         run,
-        states=[state_at_all_nodes(state) for state in run.states],
+        states=_states_at_all_nodes(run.states, images),
         nodal_work_by_cycle=[
             work[images.node_of_half] * images.force_share for work in run.nodal_work_by_cycle
         ],

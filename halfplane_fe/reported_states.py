@@ -156,35 +156,80 @@ def visible_states(
         travels = slip_since_stop(slip, travel_before)
         travel_before = travels[-1]
 
-        # Does the load drive the slip? Bulk stress and tilt change dP and dQ from node to node.
-        rise_of_p = load_increments[block, 0, None]
-        rise_of_q = load_increments[block, 1, None]
-        if gap_and_slip_per_stress_and_tilt is not None:
-            # In full stick both tractions are [d(P, Q)/pi - d(tilt, strain) (x - x_m)/A] over one
-            # common root, x_m the middle of the stick zone, A = 2/E* = 2 in scaled variables.
-            stresses_and_tilt = [
-                state.stresses_and_tilt for state in states[block.start : block.stop + 1]
-            ]
-            gap_from_middle, slip_from_middle = _gap_and_slip_from_middle(
-                np.diff(stresses_and_tilt, axis=0),
-                gap_and_slip_per_stress_and_tilt,
-                states_in_block == STICK,
-            )
-            rise_of_p = rise_of_p - np.pi / 2 * gap_from_middle
-            rise_of_q = rise_of_q + np.pi / 2 * slip_from_middle
-        is_driven = sense * rise_of_q > friction * rise_of_p
+        is_driven = _is_driven(
+            states[block.start : block.stop + 1],
+            load_increments[block],
+            states_in_block,
+            friction,
+            gap_and_slip_per_stress_and_tilt,
+        )
         is_fast = np.abs(slip) > least_fast_slip[block, None]
 
         # Nodes that only creep stick.
-        for direction in (1, -1):
-            is_sliding = sense == direction
-            distance = np.where(is_sliding, direction * travels, 0.0)
-            is_far = distance > _LEAST_TRAVEL_SHARE * distance.max(axis=1, keepdims=True)
-            is_creeping = ~((is_driven | is_fast) & is_far)
-            states_in_block[is_sliding & is_creeping] = STICK
+        states_in_block[(sense != 0) & ~((is_driven | is_fast) & _is_far(sense, travels))] = STICK
     first_states = node_states[:1]
     first_states[slip_sign(first_states) != 0] = STICK  # nothing has moved yet
     return node_states
+
+
+def _is_driven(
+    states: Sequence[InterfaceState],
+    load_increments: Array,
+    node_states: States,
+    friction: float,
+    gap_and_slip_per_stress_and_tilt: Array | None,
+) -> Mask:
+    """Whether the load drives the slip of each node in k increments, (k, n): forward slip where
+    dQ > f dP, reverse slip where -dQ > f dP. Bulk stress and tilt change dP and dQ from node to
+    node.
+
+    In full stick both tractions are [d(P, Q)/pi - d(tilt, strain) (x - x_m)/A] over one common
+    root.
+
+    # notation: x_m middle of the stick zone, A = 2/E* = 2 in scaled variables
+
+    Parameters
+    ----------
+    states
+        the k + 1 contact states around the increments
+    load_increments
+        (k, n_loads) changes of the loads
+    node_states
+        (k, n) open, stick or slip of the nodes after the increments
+    friction
+        coefficient f
+    gap_and_slip_per_stress_and_tilt
+        (2, n, 3) gap and slip of the nodes by a unit of the bulk stresses of lower and upper body
+        and of the tilt; None without any
+    """
+    rise_of_p = load_increments[:, 0, None]
+    rise_of_q = load_increments[:, 1, None]
+    if gap_and_slip_per_stress_and_tilt is not None:
+        stresses_and_tilt = [state.stresses_and_tilt for state in states]
+        gap_from_middle, slip_from_middle = _gap_and_slip_from_middle(
+            np.diff(stresses_and_tilt, axis=0),
+            gap_and_slip_per_stress_and_tilt,
+            node_states == STICK,
+        )
+        rise_of_p = rise_of_p - np.pi / 2 * gap_from_middle
+        rise_of_q = rise_of_q + np.pi / 2 * slip_from_middle
+    return np.asarray(slip_sign(node_states).astype(float) * rise_of_q > friction * rise_of_p)
+
+
+def _is_far(slip_sense: Array, travels: Array) -> Mask:
+    """Whether each sliding node has slid far enough since it last stopped or turned round, (k, n):
+    more than 3e-4 of the distance of the farthest node that slides in its direction.
+
+    `slip_sense` (k, n) is 1 forward, -1 in reverse, 0 without slip after each of k increments;
+    `travels` (k, n) is the distance, with the sign of the slip. False where a node does not slide.
+    """
+    is_far = np.zeros(travels.shape, dtype=bool)
+    for direction in (1, -1):
+        distance = np.where(slip_sense == direction, direction * travels, 0.0)
+        # _LEAST_TRAVEL_SHARE: 3e-4
+        farthest_distance = distance.max(axis=1, keepdims=True)
+        is_far |= (slip_sense == direction) & (distance > _LEAST_TRAVEL_SHARE * farthest_distance)
+    return is_far
 
 
 def _slip_limits(

@@ -36,7 +36,7 @@ from halfplane_fe.interface import Interface
 from halfplane_fe.law import project, slip_sign
 from halfplane_fe.systems import Layer, SingularSet, Systems
 from scenes import OPEN, STICK
-from scenes.array_types import Array, States
+from scenes.array_types import Array, Mask, States
 
 # Tolerated change of a multiplier, and tolerated difference of mapped and iterated tractions, over
 # the largest nodal pressure.
@@ -69,6 +69,28 @@ class Tractions(NamedTuple):
     shear: Array
     states: States
     error: float
+
+
+class _TargetsOfStep(NamedTuple):
+    """What the linearised equations of the return mapping demand of n nodes after a Newton step;
+    scaled.
+
+    Attributes
+    ----------
+    gap
+        (n,) of closed nodes
+    slip_in_stick
+        (n,) of sticking nodes
+    limit_ratio
+        (n,) q/p = +-f of sliding nodes; 0 of others
+    shear_beyond_limit
+        (n,) of open and sliding nodes: their q minus `limit_ratio` times p
+    """
+
+    gap: Array
+    slip_in_stick: Array
+    limit_ratio: Array
+    shear_beyond_limit: Array
 
 
 class Equilibrium(NamedTuple):
@@ -398,30 +420,21 @@ class _Iteration:
         change_of_loads
             (n_loads,) of P, Q and, with bulk stress or tilt, both bulk stresses, tilt or moment
         """
-        compliance = self.systems.layer  # (n,) normal and tangential, of layer and penalty
         node_states = mapped_tractions.states
         self._latest_states = node_states
-        is_open = node_states == OPEN
-        gap_under_pressure = compliance.normal_compliance * (
-            mapped_tractions.pressure - mapped_tractions.trial_pressure
-        )
+        targets = self._targets_of_step(mapped_tractions)
         # One equation of each node in either direction: right side minus present left side.
         normal_residuals = np.where(
-            is_open, mapped_tractions.pressure - self._pressure, gap_under_pressure - self._gap
+            node_states == OPEN,
+            mapped_tractions.pressure - self._pressure,
+            targets.gap - self._gap,
         )
         tangential_residuals = np.zeros_like(normal_residuals)
-        signed_friction = slip_sign(node_states) * self.problem.friction
         if self.problem.has_shear:
-            slip_in_stick = self._slip_at_start + compliance.tangential_compliance * (
-                mapped_tractions.shear - mapped_tractions.trial_shear
-            )
-            shear_beyond_limit = (
-                mapped_tractions.shear - signed_friction * mapped_tractions.pressure
-            )
             tangential_residuals = np.where(
                 node_states == STICK,
-                slip_in_stick - self._slip,
-                shear_beyond_limit - (self._shear - signed_friction * self._pressure),
+                targets.slip_in_stick - self._slip,
+                targets.shear_beyond_limit - (self._shear - targets.limit_ratio * self._pressure),
             )
 
         # Derivatives of the values by each load, (3 + 4 n,), and their change by the residuals.
@@ -441,14 +454,34 @@ class _Iteration:
 
         # Set once more without round-off error: the next trial tractions divide gap and slip by
         # small compliances.
-        self._gap[~is_open] = gap_under_pressure[~is_open]
+        is_open = node_states == OPEN
+        self._gap[~is_open] = targets.gap[~is_open]
         self._pressure[is_open] = mapped_tractions.pressure[is_open]
         if self.problem.has_shear:
             is_stuck = node_states == STICK
-            self._slip[is_stuck] = slip_in_stick[is_stuck]
+            self._slip[is_stuck] = targets.slip_in_stick[is_stuck]
             self._shear[:] = np.where(
-                is_stuck, self._shear, signed_friction * self._pressure + shear_beyond_limit
+                is_stuck,
+                self._shear,
+                targets.limit_ratio * self._pressure + targets.shear_beyond_limit,
             )
+
+    def _targets_of_step(self, mapped_tractions: Tractions) -> _TargetsOfStep:
+        """What the linearised equations of the return mapping demand of the nodes after a Newton
+        step: gap, slip and shear by the difference of mapped and trial tractions.
+        """
+        compliance = self.systems.layer  # (n,) normal and tangential, of layer and penalty
+        slip_sense = slip_sign(mapped_tractions.states).astype(float)
+        limit_ratio = slip_sense * self.problem.friction
+        return _TargetsOfStep(
+            gap=compliance.normal_compliance
+            * (mapped_tractions.pressure - mapped_tractions.trial_pressure),
+            slip_in_stick=self._slip_at_start
+            + compliance.tangential_compliance
+            * (mapped_tractions.shear - mapped_tractions.trial_shear),
+            limit_ratio=limit_ratio,
+            shear_beyond_limit=mapped_tractions.shear - limit_ratio * mapped_tractions.pressure,
+        )
 
     def _tilt_to_moment(self, derivatives_by_tilt: Array, moment: float) -> None:
         """Tilt the upper body until the nodal forces have the given moment; scaled.
@@ -496,16 +529,39 @@ class _Iteration:
         increment: its tractions are the same in both, but later events (a node opens or slips) are
         found by the state that it had. The tolerance of a force is 1e-10 of the largest pressure.
         """
-        compliance = self.systems.layer  # (n,) normal and tangential, of layer and penalty
-        friction = self.problem.friction
         tolerance = _TOLERANCE * float(np.abs(self._pressure).max())
-        was_open = self.start.states == OPEN
+        node_states = self._states_within_tolerance(tolerance)
+        if self.problem.has_shear:
+            is_stuck = node_states == STICK
+            self._slip[is_stuck] = self._slip_at_start[is_stuck]
 
-        # States by the return mapping of the trial tractions. Neither a gap nor a pressure: the
-        # trial pressure is 0 but for round-off.
+        # Without round-off.
+        is_open = node_states == OPEN
+        self._gap[~is_open & self._has_no_gap(tolerance)] = 0.0
+        self._pressure[is_open] = 0.0
+        self._shear[is_open] = 0.0
+        return self.values, node_states.astype(np.int8)
+
+    def _has_no_gap(self, tolerance: float) -> Mask:
+        """Whether the gap of each node is 0 within the tolerance, (n,): that of a force (scaled)
+        times the compliance of the node.
+        """
+        # (n,) of layer and penalty
+        normal_compliance = self.systems.layer.normal_compliance
+        return np.abs(self._gap) <= tolerance * normal_compliance
+
+    def _states_within_tolerance(self, tolerance: float) -> States:
+        """States (n,) of the nodes by the return mapping of their trial tractions; a node within
+        the `tolerance` of a force (scaled) of two states keeps that of the start of the increment.
+
+        Between two states are a node with neither gap nor pressure, whose trial pressure is 0 but
+        for round-off, and a node on the Coulomb limit without slip.
+        """
+        friction = self.problem.friction
+        was_open = self.start.states == OPEN
         mapped_tractions = self._mapped_tractions()
         has_no_gap_or_pressure = np.abs(self._pressure) <= tolerance
-        has_no_gap_or_pressure &= np.abs(self._gap) <= tolerance * compliance.normal_compliance
+        has_no_gap_or_pressure &= self._has_no_gap(tolerance)
         # _TOUCHING_PRESSURE: a positive number of the size of round-off, 1e-11
         trial_pressure = np.where(
             has_no_gap_or_pressure,
@@ -513,22 +569,12 @@ class _Iteration:
             mapped_tractions.trial_pressure,
         )
         _, _, node_states = project(trial_pressure, mapped_tractions.trial_shear, friction)
-        if self.problem.has_shear:
-            shear_of_slip = mapped_tractions.trial_shear - self._shear  # slip over compliance
-            shear_tolerance = tolerance * self.problem.shear_scale
-            shear_beyond_limit = np.abs(self._shear) - friction * self._pressure
-            # On the Coulomb limit without slip: between stick and slip.
-            is_at_coulomb_limit = np.abs(shear_beyond_limit) <= shear_tolerance
-            is_at_coulomb_limit &= np.abs(shear_of_slip) <= shear_tolerance
-            is_at_coulomb_limit &= ~was_open & (node_states != OPEN)
-            node_states = np.where(is_at_coulomb_limit, self.start.states, node_states)
-            is_stuck = node_states == STICK
-            self._slip[is_stuck] = self._slip_at_start[is_stuck]
-
-        # Without round-off.
-        is_open = node_states == OPEN
-        has_no_gap = np.abs(self._gap) <= tolerance * compliance.normal_compliance
-        self._gap[~is_open & has_no_gap] = 0.0
-        self._pressure[is_open] = 0.0
-        self._shear[is_open] = 0.0
-        return self.values, node_states.astype(np.int8)
+        if not self.problem.has_shear:
+            return node_states
+        shear_of_slip = mapped_tractions.trial_shear - self._shear  # slip over compliance
+        shear_tolerance = tolerance * self.problem.shear_scale
+        shear_beyond_limit = np.abs(self._shear) - friction * self._pressure
+        is_at_coulomb_limit = np.abs(shear_beyond_limit) <= shear_tolerance
+        is_at_coulomb_limit &= np.abs(shear_of_slip) <= shear_tolerance
+        is_at_coulomb_limit &= ~was_open & (node_states != OPEN)
+        return np.where(is_at_coulomb_limit, self.start.states, node_states)
