@@ -178,36 +178,10 @@ class ArcIntegrals:
         # The anchor is the instant at the end of the arc, before any of it was cut off.
         first_time = piece.arc[0]
         last_time = piece.anchor.time
-        # Corners of the profile within the arc, and the times at which P had their loads.
-        corner_loads = contact.corner_loads
-        corner_loads = corner_loads[
-            (corner_loads > piece.bottom_load) & (corner_loads < piece.anchor.normal_load)
-        ]
-        corner_times = (
-            time_of_load_on_arc(piece, corner_loads) if len(corner_loads) else corner_loads
-        )
-
         # Turning point of P at, or just beyond, each end of the arc.
         self._turn_at_begin = _turning_point(self._segment, first_time, last_time)
         self._turn_at_end = _turning_point(self._segment, last_time, first_time)
-        # A smooth part lies between two corners. Its panels have equal lengths: one that began just
-        # behind a corner would not be smooth.
-        ends_of_smooth_parts = np.unique(
-            np.clip([first_time, *corner_times, last_time], first_time, last_time)
-        )
-        # _FIRST_PANELS: 12 panels for all of the arc.
-        panels_in_part = np.maximum(
-            np.ceil(np.diff(ends_of_smooth_parts) / (last_time - first_time) * _FIRST_PANELS), 1
-        ).astype(int)
-        begins_of_panels = [
-            np.linspace(begin_of_part, end_of_part, n_panels, endpoint=False)
-            for begin_of_part, end_of_part, n_panels in zip(
-                ends_of_smooth_parts[:-1], ends_of_smooth_parts[1:], panels_in_part, strict=True
-            )
-        ]
-
-        # A smooth part that is hardly longer than round-off has no inner ends.
-        panel_ends = np.unique([*np.concatenate(begins_of_panels), last_time])
+        panel_ends = _first_panel_ends(piece, contact.corner_loads)
         # No panel crosses it: integrals near P_x take the turning point of P on their side of it.
         time_of_middle_load = float(
             time_of_load_on_arc(piece, (piece.bottom_load + piece.anchor.normal_load) / 2)
@@ -241,63 +215,71 @@ class ArcIntegrals:
         >>> arc.up_to(np.zeros(1)).round(12).tolist()  # (sqrt 4 - sqrt 2)/4
         [[0.146446609407]]
         """
-        # Panels of time along the arc, and the integrals up to the begin of each, (panels, k).
-        panel_ends = self._panel_ends
-        time = np.clip(time, panel_ends[0], panel_ends[-1])
+        time = np.clip(time, self._panel_ends[0], self._panel_ends[-1])
         different_times, number_in_times = np.unique(time, return_inverse=True)
         panel_of_time = np.clip(
-            np.searchsorted(panel_ends, different_times, side="right") - 1, 0, len(panel_ends) - 2
+            np.searchsorted(self._panel_ends, different_times, side="right") - 1,
+            0,
+            len(self._panel_ends) - 2,
         )
+        # up to the begin of the panel, then far from and near the edge of contact within it
         integrals = self._integrals_before_panel[panel_of_time]
-        fraction_of_panel = np.clip(
-            (different_times - panel_ends[panel_of_time])
-            / (panel_ends[panel_of_time + 1] - panel_ends[panel_of_time]),
-            0.0,
-            1.0,
-        )
+        integrals += self._integrals_of_series(different_times, panel_of_time)
+        integrals += self._near_integrals_in_panels(different_times, panel_of_time)
+        # _kernel_factor: 1/pi for the shear, else 1
+        return self._kernel_factor * integrals[number_in_times.ravel()]
 
-        # Primitive of the Chebyshev series on the panel, at each time.
+    def _integrals_of_series(self, times: Array, panel_of_time: Indices) -> Array:
+        """Integrals of the kernel times dQ from the begin of the panel to each time (n,), at points
+        that the edge of contact does not pass nearby, (n, k); 0 at the others.
+
+        They are primitives of the Chebyshev series on the panels. `times` ascend, `panel_of_time`
+        (n,) is the number of the panel that each is in.
+        """
+        panel_begins = self._panel_ends[panel_of_time]
+        panel_lengths = self._panel_ends[panel_of_time + 1] - panel_begins
+        fraction_of_panel = np.clip((times - panel_begins) / panel_lengths, 0.0, 1.0)
         # CHEBYSHEV_DEGREE: that of the series; its primitive has one more.
         polynomials = chebyshev.chebvander(2 * fraction_of_panel - 1, CHEBYSHEV_DEGREE + 1)
-        # Numbers of the first time in each panel; in the loop also of the one after its last.
+        integrals = np.empty((len(times), len(self._x)))
+        # numbers of the first time in each panel, and of the one after its last
         first_time_in_panel = np.flatnonzero(np.diff(panel_of_time, prepend=-1))
         for first_time_number, end_time_number in pairwise(
-            [*first_time_in_panel.tolist(), len(different_times)]
+            [*first_time_in_panel.tolist(), len(times)]
         ):
             in_panel = slice(first_time_number, end_time_number)
-            integrals[in_panel] += (
-                polynomials[in_panel] @ self._primitives[panel_of_time[first_time_number]].T
-            )
+            primitives_of_panel = self._primitives[panel_of_time[first_time_number]]
+            integrals[in_panel] = polynomials[in_panel] @ primitives_of_panel.T
+        return integrals
 
-        # Where the edge of contact passes the point nearby: over ranges from one time to the next,
-        # the first of a panel from the panel's begin.
-        range_begins = np.append(panel_ends[0], different_times[:-1])
+    def _near_integrals_in_panels(self, times: Array, panel_of_time: Indices) -> Array:
+        """Integrals of the kernel times dQ from the begin of the panel to each time (n,), at points
+        that the edge of contact passes nearby within the panel, (n, k); 0 at the others.
+
+        They are sums over ranges from one time to the next, the first of a panel from its begin, by
+        Gauss' rule. Their error raises `error`. `times` ascend, `panel_of_time` (n,) is the number
+        of the panel that each is in.
+        """
+        panel_ends = self._panel_ends
+        first_time_in_panel = np.flatnonzero(np.diff(panel_of_time, prepend=-1))
+        range_begins = np.append(panel_ends[0], times[:-1])
         range_begins[first_time_in_panel] = panel_ends[panel_of_time[first_time_in_panel]]
         range_number, point = np.nonzero(
-            self._is_near[panel_of_time] & (different_times > range_begins)[:, None]
+            self._is_near[panel_of_time] & (times > range_begins)[:, None]
         )
-
-        # Points near the edge of contact: Gauss' rule over these ranges, at point number `point`.
-        near_integrals = np.zeros(integrals.shape)
+        near_integrals = np.zeros((len(times), len(self._x)))
         near_integrals[range_number, point], error_of_near_integrals = (
-            self._near_integrals_and_error(
-                range_begins[range_number], different_times[range_number], point
-            )
+            self._near_integrals_and_error(range_begins[range_number], times[range_number], point)
         )
-
         # These ranges have errors of their own: they are not the panels.
-        # _kernel_factor: 1/pi for the shear, else 1.
         self.error = max(
             self.error, self._error_of_panels + self._kernel_factor * error_of_near_integrals
         )
-
-        # Sums from the begin of each panel to each time.
+        # sums from the begin of each panel to each time
         sums = np.cumsum(near_integrals, axis=0)
         sums_before_panel = (sums - near_integrals)[first_time_in_panel]
-        integrals += sums - np.repeat(
-            sums_before_panel, np.diff(np.append(first_time_in_panel, len(different_times))), axis=0
-        )
-        return self._kernel_factor * integrals[number_in_times.ravel()]
+        n_times_in_panel = np.diff(np.append(first_time_in_panel, len(times)))
+        return np.asarray(sums - np.repeat(sums_before_panel, n_times_in_panel, axis=0))
 
     def _integrate_panels(self, panel_ends: Array) -> None:
         """Integrate the kernel times dQ over the arc, panel of time by panel, and store the
@@ -376,42 +358,44 @@ class ArcIntegrals:
         The integrand is the rate of Q times the kernel: the shear, slip or displacement at a point
         by a unit of load on a flat punch.
         """
-        # At most 9 halvings; resolved: errors of all series below 1e-14 of the largest integral.
         resolved_panels: list[_Panels] = []
         largest_integral = 0.0
-        n_points = len(self._x)
+        # _HALVINGS: 9
         for halvings in range(_HALVINGS + 1):
-            # Coefficients for pairs of a panel and a point far from the edge, then as table (m, k,
-            # terms).
-            far_series = self._far_series(begins, ends)
-            largest_coefficient = float(np.max(np.abs(far_series.coefficients[:, 0]), initial=0.0))
+            panels = self._panels_with_series(begins, ends)
+            largest_coefficient = float(np.max(np.abs(panels.series[:, :, 0]), initial=0.0))
             largest_integral = max(largest_integral, largest_coefficient * math.sqrt(len(begins)))
-            series_errors = np.zeros((len(begins), n_points))
-            series_errors[far_series.panel, far_series.point] = truncation_error(
-                far_series.coefficients
-            )
-            coefficient_table = np.zeros((len(begins), n_points, CHEBYSHEV_DEGREE + 1))
-            coefficient_table[far_series.panel, far_series.point] = far_series.coefficients
             middles = (begins + ends) / 2
+            # _RESOLVED_SHARE: 1e-14
             is_resolved = (
-                np.max(series_errors, axis=1, initial=0.0) <= _RESOLVED_SHARE * largest_integral
+                np.max(panels.error, axis=1, initial=0.0) <= _RESOLVED_SHARE * largest_integral
             )
             is_resolved |= halvings == _HALVINGS
             is_resolved |= (middles == begins) | (middles == ends)  # no number lies between
-            resolved_panels.append(
-                _Panels(begins, ends, far_series.is_near, coefficient_table, series_errors).take(
-                    is_resolved
-                )
-            )
+            resolved_panels.append(panels.take(is_resolved))
             if np.all(is_resolved):
                 break
             middles = middles[~is_resolved]
             begins = np.concatenate([begins[~is_resolved], middles])
             ends = np.concatenate([middles, ends[~is_resolved]])
-        panels = _Panels._make(
+        all_panels = _Panels._make(
             np.concatenate(column) for column in zip(*resolved_panels, strict=True)
         )
-        return panels.take(np.argsort(panels.begin))
+        return all_panels.take(np.argsort(all_panels.begin))
+
+    def _panels_with_series(self, begins: Array, ends: Array) -> _Panels:
+        """Panels of time (m,) with the Chebyshev series of the integrand, and its error, at the
+        points that the edge of contact does not pass nearby; both are 0 at the others.
+        """
+        far_series = self._far_series(begins, ends)
+        table_shape = (len(begins), len(self._x))
+        series_errors = np.zeros(table_shape)
+        series_errors[far_series.panel, far_series.point] = truncation_error(
+            far_series.coefficients
+        )
+        coefficient_table = np.zeros((*table_shape, CHEBYSHEV_DEGREE + 1))
+        coefficient_table[far_series.panel, far_series.point] = far_series.coefficients
+        return _Panels(begins, ends, far_series.is_near, coefficient_table, series_errors)
 
     def _near_integrals(self, begins: Array, ends: Array, point: Indices) -> Array:
         """Integrals of the kernel times dQ over m ranges of time in which the edge of contact
@@ -443,26 +427,52 @@ class ArcIntegrals:
         """Chebyshev series in time of the integrand dQ/dt K on panels of time (n,), for points that
         the edge of contact does not pass nearby; and a mask of the points that it does pass nearby.
 
-        P_x is the load at which the edge of contact is at a point. It is far from a panel where it
-        lies outside the panel's loads by twice their range, on the side where the kernel K is not
-        0. Where the kernel is 0 all over a panel the point is neither far nor near. Beside P = 0,
-        where the slip kernel is singular, no point is far for it.
-
-        The kernel is the shear, slip or displacement by a unit of load on a flat punch.
+        The kernel K is the shear, slip or displacement at the point by a unit of load on a flat
+        punch. Where it is 0 all over a panel the point is neither far nor near.
         """
-        contact = self._contact
-        x = self._x
-        edge_loads = self._edge_loads
-        # At the Chebyshev nodes of each panel, (n, nodes): time and P.
+        is_far, is_near = self._far_and_near_points(begins, ends)
+        far_panel, far_point = np.nonzero(is_far)
+        # at the Chebyshev nodes of each panel, (n, nodes): time, P, and dQ/dt times the length
         time = begins[:, None] + (ends - begins)[:, None] * (1 + CHEBYSHEV_NODES) / 2
         load = np.maximum(self._segment.loads(time)[0], 0.0)
+        force_rate = self._segment.rate_of(TANGENTIAL_LOAD, time) * (ends - begins)[:, None]
+        # what the kernels take for a(P)
+        advance = self._contact.edge_advance(load)
+        coefficients = np.empty((len(far_panel), CHEBYSHEV_DEGREE + 1))
+        # _NODES_AT_ONCE: two million, which bounds the memory.
+        pairs_at_once = _NODES_AT_ONCE // (CHEBYSHEV_DEGREE + 1)
+        for first_pair in range(0, len(far_panel), pairs_at_once):
+            chunk = slice(first_pair, first_pair + pairs_at_once)
+            panel_chunk = far_panel[chunk]
+            point_chunk = far_point[chunk]
+            kernel_values = _punch_kernel(
+                self._contact,
+                self._kernel,
+                self._x[point_chunk, None],
+                load[panel_chunk] - self._edge_loads[point_chunk, None],
+                load[panel_chunk],
+                advance[panel_chunk],
+            )
+            coefficients[chunk] = chebyshev_coefficients(force_rate[panel_chunk] * kernel_values)
+        return _FarSeries(far_panel, far_point, coefficients, is_near)
+
+    def _far_and_near_points(
+        self, begins: Array, ends: Array
+    ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """Whether points are far from the edge of contact on panels of time (n,), and whether it
+        passes them or nearly, (n, k) each. A point at which the kernel is 0 all over a panel is
+        neither.
+
+        P_x is the load at which the edge of contact is at a point. It is far from a panel where it
+        lies outside the panel's loads by twice their range, on the side where the kernel is not 0.
+        The slip kernel is not 0 where P < P_x, and has a logarithm at P = 0: next to P = 0 no point
+        is far for it. The kernels of shear and displacement are not 0 where P > P_x.
+        """
+        edge_loads = self._edge_loads
         least_load = np.maximum(self._segment.loads(begins)[0], 0.0)[:, None]
         largest_load = np.maximum(self._segment.loads(ends)[0], 0.0)[:, None]
+        # _RANGES_TO_FAR: 2
         margin = _RANGES_TO_FAR * (largest_load - least_load)
-
-        # margin: twice the range of the panel's loads; x, edge_loads: |x| and P_x of each point.
-        # The slip kernel is not 0 where P < P_x, and has a logarithm at P = 0; the others are not 0
-        # where P > P_x.
         if self._kernel == "slip":
             begins_near_no_load = least_load < margin
             is_near = (edge_loads > least_load) & (
@@ -472,29 +482,42 @@ class ArcIntegrals:
         else:
             is_far = edge_loads <= least_load - margin
             is_near = (edge_loads < largest_load) & (edge_loads > least_load - margin)
-        far_panel, far_point = np.nonzero(is_far)
+        return np.asarray(is_far), np.asarray(is_near)
 
-        # dQ/dt times the length of the panel; advance: what the kernels take for a(P).
-        force_rate = self._segment.rate_of(TANGENTIAL_LOAD, time) * (ends - begins)[:, None]
-        advance = contact.edge_advance(load)
-        coefficients = np.empty((len(far_panel), CHEBYSHEV_DEGREE + 1))
-        # _NODES_AT_ONCE: two million, which bounds the memory.
-        pairs_at_once = _NODES_AT_ONCE // (CHEBYSHEV_DEGREE + 1)
-        for first_pair in range(0, len(far_panel), pairs_at_once):
-            chunk = slice(first_pair, first_pair + pairs_at_once)
-            panel_chunk = far_panel[chunk]
-            point_chunk = far_point[chunk]
-            load_above_edge = load[panel_chunk] - edge_loads[point_chunk, None]
-            kernel_values = _punch_kernel(
-                contact,
-                self._kernel,
-                x[point_chunk, None],
-                load_above_edge,
-                load[panel_chunk],
-                advance[panel_chunk],
-            )
-            coefficients[chunk] = chebyshev_coefficients(force_rate[panel_chunk] * kernel_values)
-        return _FarSeries(far_panel, far_point, coefficients, is_near)
+
+def _first_panel_ends(piece: Piece, corner_loads: Array) -> Array:
+    """Ends of the panels of time into which an arc is cut at first, ascending (n,): 12 for all of
+    it, and more where it passes corners of the profile.
+
+    A smooth part lies between the times at which P had the loads of two corners. Its panels have
+    equal lengths: one that began just behind a corner would not be smooth. `arc` of the piece are
+    times of its ends, `anchor` is the instant at the end before any of the arc was cut off.
+    `corner_loads` are those at which the edge of contact is at a corner.
+    """
+    assert piece.arc is not None  # for the type checker: only called for arcs
+    first_time = piece.arc[0]
+    last_time = piece.anchor.time
+    loads_within_arc = corner_loads[
+        (corner_loads > piece.bottom_load) & (corner_loads < piece.anchor.normal_load)
+    ]
+    corner_times = loads_within_arc
+    if len(loads_within_arc):
+        corner_times = time_of_load_on_arc(piece, loads_within_arc)
+    ends_of_smooth_parts = np.unique(
+        np.clip([first_time, *corner_times, last_time], first_time, last_time)
+    )
+    # _FIRST_PANELS: 12
+    panels_in_part = np.maximum(
+        np.ceil(np.diff(ends_of_smooth_parts) / (last_time - first_time) * _FIRST_PANELS), 1
+    ).astype(int)
+    begins_of_panels = [
+        np.linspace(begin_of_part, end_of_part, n_panels, endpoint=False)
+        for begin_of_part, end_of_part, n_panels in zip(
+            ends_of_smooth_parts[:-1], ends_of_smooth_parts[1:], panels_in_part, strict=True
+        )
+    ]
+    # A smooth part that is hardly longer than round-off has no inner ends.
+    return np.unique([*np.concatenate(begins_of_panels), last_time])
 
 
 @lru_cache(maxsize=16)  # kernels and points of one solution share its arcs
@@ -1052,10 +1075,9 @@ class KernelIntegrals:
         The memory curve M(eta) is the tangential force that the flat punches up to the load eta
         carry. K is the kernel: shear, slip or displacement by a unit load on a punch. M' is a
         constant slope, which is integrated elsewhere, plus a remainder that is integrated here,
-        from the lower end of the piece to each load. For a parabola the remainder is 2 `bend` eta,
-        for a straight line 0. A piece on a curved segment of the load path, an arc, has the slope
-        0: the remainder is M', and M' d eta is dQ along the segment. Pieces cut from one arc begin
-        at the same instant of it, and are integrated together.
+        from the lower end of the piece to each load. A piece is straight, a parabola, or an arc, a
+        part of a curved segment of the load path. Pieces cut from one arc begin at the same instant
+        of it, and are integrated together.
 
         Parameters
         ----------
@@ -1063,7 +1085,6 @@ class KernelIntegrals:
             pairs of a piece and the loads (n,) up to which it counts: those at the stick edge if it
             is the uppermost piece that sticks, else its top load
         """
-        # Parabolas by the first moment of the kernel, int eta K d eta; arcs are collected first.
         integrals: list[Array | float] = [0.0] * len(pieces_and_edge_loads)
         pieces_of_arc: dict[tuple[int, float, float], list[tuple[int, Piece]]] = {}
         for pair_number, (piece, upper_load) in enumerate(pieces_and_edge_loads):
@@ -1073,28 +1094,41 @@ class KernelIntegrals:
                 arc_key = (id(piece.anchor.segment), piece.arc[0], piece.anchor.time)
                 pieces_of_arc.setdefault(arc_key, []).append((pair_number, piece))
             elif piece.bend:
-                moment_change = self.moment(1, upper_load) - self.moment(
-                    1, np.array([piece.bottom_load])
-                )
-                integrals[pair_number] = 2 * piece.bend * moment_change
+                integrals[pair_number] = self._parabola_integral(piece, upper_load)
         for arc_key, numbered_pieces in pieces_of_arc.items():
             _, piece = numbered_pieces[0]
             if arc_key not in self._arcs:
                 self._arcs[arc_key] = piece, ArcIntegrals(self.contact, self.kernel, piece, self.x)
-            upper_loads = [
-                pieces_and_edge_loads[pair_number][1] for pair_number, _ in numbered_pieces
-            ]
-            # Times at which P was the load up to which a piece counts, for all pieces of the arc.
-            times_at_upper_load = time_of_load_on_arc(piece, np.concatenate(upper_loads))
-            split_positions = np.cumsum([len(loads_of_piece) for loads_of_piece in upper_loads])[
-                :-1
-            ]
-            arc_integrals = np.split(
-                self._arcs[arc_key][1].up_to(times_at_upper_load), split_positions
+            arc_integrals = self._integrals_up_to_loads(
+                self._arcs[arc_key][1],
+                piece,
+                [pieces_and_edge_loads[pair_number][1] for pair_number, _ in numbered_pieces],
             )
             for (pair_number, _), arc_integral in zip(numbered_pieces, arc_integrals, strict=True):
                 integrals[pair_number] = arc_integral
         return integrals
+
+    def _parabola_integral(self, piece: CurvePart, upper_load: Array) -> Array:
+        """Integral of 2 `bend` eta K d eta from the lower end of a piece to each load (n,), at k
+        points, (n, k): what the curvature of a parabola adds, K the kernel.
+
+        `bend` is the factor of eta^2 in the memory curve M(eta), the tangential force carried up to
+        the load eta.
+        """
+        moment_change = self.moment(1, upper_load) - self.moment(1, np.array([piece.bottom_load]))
+        return 2 * piece.bend * moment_change
+
+    @staticmethod
+    def _integrals_up_to_loads(
+        arc: ArcIntegrals, piece: Piece, upper_loads: Sequence[Array]
+    ) -> list[Array]:
+        """Integrals of the kernel times dQ from the begin of an arc to the times at which P had
+        each of the loads (n,) of several lists, (n, k) for each list. `piece` is one that was cut
+        from the arc.
+        """
+        times_at_upper_load = time_of_load_on_arc(piece, np.concatenate(upper_loads))
+        split_positions = np.cumsum([len(loads_of_piece) for loads_of_piece in upper_loads])[:-1]
+        return np.split(arc.up_to(times_at_upper_load), split_positions)
 
     @property
     def arc_error(self) -> float:
