@@ -238,10 +238,10 @@ class _Samples:
 
 
 @cache
-def _samples(count: int) -> _Samples:
-    """Chebyshev points, `count` of them, with the matrices of the least-squares series."""
-    odd_numbers = 2 * np.arange(count - 1, -1, -1) + 1
-    places = np.round(np.cos(odd_numbers * (np.pi / (2 * count))) * 2.0**26) / 2.0**26
+def _samples(n_samples: int) -> _Samples:
+    """Chebyshev points, `n_samples` of them, with the matrices of the least-squares series."""
+    odd_numbers = 2 * np.arange(n_samples - 1, -1, -1) + 1
+    places = np.round(np.cos(odd_numbers * (np.pi / (2 * n_samples))) * 2.0**26) / 2.0**26
     polynomials = chebyshev.chebvander(places, CHEBYSHEV_DEGREE)
     return _Samples(places, polynomials, np.linalg.pinv(polynomials).T)
 
@@ -436,16 +436,16 @@ def _inner_polynomial(
 
 
 def _polynomial_up_to(
-    end: float, height_above_middle: Function, sample_count: int
+    end: float, height_above_middle: Function, n_samples: int
 ) -> _InnerPolynomial | None:
-    """Polynomial in x^2 fitted to a profile's height for 0 <= x <= `end`, at `sample_count` places;
+    """Polynomial in x^2 fitted to a profile's height for 0 <= x <= `end`, at `n_samples` places;
     None where the height does not follow it, or round-off leaves no slope.
 
     Its lowest power of x^2 is tried from 1 up to 4: a height that rises as x^4 has no x^2.
     `height_above_middle` is h(x) - h(0), from an array of x to an array of heights.
     """
     # Places on [-1, 1], that is 2 (x/end)^2 - 1.
-    samples = _samples(sample_count)
+    samples = _samples(n_samples)
     heights = height_above_middle(end * np.sqrt((1 + samples.places) / 2))
     if not np.all(np.isfinite(heights)):
         return None
@@ -466,9 +466,9 @@ def _polynomial_up_to(
     # _LOWEST_POWERS: 1 to 4
     for lowest_power in _LOWEST_POWERS:
         # Without the first powers the same degree takes fewer coefficients.
-        coefficient_count = max(last_degree - lowest_power, 0) + 1
+        n_coefficients = max(last_degree - lowest_power, 0) + 1
         polynomial = _polynomial_of_lowest_power(
-            samples, heights, end, lowest_power, coefficient_count, height_roundoff
+            samples, heights, end, lowest_power, n_coefficients, height_roundoff
         )
         if polynomial is not None:
             return polynomial

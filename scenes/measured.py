@@ -741,11 +741,13 @@ def reduced_record(
     return kept_values
 
 
-def means_of_neighbours(values: Array, count: int) -> Array:
-    """Mean of each `count` neighbouring rows of `values` (n, m); the last mean may be of fewer."""
-    if count == 1:
+def means_of_neighbours(values: Array, n_rows_per_mean: int) -> Array:
+    """Mean of each `n_rows_per_mean` neighbouring rows of `values` (n, m), one row each; the last
+    mean may be of fewer rows.
+    """
+    if n_rows_per_mean == 1:
         return values
-    starts = np.arange(0, len(values), count)
+    starts = np.arange(0, len(values), n_rows_per_mean)
     return np.asarray(
         np.add.reduceat(values, starts, axis=0) / np.diff(starts, append=len(values))[:, None]
     )

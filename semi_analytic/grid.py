@@ -130,31 +130,33 @@ class GridFields(NamedTuple):
     work: Array
     work_of_loads: Array
 
-    def edges(self, instant: int, *, stick: bool = False) -> tuple[float, float]:
-        """Left and right outer edge x of the cells in contact at instant number `instant`, or of
-        those that stick if `stick` is true [length]; NaN where there are none.
+    def edges(self, instant_number: int, *, stick: bool = False) -> tuple[float, float]:
+        """Left and right outer edge x of the cells in contact at instant number `instant_number`,
+        or of those that stick if `stick` is true [length]; NaN where there are none.
         """
-        state = self.state[instant]
-        return self._outer_edges(state == STICK if stick else state != OPEN)
+        contact_state = self.state[instant_number]
+        return self._outer_edges(contact_state == STICK if stick else contact_state != OPEN)
 
-    def permanent_stick_edges(self, first_instant: int, share: float = 1e-9) -> tuple[float, float]:
+    def permanent_stick_edges(
+        self, first_instant_number: int, share: float = 1e-9
+    ) -> tuple[float, float]:
         """Left and right outer edge x of the permanent stick zone [length]: of the cells that stay
-        in contact from instant number `first_instant` on and whose slip then varies hardly at all.
-        NaN without such cells.
+        in contact from instant number `first_instant_number` on and whose slip then varies hardly
+        at all. NaN without such cells.
 
         The slip of such a cell ranges over at most `share` of the largest range of slip of any
         cell, cells outside the contact included.
         """
-        slip_range = np.ptp(self.slip[first_instant:], axis=0)
-        stays_in_contact = np.all(self.state[first_instant:] != OPEN, axis=0)
+        slip_range = np.ptp(self.slip[first_instant_number:], axis=0)
+        stays_in_contact = np.all(self.state[first_instant_number:] != OPEN, axis=0)
         return self._outer_edges(stays_in_contact & (slip_range <= share * np.max(slip_range)))
 
-    def cycle_work(self, increments: int) -> Array:
-        """Friction work of each of the last whole cycles, (c,), if a cycle has `increments`
+    def cycle_work(self, n_increments: int) -> Array:
+        """Friction work of each of the last whole cycles, (c,), if a cycle has `n_increments`
         increments [energy per thickness]; the first increment of all belongs to none.
         """
         works = self.work[1:]
-        return works[len(works) % increments :].reshape(-1, increments).sum(axis=1)
+        return works[len(works) % n_increments :].reshape(-1, n_increments).sum(axis=1)
 
     def _outer_edges(self, cells: NDArray[np.bool_]) -> tuple[float, float]:
         """Left edge of the first and right edge of the last of some cells [length]; NaN if there
@@ -267,12 +269,12 @@ class Grid:
         self,
         height: Callable[[Array], Array],
         extent: ArrayLike,
-        cells: int,
+        n_cells: int,
         friction: float,
         modulus: float = 1.0,
         dundurs_beta: float = 0.0,
     ) -> None:
-        """Grids of `cells` equal cells each on two half-planes, which nothing touches yet.
+        """Grids of `n_cells` equal cells each on two half-planes, which nothing touches yet.
 
         Several grids of equal cells, moved by parts of a cell, share their compliance matrices.
 
@@ -282,7 +284,7 @@ class Grid:
             initial gap h(x) between the unloaded faces [length]
         extent
             (2,) ends of one grid, or (g, 2) those of g grids of one length [length]
-        cells
+        n_cells
             number k of cells of a grid
         friction, modulus
             f and E* [stress]
@@ -293,7 +295,7 @@ class Grid:
         self.modulus = modulus
         self.dundurs_beta = dundurs_beta
         self.is_single_grid = np.ndim(extent) == 1
-        self._place_cells(np.atleast_2d(np.asarray(extent, dtype=float)), cells)
+        self._place_cells(np.atleast_2d(np.asarray(extent, dtype=float)), n_cells)
         self._unloaded_gap = height(self.x)
         self._assemble_matrices()
         self._set_untouched_state()
@@ -1368,27 +1370,27 @@ class _Answers:
     permanent_stick_edges: Array = field(default_factory=lambda: np.full(2, np.nan))
 
     @classmethod
-    def empty_storage(cls, grids: int, instants: int, points: int, stride: int) -> _Answers:
-        """Storage for what `grids` grids find at so many instants and points, before anything is
+    def empty_storage(cls, n_grids: int, n_instants: int, n_points: int, stride: int) -> _Answers:
+        """Storage for what `n_grids` grids find at so many instants and points, before anything is
         followed: zeros, and NaN for edges.
 
         Parameters
         ----------
-        grids, instants, points
+        n_grids, n_instants, n_points
             g, n and m
         stride
             fields of each grid by itself are stored at every `stride`-th instant
         """
-        shape_of_each = (grids, -(-instants // stride), points)
+        shape_of_each = (n_grids, -(-n_instants // stride), n_points)
         return cls(
-            friction_ratio=np.zeros((instants, points)),
-            slip=np.zeros((instants, points)),
+            friction_ratio=np.zeros((n_instants, n_points)),
+            slip=np.zeros((n_instants, n_points)),
             friction_ratio_by_grid=np.zeros(shape_of_each),
             slip_by_grid=np.zeros(shape_of_each),
-            stick_edges=np.full((instants, 2), np.nan),
-            loads=np.zeros((4, instants)),
-            displacement=np.zeros(instants),
-            shear_moment=np.zeros(instants),
+            stick_edges=np.full((n_instants, 2), np.nan),
+            loads=np.zeros((4, n_instants)),
+            displacement=np.zeros(n_instants),
+            shear_moment=np.zeros(n_instants),
         )
 
     def store_cycle(
@@ -1715,8 +1717,8 @@ def contact_edges_along(loads: PathLoads, contact: TiltedProfile) -> Array:
     )
     loads_in_contact = loads_of_increments[loads_of_increments[:, 0] > 0]
     # Exact centre and half-width of contact at each of them.
-    load, _, _, tilt = loads_in_contact.T
-    middle, half_width = contact.centre_and_half_width_under(load, tilt)
+    normal_load, _, _, tilt = loads_in_contact.T
+    middle, half_width = contact.centre_and_half_width_under(normal_load, tilt)
     return np.stack([middle - half_width, middle + half_width], axis=-1)
 
 
@@ -1847,7 +1849,7 @@ class GridRequest:
     pointwise
         whether q, s and the state are wanted at points; NaN and open otherwise
     cells, increments
-        across the largest contact, a cycle
+        number of cells across the largest contact; number of increments in a cycle
     """
 
     most_cycles: int = 12
@@ -2119,17 +2121,17 @@ class _GridSetup:
     friction: float
     modulus: float
 
-    def moved_grids(self, cells: int, shifts: Array) -> Grid:
-        """Grids with `cells` equal cells between the outermost edges of contact, and five more
+    def moved_grids(self, n_cells: int, shifts: Array) -> Grid:
+        """Grids with `n_cells` equal cells between the outermost edges of contact, and five more
         beyond them, two on the left and three on the right. Grid j is moved to the left by the
         fraction `shifts[j]` of a cell, between 0 and 1; (g,) for g grids.
         """
         left_edge, right_edge = self.outermost_edges
-        cell_width = (right_edge - left_edge) / cells
+        cell_width = (right_edge - left_edge) / n_cells
         extents = np.stack(
             [left_edge - (2 + shifts) * cell_width, right_edge + (3 - shifts) * cell_width], axis=1
         )
-        return Grid(self.height, extents, cells + 5, self.friction, self.modulus)
+        return Grid(self.height, extents, n_cells + 5, self.friction, self.modulus)
 
 
 class _Plan(NamedTuple):
@@ -2504,8 +2506,8 @@ def _states_of(friction_ratio: Array, is_in_contact: NDArray[np.bool_]) -> NDArr
     """State of points by `friction_ratio` = q/(f p), arrays of one shape: open out of contact,
     stick below 1, else forward or reverse slip by its sign.
     """
-    slip_state = np.where(friction_ratio > 0, SLIP_FORWARD, SLIP_REVERSE)
-    contact_state = np.where(np.abs(friction_ratio) < 1 - 1e-12, STICK, slip_state)
+    state_in_slip = np.where(friction_ratio > 0, SLIP_FORWARD, SLIP_REVERSE)
+    contact_state = np.where(np.abs(friction_ratio) < 1 - 1e-12, STICK, state_in_slip)
     return np.where(is_in_contact, contact_state, OPEN)
 
 
@@ -2610,27 +2612,31 @@ def friction_ratio_on_grids(
     return RatioOnGrids(answers.friction_ratio, grids.cell_width)
 
 
-def _default_times(path: LoadPath, cycles: int, increments: int, last_cycle_alone: bool) -> Array:
+def _default_times(
+    path: LoadPath, n_cycles: int, increments_per_cycle: int, last_cycle_alone: bool
+) -> Array:
     """Times at which a solution on grids is given where the caller asks for none, (n,) ascending.
 
     They are as many as every second increment of all cycles, equally spaced, and fewer of the
-    initial loading; of the last cycle only with `last_cycle_alone`. `cycles` is the number of
-    cycles, `increments` that of the increments in each.
+    initial loading; of the last cycle only with `last_cycle_alone`. `n_cycles` is the number of
+    cycles, `increments_per_cycle` that of the increments in each.
     """
     if last_cycle_alone and path.period is not None:
-        start_of_last_cycle = path.cycle_start + (cycles - 1) * path.period
+        start_of_last_cycle = path.cycle_start + (n_cycles - 1) * path.period
         return np.linspace(
-            start_of_last_cycle, start_of_last_cycle + path.period, increments // 2 + 1
+            start_of_last_cycle, start_of_last_cycle + path.period, increments_per_cycle // 2 + 1
         )[1:]
     # A few instants in each segment of the initial loading, then the cycles.
     times_of_parts = [
-        np.linspace(segment.start, segment.end, increments // 16 + 1)
+        np.linspace(segment.start, segment.end, increments_per_cycle // 16 + 1)
         for segment in path.initial_loading
     ]
     if path.period is not None:
-        end_of_last_cycle = path.cycle_start + cycles * path.period
+        end_of_last_cycle = path.cycle_start + n_cycles * path.period
         times_of_parts.append(
-            np.linspace(path.cycle_start, end_of_last_cycle, cycles * (increments // 2) + 1)
+            np.linspace(
+                path.cycle_start, end_of_last_cycle, n_cycles * (increments_per_cycle // 2) + 1
+            )
         )
     return np.unique(np.concatenate(times_of_parts))
 

@@ -828,9 +828,11 @@ def is_plain_ellipse(segment: LoadSegment) -> bool:
     return segment.ellipse is not None and segment.ellipse.origin == 0 and segment.start != 0
 
 
-def history_of(path: LoadPath, friction: float, cycles: int, time: Array | None = None) -> History:
+def history_of(
+    path: LoadPath, friction: float, n_cycles: int, time: Array | None = None
+) -> History:
     """Friction history of a load path, followed for as many cycles as the instants `time` (n,)
-    need; without them until a cycle ends as it began, `cycles` at most.
+    need; without them until a cycle ends as it began, `n_cycles` at most.
 
     In the context `histories_kept` a cached history of the same path is taken instead of following
     the path again; so is one of more cycles that became steady within as many. A history's
@@ -838,10 +840,10 @@ def history_of(path: LoadPath, friction: float, cycles: int, time: Array | None 
     that it is or copies.
     """
     most_cycles = 0
-    whole_cycles_in_time = 0
+    n_whole_cycles = 0
     if path.period is not None:
-        most_cycles, whole_cycles_in_time = cycles_to_follow(
-            path.cycle_start, path.period, cycles, time
+        most_cycles, n_whole_cycles = cycles_to_follow(
+            path.cycle_start, path.period, n_cycles, time
         )
     # by path and friction, then by the most cycles that were followed; None where nothing is cached
     cached_histories = _kept_histories.get()
@@ -858,7 +860,7 @@ def history_of(path: LoadPath, friction: float, cycles: int, time: Array | None 
     if path.period is None:
         return history
     n_solved_cycles = len(history.cycles)
-    n_covered_cycles = whole_cycles_in_time or n_solved_cycles
+    n_covered_cycles = n_whole_cycles or n_solved_cycles
     # Cycles after the last one that was solved are copies of it.
     solved_cycle_of_covered_cycle = tuple(
         min(number, n_solved_cycles - 1) for number in range(n_covered_cycles)
@@ -903,23 +905,23 @@ def _followed_path(path: LoadPath, friction: float, most_cycles: int) -> History
 
 
 def cycles_to_follow(
-    start: float, period: float, cycles: int, time: Array | None
+    start: float, period: float, n_cycles: int, time: Array | None
 ) -> tuple[int, int]:
     """Number of cycles that must be followed at most for the instants `time` (n,), and number of
     whole cycles up to the last instant.
 
-    If that is within the first cycle, the second number is 0 and the first at least `cycles`.
-    Without instants the numbers are `cycles` and 0. The first cycle begins at time `start`. An
+    If that is within the first cycle, the second number is 0 and the first at least `n_cycles`.
+    Without instants the numbers are `n_cycles` and 0. The first cycle begins at time `start`. An
     instant counts as an end of a cycle within 1e-9 of the period.
     """
     if time is None:
-        return cycles, 0
+        return n_cycles, 0
     cycles_to_last_instant = (float(np.max(time)) - start) / period
-    whole_cycles = max(math.floor(cycles_to_last_instant + INSTANT_SLACK_SHARE), 0)
-    cycles_begun = math.ceil(cycles_to_last_instant - INSTANT_SLACK_SHARE)
-    if whole_cycles:
-        return max(cycles_begun, 0), whole_cycles
-    return max(cycles, cycles_begun), 0
+    n_whole_cycles = max(math.floor(cycles_to_last_instant + INSTANT_SLACK_SHARE), 0)
+    n_cycles_begun = math.ceil(cycles_to_last_instant - INSTANT_SLACK_SHARE)
+    if n_whole_cycles:
+        return max(n_cycles_begun, 0), n_whole_cycles
+    return max(n_cycles, n_cycles_begun), 0
 
 
 def time_in_followed_path(

@@ -506,18 +506,18 @@ def _monotonic_parts(
 def _largest_value_and_place(
     values: Callable[[Array], Array],
     kinks: Array,
-    first_count: int = _PLACES_AT_FIRST,
+    n_first_places: int = _PLACES_AT_FIRST,
     settled_share: float = _SETTLED_CHANGE_SHARE,
 ) -> tuple[float, float]:
     """Largest value of a function of place or time, and where it is, over the range of `kinks`
     (n,), ascending, between which the function is smooth.
 
-    `values` takes places (m,) and returns (m,). `first_count` places are tried at first, then ever
-    closer ones around the largest local maxima. A round that raises the largest value by less than
-    `settled_share` of itself ends the search, if the round before raised it by less than 1e-10. So
-    do 16 rounds, and a value that is not finite, which is returned. One kink alone is the place.
-    Around a local maximum eleven places are tried, and the vertex of the parabola through it and
-    its neighbours.
+    `values` takes places (m,) and returns (m,). `n_first_places` places are tried at first, then
+    ever closer ones around the largest local maxima. A round that raises the largest value by less
+    than `settled_share` of itself ends the search, if the round before raised it by less than
+    1e-10. So do 16 rounds, and a value that is not finite, which is returned. One kink alone is the
+    place. Around a local maximum eleven places are tried, and the vertex of the parabola through it
+    and its neighbours.
 
     >>> top, place = _largest_value_and_place(lambda x: 1 - (x - 0.3) ** 2, np.array([0.0, 1.0]))
     >>> round(top, 12), round(place, 5)
@@ -526,7 +526,7 @@ def _largest_value_and_place(
     kinks = _distinct(kinks)
     if len(kinks) == 1:
         return float(values(kinks)[0]), float(kinks[0])
-    first_places = _places_between_kinks(kinks, first_count)
+    first_places = _places_between_kinks(kinks, n_first_places)
     first_values = values(first_places)
     number_of_largest_value = int(np.argmax(first_values))
     largest_value = float(first_values[number_of_largest_value])
@@ -571,8 +571,8 @@ def _distinct(kinks: Array) -> Array:
     return kinks[is_distinct]
 
 
-def _places_between_kinks(kinks: Array, count: int) -> Array:
-    """The kinks (n,), ascending, and about `count` places between them, equally spaced from each
+def _places_between_kinks(kinks: Array, n_places: int) -> Array:
+    """The kinks (n,), ascending, and about `n_places` places between them, equally spaced from each
     kink to the next, one at least; a single kink alone.
 
     >>> _places_between_kinks(np.array([0.0, 1.0, 3.0]), 4).tolist()
@@ -580,7 +580,7 @@ def _places_between_kinks(kinks: Array, count: int) -> Array:
     """
     if len(kinks) == 1:
         return kinks
-    n_intervals = max(count // (len(kinks) - 1), 2)
+    n_intervals = max(n_places // (len(kinks) - 1), 2)
     return np.unique([np.linspace(begin, end, n_intervals + 1) for begin, end in pairwise(kinks)])
 
 

@@ -1139,12 +1139,12 @@ def straight_series(path: LoadPath, friction: float, time: Array) -> LoadSeries:
     if path.period is None or times_with_start[-1] <= path.cycle_start + time_slack:
         return _one_way_series(friction, rows_of_times)
 
-    _, whole_cycles = cycles_to_follow(path.cycle_start, path.period, 1, time)
+    _, n_whole_cycles = cycles_to_follow(path.cycle_start, path.period, 1, time)
     cycle_starts = np.asarray(
-        path.cycle_start + path.period * np.arange(whole_cycles + 1), dtype=np.float64
+        path.cycle_start + path.period * np.arange(n_whole_cycles + 1), dtype=np.float64
     )
     loading, *cycles = _parts_between_cycle_starts(rows_of_times, cycle_starts, time_slack)
-    return _follow_cycles(friction, loading, cycles, path.period, whole_cycles, repeats=False)
+    return _follow_cycles(friction, loading, cycles, path.period, n_whole_cycles, repeats=False)
 
 
 def _parts_between_cycle_starts(
@@ -1220,7 +1220,7 @@ def _follow_cycles(
     loading: PathPart,
     cycle_parts: Iterable[PathPart],
     period: float,
-    whole_cycles: int,
+    n_whole_cycles: int,
     *,
     repeats: bool = True,
 ) -> LoadSeries:
@@ -1233,7 +1233,7 @@ def _follow_cycles(
         rows of time, P and Q of the initial loading and of the cycles that are followed at most
     period
         duration of a cycle
-    whole_cycles
+    n_whole_cycles
         number of whole cycles that the answer covers; 0 for all that are followed, or for the
         first one where they do not repeat
     repeats
@@ -1265,8 +1265,8 @@ def _follow_cycles(
                 break
 
     # the solved cycle of each cycle that the answer covers
-    n_covered_cycles = whole_cycles
-    if not whole_cycles:
+    n_covered_cycles = n_whole_cycles
+    if not n_whole_cycles:
         n_covered_cycles = len(followed_cycles) if repeats else 1
     solved_cycle_of_covered_cycle = tuple(
         min(number, len(followed_cycles) - 1) for number in range(n_covered_cycles)

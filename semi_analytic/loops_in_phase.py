@@ -43,11 +43,11 @@ _BISECTIONS_OF_CROSSING = 46
 _ROUND_OFF_SHARE = 1e-12
 
 
-def _end_root_quadrature(count: int) -> tuple[Array, Array]:
+def _end_root_quadrature(n_nodes: int) -> tuple[Array, Array]:
     """Nodes sin(theta/2)^2 on [0, 1] and weights, (count,) each, by Gauss' rule in theta: exact to
     high order for integrands with square roots at both ends.
     """
-    nodes, weights = np.polynomial.legendre.leggauss(count)
+    nodes, weights = np.polynomial.legendre.leggauss(n_nodes)
     theta = np.pi * (1 + nodes) / 2
     return np.sin(theta / 2) ** 2, np.pi / 4 * weights * np.sin(theta)
 
@@ -178,15 +178,15 @@ class Stroke:
         ]
         return all(bool(np.min(slip_rates) >= least_slip_rate) for slip_rates in rates_at_edges)
 
-    def work(self, count: int = STROKE_NODE_COUNT) -> float:
+    def work(self, n_nodes: int = STROKE_NODE_COUNT) -> float:
         """Friction work of this stroke, from one turning point of the loads to the other: the
         integral of f p |ds| over both slip zones and the stroke [energy per thickness].
 
-        f is the friction, p the pressure, s the slip. `count` nodes are taken along x and along the
-        stroke; they suit square roots at both ends. A slip zone lies on each side of the stick
+        f is the friction, p the pressure, s the slip. `n_nodes` nodes are taken along x and along
+        the stroke; they suit square roots at both ends. A slip zone lies on each side of the stick
         zone, up to the edge of contact.
         """
-        nodes, weights = _end_root_quadrature(count)
+        nodes, weights = _end_root_quadrature(n_nodes)
         stroke_fraction = nodes[:, None]  # rows are instants, columns points
         stick_middle, stick_half_width = self.stick_zone(stroke_fraction)
         contact_middle, contact_half_width = self.contact_at(stroke_fraction)
@@ -227,17 +227,17 @@ class Stroke:
         change_since_begin = values_of_contact - 2 * values_of_stick_zone + values_at_begin
         return self.direction * self.friction * change_since_begin
 
-    def work_density(self, x: Array, count: int = STROKE_NODE_COUNT) -> Array:
+    def work_density(self, x: Array, n_nodes: int = STROKE_NODE_COUNT) -> Array:
         """Friction work per area of this stroke at points x (k,): the integral of f p |ds| from its
         begin, u = 0, to its end, u = 1, (k,) [energy per area]; f is the friction, p the pressure,
         s the slip.
 
         At each point the stroke is divided where an edge of the slip zone passes it. Each part with
-        slip takes `count` nodes. A slip zone lies on each side of the stick zone, up to the edge of
-        contact.
+        slip takes `n_nodes` nodes. A slip zone lies on each side of the stick zone, up to the edge
+        of contact.
         """
         point_of_part, begin_fraction, end_fraction = self._parts_with_slip(x)
-        nodes, weights = _end_root_quadrature(count)
+        nodes, weights = _end_root_quadrature(n_nodes)
         part_lengths = (end_fraction - begin_fraction)[:, None]
         # f p |ds/du|
         power = self.friction_power(

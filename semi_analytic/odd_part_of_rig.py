@@ -166,10 +166,10 @@ def _sum_of_harmonics(time: Array, normal_load: Array, tangential_load: Array) -
     )
 
 
-def _straight_steps(normal_load: Array, tangential_load: Array, steps: int) -> PolygonLoad:
-    """The cycle of P and Q at n instants, (n,) each, as at most `steps` straight steps between some
-    of these instants, evenly chosen by their number.
+def _straight_steps(normal_load: Array, tangential_load: Array, n_steps: int) -> PolygonLoad:
+    """The cycle of P and Q at n instants, (n,) each, as at most `n_steps` straight steps between
+    some of these instants, evenly chosen by their number.
     """
-    rows = np.unique(np.linspace(0, len(normal_load) - 1, steps + 1).astype(int))
+    rows = np.unique(np.linspace(0, len(normal_load) - 1, n_steps + 1).astype(int))
     points = list(zip(normal_load[rows].tolist(), tangential_load[rows].tolist(), strict=True))
     return PolygonLoad(initial_loading=(points[0],), cycle=tuple(points[1:-1]))

@@ -92,7 +92,7 @@ def graded_nodes(begin: ArrayLike, end: ArrayLike, stride: int = 1) -> tuple[Arr
 
 
 @cache
-def gauss_rule(count: int) -> tuple[Array, Array]:
+def gauss_rule(n_nodes: int) -> tuple[Array, Array]:
     """Nodes and weights of Gauss' quadrature rule on [0, 1], (count,) each, read-only: exact for
     polynomials up to degree 2 count - 1.
 
@@ -100,7 +100,7 @@ def gauss_rule(count: int) -> tuple[Array, Array]:
     >>> round(float(np.sum(weights * nodes**5)), 15)
     0.166666666666667
     """
-    nodes, weights = np.polynomial.legendre.leggauss(count)
+    nodes, weights = np.polynomial.legendre.leggauss(n_nodes)
     rule = (1 + nodes) / 2, weights / 2
     for nodes_or_weights in rule:
         nodes_or_weights.flags.writeable = False

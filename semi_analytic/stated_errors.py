@@ -300,9 +300,9 @@ def _errors_along_arcs(sums: SumsOfKernels, largest_pressure: float) -> dict[str
     }
 
 
-def _evenly_spread_numbers(count: int, most: int) -> Indices:
-    """Indices of at most `most` of `count` values, evenly spread, ascending."""
-    return np.unique(np.linspace(0, count - 1, most).astype(int))
+def _evenly_spread_numbers(n_values: int, most_numbers: int) -> Indices:
+    """Indices of at most `most_numbers` of `n_values` values, evenly spread, ascending."""
+    return np.unique(np.linspace(0, n_values - 1, most_numbers).astype(int))
 
 
 def _largest_finite(values: Array) -> float:

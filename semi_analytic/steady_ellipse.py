@@ -599,24 +599,24 @@ def _graded_piece_rule() -> PieceRule:
     return PieceRule(distance_from_end, is_in_lower_half, weights, error_check[None])
 
 
-def _legendre_piece_rule(count: int, crowded_ends: int) -> PieceRule:
-    """Gauss' rule of `count` nodes on [0, 1] for integrands with square roots at the ends: nodes as
-    signed distances from an end, and weights. Its error checks are the last three Legendre
+def _legendre_piece_rule(n_nodes: int, n_crowded_ends: int) -> PieceRule:
+    """Gauss' rule of `n_nodes` nodes on [0, 1] for integrands with square roots at the ends: nodes
+    as signed distances from an end, and weights. Its error checks are the last three Legendre
     coefficients of the integrand.
 
     A change of variable makes square roots smooth and crowds the nodes: t^2 to the lower end
-    (`crowded_ends` = 1), 3 t^2 - 2 t^3 to both (2), none (0).
+    (`n_crowded_ends` = 1), 3 t^2 - 2 t^3 to both (2), none (0).
     """
     # nodes and weights (count,) on [0, 1]
-    nodes, weights = gauss_rule(count)
+    nodes, weights = gauss_rule(n_nodes)
     # the last three Legendre polynomials at the nodes, (3, count), times 2 k + 1 for the order k
-    orders = np.arange(count - 3, count)
-    polynomials = legendre.legvander(2 * nodes - 1, count - 1)[:, orders].T
+    orders = np.arange(n_nodes - 3, n_nodes)
+    polynomials = legendre.legvander(2 * nodes - 1, n_nodes - 1)[:, orders].T
     coefficients_of_values = polynomials * (2 * orders[:, None] + 1)
-    if crowded_ends == 0:
+    if n_crowded_ends == 0:
         distance_from_end = nodes[:, None]
         starts_at_lower_end = np.array(True)
-    elif crowded_ends == 1:
+    elif n_crowded_ends == 1:
         weights = weights * 2 * nodes
         distance_from_end = nodes[:, None] ** 2
         starts_at_lower_end = np.array(True)

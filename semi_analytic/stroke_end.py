@@ -54,7 +54,7 @@ class LoadsLeft(NamedTuple):
 
 
 @lru_cache(maxsize=256)
-def loads_left_at_stroke_end(stick_ratio: float, panel_count: int) -> LoadsLeft:
+def loads_left_at_stroke_end(stick_ratio: float, n_panels: int) -> LoadsLeft:
     """Tangential load T that the smooth end of a slip stroke leaves on flat punches, over their
     half-widths c' from the edge of stick to that of contact. A stroke is half a cycle, with slip in
     one direction.
@@ -69,11 +69,11 @@ def loads_left_at_stroke_end(stick_ratio: float, panel_count: int) -> LoadsLeft:
     ----------
     stick_ratio
         c/a, stick over contact half-width, above 0 and below 1
-    panel_count
+    n_panels
         number of panels of the slip zone on each side, finer at both ends
     """
     # borders of the panels on the right, as x/a
-    angles = np.linspace(0.0, np.pi, panel_count + 1)
+    angles = np.linspace(0.0, np.pi, n_panels + 1)
     borders = stick_ratio + (1 - stick_ratio) * (1 - np.cos(angles)) / 2
     inner_border = borders[:-1]
     outer_border = borders[1:]
@@ -82,7 +82,7 @@ def loads_left_at_stroke_end(stick_ratio: float, panel_count: int) -> LoadsLeft:
     panel_end = np.concatenate([-inner_border[::-1], outer_border])
     # on all panels; the even part is the mean of both sides
     shear = _shear_left(stick_ratio, panel_begin, panel_end)
-    even_shear = (shear[panel_count:] + shear[:panel_count][::-1]) / 2
+    even_shear = (shear[n_panels:] + shear[:n_panels][::-1]) / 2
     panel_middles = (inner_border + outer_border) / 2
     # int x/sqrt(x^2 - c'^2) dx over each panel, with c' at the middles
     upper_root = np.sqrt(np.maximum(outer_border**2 - panel_middles[:, None] ** 2, 0.0))
