@@ -174,10 +174,13 @@ class Errors:
     ----------
     error, stated
         (k,), without sign; NaN of `stated` is "no estimate"
+    unjudged
+        number of further values, of which the reference is not exact enough
     """
 
     error: Array
     stated: Array
+    unjudged: int = 0
 
 
 def errors_of(answer: FiniteElementSolution) -> dict[str, Errors]:

@@ -7,7 +7,7 @@ references that share no code with it, or finer ones.
 |---|---|
 | closed forms; tables and series, by quadratures | integrals in extended precision, 18 digits |
 | callables, that are known by values alone | the same profile in closed form |
-| grids, under bulk stress or tilt out of phase | the limit, by grids of three times the cells |
+| grids, under bulk stress or tilt out of phase | the limit, by three times the cells and points |
 
 Grids whose cells are wider than the slip zones have rows of their own: they hardly slip.
 
@@ -40,7 +40,13 @@ from scenes import (
     Scene,
 )
 from semi_analytic import answer_on_grids
-from semi_analytic.grid import CELLS_ACROSS_CONTACT, INCREMENTS_PER_CYCLE, GridRequest
+from semi_analytic.bulk_and_tilt import path_loads_and_contact
+from semi_analytic.grid import (
+    CELLS_ACROSS_CONTACT,
+    INCREMENTS_PER_CYCLE,
+    GridRequest,
+    friction_ratio_on_grids,
+)
 from semi_analytic.memory import PROMISED_ERROR
 from semi_analytic.profiles import contact_of
 
@@ -62,6 +68,10 @@ _GOOD_REFERENCE = 1 / 3
 _INSTANTS = 5
 _POINTS = 9
 _POINTS_ON_GRIDS = 181
+# Shares of a contact from its edges at which a finer answer has points too, and places of the
+# integral that is the edge tension.
+_SHARES_FROM_EDGE = 10.0 ** np.arange(-5, -1.5, 0.2)
+_PLACES_OF_TENSION = 4096
 # Points nearer to an edge of contact or of stick than this share of a: "at the edge", where a last
 # digit of the edge counts for more.
 _NEAR = 0.01
@@ -73,6 +83,7 @@ _DIGITS_OF_REFERENCE = 100
 
 # E* = 1: two bodies of E = 2 without a Poisson's ratio.
 _BODY = {"young_modulus": 2.0, "poisson_ratio": 0.0}
+_COUNTS = ("scenes", "refused", "not judged", "values not judged")
 _FIELDS = ("pressure", "shear", "slip", "tangential_displacement", "dissipation")
 _WORDS = {
     "pressure": "p",
@@ -297,28 +308,29 @@ def beside_closed_form(scene: Scene) -> dict[str, Errors | None]:
 
 def beside_finer_grids(scene: Scene) -> dict[str, Errors | None]:
     """Root mean squares over the points, over the largest value, as the statements are; the edge
-    tension at instants of the last cycle. Errors are those beside the limit of fine grids, from
-    both answers.
+    tension at instants of the last cycle, from the answer's own points and from points beside the
+    edges. Errors are those beside the limit of fine grids, from both answers.
 
-    Both have the same points, so that what the edge tension errs by between them is not judged: up
-    to 2.9 times what is stated at an edge beside which slip has just begun.
+    The finer answer has three times the points, and points beside the edges.
     """
     x = np.linspace(-1.1, 1.1, _POINTS_ON_GRIDS)
     fields = (*_FIELDS, "dissipation_density")
     answer = semi_analytic.solve(scene, x=x, fields=fields)
+    rows = answer.last_cycle[:: len(answer.last_cycle) // _INSTANTS]
+    finer_x = _finer_points(x, answer.contact_edges[rows])
     finer = functools.partial(
         GridRequest,
         cells=_CELLS * CELLS_ACROSS_CONTACT,
         increments=_INCREMENTS * INCREMENTS_PER_CYCLE,
     )
-    time = answer.time[answer.last_cycle[:: len(answer.last_cycle) // _INSTANTS]]
-    tension, stated_of_tension = semi_analytic.edge_tension(answer, time)
     with mock.patch.object(answer_on_grids, "GridRequest", finer):
-        finer_answer = semi_analytic.solve(scene, x=x, time=answer.time, fields=fields)
-        tension_of_finer, _ = semi_analytic.edge_tension(finer_answer, time)
+        finer_answer = semi_analytic.solve(scene, x=finer_x, time=answer.time, fields=fields)
+    common_points = np.searchsorted(finer_x, x)
     errors: dict[str, Errors | None] = {}
     for name in ("shear", "slip", "dissipation", "dissipation_density"):
         values_of_finer = np.asarray(getattr(finer_answer, name))
+        if values_of_finer.ndim:
+            values_of_finer = values_of_finer[..., common_points]
         largest = float(np.max(np.abs(values_of_finer)))
         difference = np.asarray(getattr(answer, name)) - values_of_finer
         by_limit = _BEYOND_FINER_OF_WORK if name == "dissipation" else _BEYOND_FINER
@@ -333,12 +345,99 @@ def beside_finer_grids(scene: Scene) -> dict[str, Errors | None]:
             error = _BEYOND_FINER * abs(value - value_of_finer)
             stated = answer.uncertainties[name] if math.isfinite(error) else math.nan
             errors["permanent stick"] = _errors(error, stated)
-    error_of_tension = _BEYOND_FINER * np.abs(tension - tension_of_finer)
-    is_in_contact = stated_of_tension != 0
-    errors["edge tension"] = Errors(
-        error_of_tension[is_in_contact], stated_of_tension[is_in_contact]
-    )
+    reference = _tension_of_reference(finer_answer, rows)
+    time = answer.time[rows]
+    for words, source in (("edge tension", answer), ("edge tension, dense points", scene)):
+        tension, stated_of_tension = semi_analytic.edge_tension(source, time)
+        errors[words] = _errors_of_tension(tension, stated_of_tension, reference)
     return errors
+
+
+def _finer_points(x: Array, edges: Array) -> Array:
+    """Points (k,), and two between each of them and the next, and close to the edges (n, 2)."""
+    between = np.interp(np.arange(_CELLS * (len(x) - 1) + 1) / _CELLS, np.arange(len(x)), x)
+    between[::_CELLS] = x
+    inwards = np.array([[1.0], [-1.0]])
+    beside_edges = edges[:, :, None] + np.diff(edges)[:, :, None] * inwards * _SHARES_FROM_EDGE
+    return np.unique(np.concatenate([between, beside_edges.ravel()]))
+
+
+class Tensions(NamedTuple):
+    """Stress along both faces at the edges of contact by finer grids, (n, 2, 2) as `edge_tension`
+    has it: by all points, by half of them, and by grids of half as many cells.
+    """
+
+    values: Array
+    by_half_of_points: Array
+    by_half_of_cells: Array
+
+
+def _tension_of_reference(finer_answer: ContactSolution, rows: NDArray[np.intp]) -> Tensions:
+    """Edge tension of a finer answer at the instants of some rows, by an integral of its own."""
+    scene = finer_answer.scene
+    friction = scene.friction.coefficient
+    path_loads, profile = path_loads_and_contact(scene)
+    request = GridRequest(
+        most_cycles=finer_answer.work.counts["cycles_solved"],
+        cells=_CELLS * CELLS_ACROSS_CONTACT // 2,
+        increments=_INCREMENTS * INCREMENTS_PER_CYCLE // 2,
+    )
+    x = finer_answer.x
+    ratio_of_coarser = friction_ratio_on_grids(
+        path_loads, profile, scene.profile.height, friction, x, finer_answer.time[rows], request
+    ).friction_ratio
+    bulk = [
+        np.zeros(len(rows)) if stress is None else stress[rows]
+        for stress in (finer_answer.bulk_stress_lower, finer_answer.bulk_stress_upper)
+    ]
+    tensions = np.zeros((3, len(rows), 2))
+    for number, row in enumerate(rows.tolist()):
+        edges = finer_answer.contact_edges[row]
+        is_inside = (x > edges[0]) & (x < edges[1])
+        ratio = finer_answer.shear[row, is_inside] / (
+            friction * finer_answer.pressure[row, is_inside]
+        )
+        points = x[is_inside]
+        tensions[:, number] = [
+            friction * _tension_over_friction(points, ratio, edges),
+            friction * _tension_over_friction(points[::2], ratio[::2], edges),
+            friction * _tension_over_friction(points, ratio_of_coarser[number, is_inside], edges),
+        ]
+    # The upper body has the opposite shear.
+    of_bodies = np.stack([tensions, -tensions], axis=2) + np.stack(bulk, axis=1)[..., None]
+    return Tensions(*of_bodies)
+
+
+def _tension_over_friction(x: Array, friction_ratio: Array, edges: Array) -> Array:
+    """+-(2/pi) int q/|x - edge| dx at both edges of a parabola, over f. q/(f p) is given at points
+    x and straight in between; p = sqrt(h^2 - (x - m)^2)/2 with E* = R = 1.
+    """
+    phi = np.pi * (np.arange(_PLACES_OF_TENSION) + 0.5) / _PLACES_OF_TENSION
+    half_width = float(np.diff(edges)[0]) / 2
+    places = float(np.mean(edges)) - half_width * np.cos(phi)
+    shear = half_width * np.sin(phi) / 2 * np.interp(places, x, friction_ratio)
+    return np.mean(2 * shear * np.stack([1 / np.tan(phi / 2), -np.tan(phi / 2)]), axis=1)
+
+
+def _errors_of_tension(tension: Array, stated: Array, reference: Tensions) -> Errors:
+    """True and stated errors of values in contact, (n, 2, 2).
+
+    The limit of fine grids follows from the answer and the reference, and once more from the
+    reference and grids of half its cells. By how much these two limits differ, and by what half of
+    its points change it, the reference is wrong. Values for which that is more than a third of the
+    true error and of the stated one are not judged.
+    """
+    limit = tension + _BEYOND_FINER * (reference.values - tension)
+    other_limit = reference.values + (reference.values - reference.by_half_of_cells)
+    error = np.abs(tension - limit)
+    error_of_reference = np.abs(limit - other_limit)
+    error_of_reference += np.abs(reference.by_half_of_points - reference.values)
+    is_good = error_of_reference <= _GOOD_REFERENCE * np.maximum(
+        error, np.nan_to_num(stated, nan=np.inf)
+    )
+    is_in_contact = stated != 0
+    is_judged = is_in_contact & is_good
+    return Errors(error[is_judged], stated[is_judged], int(np.sum(is_in_contact & ~is_good)))
 
 
 WAYS = (
@@ -370,7 +469,8 @@ class TheoryTable:
     seed
         of the scenes
     counts
-        scenes of each way, those refused, and quantities that no reference could judge
+        scenes of each way, those refused, and quantities, or single values of them, that no
+        reference could judge
     """
 
     def __init__(self, seed: int) -> None:
@@ -380,22 +480,23 @@ class TheoryTable:
 
     def add(self, way: str, scene: str, errors: Mapping[str, Errors | None]) -> str:
         """Count a scene; returns its line."""
-        of_way = self.counts.setdefault(way, {"scenes": 0, "refused": 0, "not judged": 0})
+        of_way = self.counts.setdefault(way, dict.fromkeys(_COUNTS, 0))
         of_way["scenes"] += 1
         missed = []
         for quantity, of_quantity in errors.items():
             if of_quantity is None:
                 of_way["not judged"] += 1
                 continue
+            of_way["values not judged"] += of_quantity.unjudged
             self.coverage.setdefault((way, quantity), Coverage()).add(scene, of_quantity)
-            ratio = float(np.max(of_quantity.error / of_quantity.stated))
+            ratio = float(np.max(of_quantity.error / of_quantity.stated, initial=0.0))
             if ratio > 1:
                 missed.append(f"{quantity} {ratio:.2g}")
         return f"{way}, {scene}: {'; '.join(missed) or 'all covered'}"
 
     def refuse(self, way: str) -> None:
         """Count a scene that was refused."""
-        self.counts.setdefault(way, {"scenes": 0, "refused": 0, "not judged": 0})["refused"] += 1
+        self.counts.setdefault(way, dict.fromkeys(_COUNTS, 0))["refused"] += 1
 
     def lines(self) -> Iterable[str]:
         """The table."""

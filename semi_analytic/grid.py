@@ -1670,28 +1670,36 @@ def _last_cycle_repeats(works_of_cycles: Sequence[Array]) -> bool:
 
 def _permanent_edges(grid: Grid, fields: GridFields, slip_before: Array) -> Array:
     """Outer edges (2,) of the cells that stick all through a cycle, the permanent stick zone, mean
-    over the grids [length]; NaN if some grid has no such cell.
+    over the grids [length]; NaN if no grid has such a cell.
 
-    A cell sticks if the sum of its |slip increments| over the cycle is at most 0.1 % of the largest
-    such sum. `fields` has slip and state of the k cells of g grids, (n, g, k), at the n increments
-    of the cycle.
-    `slip_before` (g, k) is the slip at the begin of the cycle.
+    A cell sticks if it stays in contact, and the sum of its |slip increments| over the cycle is at
+    most 0.1 % of the longest such sum of all grids. Of one grid by itself that may be round-off:
+    its cells may all stick or open. If it is round-off of all grids, the sums of cells that open,
+    while they are in contact, take its place, times 0.1 %. A grid without a cell that sticks counts
+    as a zone of width 0 in the middle of that of the others.
+
+    `fields` has slip and state of the k cells of g grids, (n, g, k), at the n increments of the
+    cycle. `slip_before` (g, k) is the slip at the begin of the cycle.
     """
     slips_in_increments = np.abs(np.diff(fields.slip, axis=0, prepend=slip_before[None]))
-    # What opens does not stick: it counts as slip without end.
-    slip_path_of_cell = np.sum(np.where(fields.state == OPEN, np.inf, slips_in_increments), axis=0)
-    is_finite = np.isfinite(slip_path_of_cell)
-    longest_slip_path = np.max(slip_path_of_cell, axis=1, where=is_finite, initial=0.0)
-    is_stuck = slip_path_of_cell <= _STUCK_SLIP_PATH_SHARE * longest_slip_path[:, None]
-    edges_of_grids = np.full((len(grid.x), 2), np.nan)
-    for grid_number, middles_of_cells in enumerate(grid.x):
-        middles_of_stuck_cells = middles_of_cells[is_stuck[grid_number]]
-        if len(middles_of_stuck_cells):
-            edges_of_grids[grid_number] = (
-                np.min(middles_of_stuck_cells) - grid.cell_width / 2,
-                np.max(middles_of_stuck_cells) + grid.cell_width / 2,
-            )
-    return np.asarray(np.mean(edges_of_grids, axis=0))
+    is_open = fields.state == OPEN
+    stays_in_contact = ~np.any(is_open, axis=0)
+    # (g, k)
+    slip_path_in_contact = np.sum(np.where(is_open, 0.0, slips_in_increments), axis=0)
+    longest_slip_path = max(
+        float(np.max(slip_path_in_contact, where=stays_in_contact, initial=0.0)),
+        _STUCK_SLIP_PATH_SHARE * float(np.max(slip_path_in_contact)),
+    )
+    has_short_path = slip_path_in_contact <= _STUCK_SLIP_PATH_SHARE * longest_slip_path
+    is_stuck = stays_in_contact & has_short_path
+    has_stuck_cells = np.any(is_stuck, axis=1)
+    if not has_stuck_cells.any():
+        return np.full(2, np.nan)
+    first_edges = np.min(grid.x, axis=1, where=is_stuck, initial=np.inf) - grid.cell_width / 2
+    last_edges = np.max(grid.x, axis=1, where=is_stuck, initial=-np.inf) + grid.cell_width / 2
+    edges_of_zones = np.stack([first_edges, last_edges], axis=1)
+    middle = np.mean(edges_of_zones[has_stuck_cells])
+    return np.asarray(np.mean(np.where(has_stuck_cells[:, None], edges_of_zones, middle), axis=0))
 
 
 def contact_edges_along(loads: PathLoads, contact: TiltedProfile) -> Array:
@@ -1962,7 +1970,7 @@ def _record_of_path(
         steady_tolerance=STEADY_WORK_SHARE,
         density=work.density,
         permanent_stick_edges=fine_answers.permanent_stick_edges,
-        permanent_stick_uncertainty=_change_of_permanent_stick(runs),
+        permanent_stick_uncertainty=_uncertainty_of_permanent_stick(runs),
         counts=_counts_of(runs, n_cells),
         errors=work.errors | fields.errors,
     )
@@ -2464,15 +2472,24 @@ def _errors_of_fields(runs: _Runs, friction_limit: Array) -> dict[str, float]:
     }
 
 
-def _change_of_permanent_stick(runs: _Runs) -> float:
+def _uncertainty_of_permanent_stick(runs: _Runs) -> float:
     """Uncertainty of an edge of the permanent stick zone [length]: twice the larger change of its
-    two edges from coarse grids to fine ones; NaN where coarse or fine grids have no such zone.
+    two edges from coarse grids to fine ones, and the share of a cell by which grids are moved. NaN
+    where fine grids have no such zone.
 
-    An edge errs by a fraction of a cell, so that half as many cells double its error.
+    An edge errs by a fraction of a cell, so that half as many cells double its error. The mean over
+    the grids does not see less than that share. Where coarse grids have no zone, it is the width of
+    that of the fine ones.
     """
     fine_edges = runs.fine_answers.permanent_stick_edges
     coarse_edges = runs.coarse_answers.permanent_stick_edges
-    return _SAFETY_OF_CHANGE * float(np.max(np.abs(fine_edges - coarse_edges)))
+    width = float(fine_edges[1] - fine_edges[0])
+    # _GRID_SHIFTS: 16 shifts of a grid within a cell.
+    moved_length = runs.fine_grids.cell_width / len(_GRID_SHIFTS)
+    if np.isnan(coarse_edges).any():
+        return width + moved_length
+    change = float(np.max(np.abs(fine_edges - coarse_edges)))
+    return _SAFETY_OF_CHANGE * change + moved_length
 
 
 def _counts_of(runs: _Runs, n_cells: int) -> dict[str, int]:

@@ -1362,6 +1362,60 @@ def test_permanent_stick_on_grids_is_uncertain_by_what_finer_grids_change():
     assert dict(solve("nowell-hills").uncertainties) == {}
 
 
+def test_a_contact_that_only_opens_and_closes_at_its_edges_sticks_in_between():
+    """Tilt to and fro moves a contact of half-width 1 by 0.0728 of it. Cells that never open stick
+    on some grids, and their longest slip path was round-off: part of the zone, or all, was lost.
+    """
+    scene = Scene.model_validate(
+        {
+            "material": {"young_modulus": 2.0, "poisson_ratio": 0.0},
+            "profile": {"kind": "hertz", "radius": 1.0},
+            "friction": 0.0591,
+            "load": {
+                "kind": "ellipse",
+                "mean_normal_load": math.pi / 4,
+                "tangential_amplitude": 0.003,
+                "phase_degrees": 20.0,
+                "initial_loading": "straight",
+                "tilt": {"mean": 0.0, "amplitude": 0.0728, "phase_degrees": 46.7},
+            },
+        }
+    )
+    answer = solve(scene, x=[0.0])
+    uncertainty = answer.uncertainties["permanent_stick_half_width"]
+    # 0.9262 by grids of three times the cells; 1 - 0.0728 never opens
+    assert abs(answer.permanent_stick_half_width - 0.9262) < uncertainty < 0.012
+
+
+def test_a_permanent_stick_zone_that_coarse_grids_lack_is_uncertain_by_its_width():
+    """It had no uncertainty. Edges err by the share of a cell by which grids are moved at least."""
+
+    def uncertainty(fine_edges, coarse_edges):
+        runs = SimpleNamespace(
+            fine_answers=SimpleNamespace(permanent_stick_edges=np.array(fine_edges)),
+            coarse_answers=SimpleNamespace(permanent_stick_edges=np.array(coarse_edges)),
+            fine_grids=SimpleNamespace(cell_width=0.016),
+        )
+        return dense_grid._uncertainty_of_permanent_stick(runs)
+
+    nowhere = (math.nan, math.nan)
+    assert uncertainty((-0.1, 0.2), nowhere) == pytest.approx(0.3 + 0.001)
+    assert uncertainty((-0.1, 0.2), (-0.1, 0.2)) == pytest.approx(0.001)
+    assert uncertainty((-0.1, 0.2), (-0.13, 0.21)) == pytest.approx(0.06 + 0.001)
+    assert math.isnan(uncertainty(nowhere, (-0.1, 0.2)))
+
+
+def test_a_grid_without_a_permanent_stick_zone_counts_as_one_of_no_width():
+    """Two grids of cells of 0.1: one cell of the first sticks, none of the second."""
+    cells = SimpleNamespace(x=np.array([[0.0, 0.1, 0.2], [0.05, 0.15, 0.25]]), cell_width=0.1)
+    slip = np.array([[[1.0, 0.0, 1.0], [1.0, 0.5, 1.0]]])
+    fields = SimpleNamespace(slip=slip, state=np.full(slip.shape, STICK))
+    edges = dense_grid._permanent_edges(cells, fields, np.zeros((2, 3)))
+    np.testing.assert_allclose(edges, [(0.05 + 0.1) / 2, (0.15 + 0.1) / 2])
+    slip[:, :, 1] = 0.5
+    assert np.isnan(dense_grid._permanent_edges(cells, fields, np.zeros((2, 3)))).all()
+
+
 def test_an_instant_beyond_the_end_of_the_path_by_round_off_is_its_end():
     """The last of the default instants may be that: it had P = 0, and its points were open."""
     scene = load_scene("dovetail-out-of-phase")

@@ -7,6 +7,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from random_theory import Tensions, _errors_of_tension, _tension_over_friction
 
 import semi_analytic
 from scenes import InputError, Scene, load_scene
@@ -410,3 +411,25 @@ def test_a_time_outside_the_path_is_refused_on_grids_too():
     ):
         with pytest.raises(InputError, match="time: outside the load path, which runs from"):
             ask()
+
+
+def test_random_theory_judges_an_edge_tension_only_by_a_reference_that_is_more_exact():
+    """The limit of fine grids follows from answer and reference, and from the reference and coarser
+    ones; values of which these differ by much are left out. Sliding has the tension 2 f p0.
+    """
+    edges = np.array([-0.3, 0.5])
+    sliding = _tension_over_friction(np.array([-0.2, 0.4]), np.ones(2), edges)
+    np.testing.assert_allclose(sliding, [2 * 0.2, -2 * 0.2], rtol=1e-12)
+
+    def errors(answer, by_half_of_cells, by_half_of_points=0.01):
+        values = np.zeros((1, 2, 2))
+        reference = Tensions(values, values + by_half_of_points, values + by_half_of_cells)
+        return _errors_of_tension(values + answer, np.full(values.shape, 0.05), reference)
+
+    # errors of the first order: 0.3 of the answer, 0.15 and 0.1 of the reference's two grids
+    in_order = errors(0.2, 0.1)
+    np.testing.assert_allclose(in_order.error, 0.3)
+    assert in_order.unjudged == 0
+    # the reference is no more exact than the answer, between its cells or between its points
+    for poor in (errors(0.2, 0.4), errors(0.2, 0.1, by_half_of_points=0.2)):
+        assert (len(poor.error), poor.unjudged) == (0, 4)
