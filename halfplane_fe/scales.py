@@ -330,7 +330,9 @@ def _scales_at(scene: Scene, load_unit: float, work_counts: Counter[str]) -> Sca
     steps = _COARSE_STEPS_OF_RECORD if is_plain_record(scene) else _COARSE_STEPS
     for enlargements_left in reversed(range(_MOST_ENLARGEMENTS + 1)):
         try:
-            problem, run = _coarse_run(pair, face_half_width, steps)
+            # The last revolutions of both runs are compared: with one alone, both are the first.
+            cycles = min(COARSE_CYCLES, scene.cycles)
+            problem, run = _coarse_run(pair, face_half_width, steps, cycles)
         except BesideTheFaces:  # the line of action of the loads misses the meshed faces
             if not enlargements_left or face_half_width == pair.largest_face_half_width:
                 raise

@@ -131,6 +131,15 @@ def test_an_error_of_known_order_is_found_from_two_meshes(order: float, refineme
     assert difference * Place(refinement, order).share_left() == pytest.approx(error, rel=1e-12)
 
 
+def test_one_cycle_is_compared_with_the_first_cycle_of_the_coarse_run() -> None:
+    """W of the first cycle is 2.5 times that of the second here."""
+    scene = load_scene("hertz-paper").vary(cycles=1, expected=[])
+    work = semi_analytic.solve(scene, x=[0.0], fields="dissipation").dissipation
+    answer = halfplane_fe.solve(scene, COARSE)
+    assert answer.dissipation_uncertainty is not None
+    assert abs(answer.dissipation - work) < answer.dissipation_uncertainty < 5e-3 * work
+
+
 def test_meshes_that_are_alike_are_no_proof() -> None:
     assert math.isnan(Rule(order=1.5, factor=2.0).uncertainty(7.0, 0.1, 1.3))
 
