@@ -254,33 +254,10 @@ def actuator_rows(
     """
     # Times between which each actuator moves one way.
     turning_times = np.array(_turning_times_of_actuators(path, cycles))
-    n_turning_times = len(turning_times)
     n_cycles = max(cycles, 1) if path.period is not None else 1
-
-    # Equal steps between two turning times.
-    steps_between_turning_times = max(math.ceil(steps_per_cycle * n_cycles / n_turning_times), 1)
-    steps_between_turning_times *= refinement
-    # _MOST_ROWS: 100,000.
-    if steps_between_turning_times * n_turning_times > _MOST_ROWS:
-        raise InputError(
-            "load: the path of the actuators takes"
-            f" {steps_between_turning_times * n_turning_times:,} steps and"
-            f" {_MOST_ROWS:,} are followed at most: take a part of it, or fewer cycles"
-        )
-
-    # Shape of the times of the steps: (turning times - 1, steps between two of them).
-    fractions = np.arange(steps_between_turning_times) / steps_between_turning_times
-    step_times = turning_times[:-1, None] + np.diff(turning_times)[:, None] * fractions
-    if one_step_at_constant_load:
-        middle_times = (turning_times[1:] + turning_times[:-1]) / 2
-        sample_times = np.array([turning_times[:-1], turning_times[1:], middle_times])
-        loads_at_samples = path.at(sample_times)[0]
-        largest_load = np.max(np.abs(loads_at_samples))
-        # _SAME_INSTANT_SHARE: 1e-12.
-        is_constant = np.ptp(loads_at_samples, axis=0) <= _SAME_INSTANT_SHARE * largest_load
-        # Equal times become one below.
-        step_times[is_constant] = step_times[is_constant, :1]
-    time = np.append(step_times.ravel(), turning_times[-1])
+    n_steps = refinement * _steps_between(len(turning_times), steps_per_cycle * n_cycles)
+    _require_few_steps(n_steps * len(turning_times))
+    time = _times_of_steps(path, turning_times, n_steps, one_step_at_constant_load)
     if extra_times is not None:
         is_in_path = (extra_times > turning_times[0]) & (extra_times < turning_times[-1])
         time = np.append(time, extra_times[is_in_path])
@@ -297,6 +274,46 @@ def actuator_rows(
         cycle_end_times = [path.cycle_start + cycle * path.period for cycle in range(cycles + 1)]
     end_rows = tuple(int(np.argmin(np.abs(time - cycle_end))) for cycle_end in cycle_end_times)
     return ActuatorRows(time, np.maximum(load_or_approach, 0.0), displacement, end_rows)
+
+
+def _steps_between(n_turning_times: int, n_steps_of_path: int) -> int:
+    """Number of equal steps between two turning times of a path, at least one, so that the path has
+    about `n_steps_of_path` in all.
+    """
+    return max(math.ceil(n_steps_of_path / n_turning_times), 1)
+
+
+def _require_few_steps(n_steps: int) -> None:
+    """InputError where a path of actuators takes more than 100,000 steps."""
+    if n_steps > _MOST_ROWS:
+        raise InputError(
+            "load: the path of the actuators takes"
+            f" {n_steps:,} steps and"
+            f" {_MOST_ROWS:,} are followed at most: take a part of it, or fewer cycles"
+        )
+
+
+def _times_of_steps(
+    path: LoadPath, turning_times: Array, n_steps: int, one_step_at_constant_load: bool
+) -> Array:
+    """Begins of `n_steps` equal steps between each two of the ascending turning times of a path of
+    actuators, then the last of these times, (n,); some may be equal.
+
+    With `one_step_at_constant_load` there is one step, which is exact, between two turning times if
+    the normal actuator rests there: its begin is then repeated.
+    """
+    # (turning times - 1, steps between two of them)
+    fractions = np.arange(n_steps) / n_steps
+    step_times = turning_times[:-1, None] + np.diff(turning_times)[:, None] * fractions
+    if one_step_at_constant_load:
+        middle_times = (turning_times[1:] + turning_times[:-1]) / 2
+        sample_times = np.array([turning_times[:-1], turning_times[1:], middle_times])
+        loads_at_samples = path.at(sample_times)[0]
+        largest_load = np.max(np.abs(loads_at_samples))
+        # _SAME_INSTANT_SHARE: 1e-12.
+        is_constant = np.ptp(loads_at_samples, axis=0) <= _SAME_INSTANT_SHARE * largest_load
+        step_times[is_constant] = step_times[is_constant, :1]
+    return np.append(step_times.ravel(), turning_times[-1])
 
 
 def _turning_times_of_actuators(path: LoadPath, cycles: int) -> list[float]:
@@ -637,22 +654,13 @@ def follow_actuator(
     # Memory of friction of the contact, and the solver of Q in each step.
     memory = FrictionMemory(table, friction, largest_load, Pieces())
     step_solver = _StepSolver(memory, compliance)
-    state = UNLOADED_STATE
-
     # The first instant is unloaded: P = Q = 0.
-    instant_before = _Instant(float(rows.time[0]), 0.0, 0.0, float(rows.displacement[0]))
-    # Part of U_act by gross sliding and separation so far: it causes no Q.
-    free_displacement = instant_before.actuator_displacement
-    times = [instant_before.time]
-
-    # Of each instant: loads and edge of contact; memory of friction with its slip zones; slide.
-    memory_rows = [step_solver.row_under_loads(0.0, 0.0)]
-    steps = [memory.step(state, memory_rows[0])]
-    slide_distances = [0.0]
-    free_displacements = [free_displacement]
-    actuator_displacements = [instant_before.actuator_displacement]
-
-    # Where each instant of `rows` is in these lists: begins of slides are in them too.
+    first_row = step_solver.row_under_loads(0.0, 0.0)
+    growing_path = _GrowingPath(
+        _Instant(float(rows.time[0]), 0.0, 0.0, float(rows.displacement[0])),
+        _SolvedStep(first_row, memory.step(UNLOADED_STATE, first_row)),
+    )
+    # where each instant of `rows` is in the path: begins of slides are in it too
     index_of_row = [0] * len(rows.time)
     for row_number in range(1, len(rows.time)):
         instant_after = _Instant(
@@ -662,30 +670,78 @@ def follow_actuator(
             actuator_displacement=float(rows.displacement[row_number]),
         )
         # A step is split where gross sliding begins within it.
-        for part_end in step_solver.ends_of_parts(instant_before, instant_after, free_displacement):
+        for part_end in step_solver.ends_of_parts(
+            growing_path.last_instant, instant_after, growing_path.free_displacement
+        ):
             solved_step = step_solver.solved_step(
-                state, part_end, instant_before.tangential_load, free_displacement
+                growing_path.last_state,
+                part_end,
+                growing_path.last_instant.tangential_load,
+                growing_path.free_displacement,
             )
-            slide_of_step = solved_step.slide_distance
-            free_displacement += slide_of_step + solved_step.distance_apart
-            times.append(part_end.time)
-            memory_rows.append(solved_step.row)
-            steps.append(solved_step.step)
-            slide_distances.append(slide_of_step)
-            free_displacements.append(free_displacement)
-            actuator_displacements.append(part_end.actuator_displacement)
-            state = solved_step.step.state
-            instant_before = part_end._replace(tangential_load=solved_step.row.tangential_load)
-        index_of_row[row_number] = len(times) - 1
-    return DrivenPath(
-        time=np.array(times),
-        followed_path=path_of_steps(memory, np.array(memory_rows).T, steps),
-        compliance=compliance,
-        slide_distance=np.array(slide_distances),
-        rigid_displacement=np.array(free_displacements),
-        actuator_displacement=np.array(actuator_displacements),
-        end_rows=tuple(index_of_row[row] for row in rows.end_rows),
+            growing_path.add(part_end, solved_step)
+        index_of_row[row_number] = len(growing_path.steps) - 1
+    return growing_path.driven_path(
+        memory, compliance, tuple(index_of_row[row] for row in rows.end_rows)
     )
+
+
+class _GrowingPath:
+    """The path of a rig so far: its instants, and the solved step that ends at each.
+
+    Attributes
+    ----------
+    last_instant
+        the instant that was added last, with its Q
+    free_displacement
+        part of U_act by gross sliding and separation so far, which causes no Q [length]; U_act is
+        the displacement of the actuator
+    steps
+        the solved steps
+    """
+
+    def __init__(self, first_instant: _Instant, first_step: _SolvedStep) -> None:
+        """A path of one unloaded instant; U_act counts from there."""
+        self.last_instant = first_instant
+        self.free_displacement = first_instant.actuator_displacement
+        self.steps = [first_step]
+        self._instants = [first_instant]
+        self._free_displacements = [self.free_displacement]
+
+    @property
+    def last_state(self) -> MemoryState:
+        """State of the friction memory at the last instant."""
+        return self.steps[-1].step.state
+
+    def add(self, instant: _Instant, solved_step: _SolvedStep) -> None:
+        """Add an instant, whose Q is that of the solved step that ends there."""
+        self.free_displacement += solved_step.slide_distance + solved_step.distance_apart
+        self.last_instant = instant._replace(tangential_load=solved_step.row.tangential_load)
+        self.steps.append(solved_step)
+        self._instants.append(self.last_instant)
+        self._free_displacements.append(self.free_displacement)
+
+    def driven_path(
+        self, memory: FrictionMemory, compliance: Compliance, end_rows: tuple[int, ...]
+    ) -> DrivenPath:
+        """The path as arrays over its instants.
+
+        `memory` is the friction memory of the contact with all its pieces of memory curve.
+        `end_rows` are the numbers of the instants at which the initial loading and each cycle end.
+        """
+        memory_rows = np.array([solved_step.row for solved_step in self.steps]).T
+        memory_steps = [solved_step.step for solved_step in self.steps]
+        return DrivenPath(
+            time=np.array([instant.time for instant in self._instants]),
+            followed_path=path_of_steps(memory, memory_rows, memory_steps),
+            compliance=compliance,
+            slide_distance=np.array([solved_step.slide_distance for solved_step in self.steps]),
+            rigid_displacement=np.array(self._free_displacements),
+            actuator_displacement=np.array(
+                [instant.actuator_displacement for instant in self._instants]
+            ),
+            end_rows=end_rows,
+        )
 
 
 class _Instant(NamedTuple):
@@ -718,6 +774,16 @@ class _SolvedStep(NamedTuple):
     step: MemoryStep
     slide_distance: float = 0.0
     distance_apart: float = 0.0
+
+
+class _Trial(NamedTuple):
+    """A step that was tried with some Q: Q, the memory of friction after it, and the displacement
+    U + Q/k_s of the actuator there [length]; k_s is the spring of the rig.
+    """
+
+    tangential_load: float
+    step: MemoryStep
+    displacement: float
 
 
 class _StepSolver:
@@ -874,11 +940,9 @@ class _StepSolver:
         # Each trial adds pieces of memory curve, which are discarded after it.
         n_pieces = len(memory.pieces)
         tangential_load = min(max(tangential_load_before, -friction_limit), friction_limit)
-        memory_step, displacement = self._step_and_displacement(
-            state, end.normal_load, tangential_load
-        )
+        trial = self._trial(state, end.normal_load, tangential_load)
         self._discard_pieces(n_pieces)
-        direction = 1 if displacement <= target_displacement else -1
+        direction = 1 if trial.displacement <= target_displacement else -1
 
         # Sliding as a whole, if U_act goes beyond U + Q/k_s at Q = +-f P.
         row_at_limit = self.row_under_loads(end.normal_load, direction * friction_limit)
@@ -890,57 +954,61 @@ class _StepSolver:
         if direction * slide_distance >= -_ROUND_OFF_DISPLACEMENT_SHARE * abs(target_displacement):
             return _SolvedStep(row_at_limit, sliding_step, slide_distance=slide_distance)
         self._discard_pieces(n_pieces)
-
-        # Newton's method: missing displacement over d(U + Q/k_s)/dQ, within the bracket.
-        least_tangential_load, largest_tangential_load = sorted(
-            (tangential_load, direction * friction_limit)
+        return self._step_by_newton(
+            state, end, trial, target_displacement, direction * friction_limit
         )
+
+    def _step_by_newton(
+        self,
+        state: MemoryState,
+        end: _Instant,
+        first_trial: _Trial,
+        target_displacement: float,
+        limit_force: float,
+    ) -> _SolvedStep:
+        """The step to the instant `end` with the Q at which the actuator has moved by
+        `target_displacement` [length], U + Q/k_s, by Newton's method within a bracket.
+
+        Q lies between that of the first trial and `limit_force`, +-f P. A step of Newton's method
+        that leaves the bracket is replaced by its middle. `state` is the friction memory at the
+        begin of the step. NotFoundError if no Q is found.
+        """
+        memory = self._memory
+        n_pieces = len(memory.pieces)
+        trial = first_trial
+        lower_force, upper_force = sorted((trial.tangential_load, limit_force))
         # _FORCE_TOLERANCE_SHARE: 1e-13 of f times the largest P of the path.
         tolerance = _FORCE_TOLERANCE_SHARE * memory.friction * memory.largest_load
         for _ in range(_MOST_ITERATIONS):
-            change_of_tangential_load = (target_displacement - displacement) / self._compliance_at(
-                memory_step, end.normal_load
+            missing_displacement = target_displacement - trial.displacement
+            new_force = trial.tangential_load + missing_displacement / self._compliance_at(
+                trial.step, end.normal_load
             )
-            is_in_bracket = (
-                least_tangential_load
-                <= tangential_load + change_of_tangential_load
-                <= largest_tangential_load
-            )
-            new_tangential_load = (
-                tangential_load + change_of_tangential_load
-                if is_in_bracket
-                else (least_tangential_load + largest_tangential_load) / 2
-            )
-            change_of_tangential_load = new_tangential_load - tangential_load
-            tangential_load = new_tangential_load
-            memory_step, displacement = self._step_and_displacement(
-                state, end.normal_load, tangential_load
-            )
-            if abs(change_of_tangential_load) <= tolerance or displacement == target_displacement:
-                return _SolvedStep(
-                    self.row_under_loads(end.normal_load, tangential_load), memory_step
-                )
+            if not lower_force <= new_force <= upper_force:
+                new_force = (lower_force + upper_force) / 2
+            change_of_force = new_force - trial.tangential_load
+            trial = self._trial(state, end.normal_load, new_force)
+            if abs(change_of_force) <= tolerance or trial.displacement == target_displacement:
+                return _SolvedStep(self.row_under_loads(end.normal_load, new_force), trial.step)
             self._discard_pieces(n_pieces)
-            if displacement < target_displacement:
-                least_tangential_load = tangential_load
+            if trial.displacement < target_displacement:
+                lower_force = new_force
             else:
-                largest_tangential_load = tangential_load
+                upper_force = new_force
         raise NotFoundError(
             f"at time {end.time:.6g} no Q was found that moves the actuator by"
             f" {end.actuator_displacement:.6g}"
         )
 
-    def _step_and_displacement(
-        self, state: MemoryState, normal_load: float, tangential_load: float
-    ) -> tuple[MemoryStep, float]:
-        """Memory of friction after a step from `state` to the loads P and Q, and the displacement
-        U + Q/k_s of the actuator there [length]; k_s is the spring of the rig.
+    def _trial(self, state: MemoryState, normal_load: float, tangential_load: float) -> _Trial:
+        """Trial of a step from `state` to the loads P and Q: memory of friction after it, and the
+        displacement of the actuator there.
 
         The pieces of the new memory curve are stored.
         """
         row = self.row_under_loads(normal_load, tangential_load)
         step = self._memory.step(state, row)
-        return step, self._displacement(row, step)
+        return _Trial(tangential_load, step, self._displacement(row, step))
 
     def _displacement(self, row: Row, step: MemoryStep) -> float:
         """Displacement U + Q/k_s of the actuator at the end of a step under the loads P, Q of `row`
