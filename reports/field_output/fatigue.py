@@ -11,8 +11,9 @@ as it is, whatever its phase.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from halfplane_fe import FiniteElementSolution
+    from halfplane_fe.body_fields import LargestTension
+    from scenes import ContactSolution
 
 
 # Number of critical planes over half a turn. Number of steps to the centre of the least sphere
@@ -66,6 +69,22 @@ class Criteria:
                 raise InputError(f"{option} {value:g}: a number above 0 is needed")
 
 
+class _Places(NamedTuple):
+    """Places beside the contact at which both engines are evaluated.
+
+    They lie at the same x/a and depth in the contact of each engine, a its half-width. The last two
+    arrays have half-plane theory first, then finite elements, as `ENGINES`.
+    """
+
+    x_over_half_width: Array  # (n_points,) from the middle of the contact, −1.25 to 1.25
+    depth: Array  # (n_points,) below the face [length], 0 or more
+    # (n_depths,) weights of the average over depth, None where each point is taken by itself; the
+    # points lie depth after depth
+    weights: Array | None
+    centres: Array  # (2,) x of the middle of the contact [length]
+    half_widths: Array  # (2,) of the contact [length]
+
+
 def survey(solution: FiniteElementSolution, criteria: Criteria) -> pd.DataFrame:
     """A table of fatigue measures of the last cycle at places beside the contact in both bodies, by
     half-plane theory and by finite elements; one row for each place.
@@ -87,66 +106,121 @@ def survey(solution: FiniteElementSolution, criteria: Criteria) -> pd.DataFrame:
     """
     import pandas as pd
 
-    import halfplane_fe
     import semi_analytic
-    from halfplane_fe.body_fields import why_tension_is_unknown
 
-    # the largest tension s_xx of the cycle beside an edge of contact: its time, and both edges then
-    edge_tension = halfplane_fe.largest_edge_tension(solution)
-    if edge_tension is None:
-        reason = why_tension_is_unknown(solution) or "nothing touches in the last cycle"
-        raise InputError(f"--fatigue: no stress is known beside the contact: {reason}")
-
-    # half-plane theory at instants of the cycle, and the contact of both engines at that time
+    # half-plane theory at instants of the cycle, and the contact of both engines at the largest
+    # tension s_xx beside an edge of contact
+    edge_tension = _largest_edge_tension(solution)
     times = np.unique([*_times_of_cycle(solution), edge_tension.time])
     theory = semi_analytic.solve(
         solution.scene, x=solution.x, time=times, fields=("pressure", "shear")
     )
     theory_edges = theory.contact_edges[np.searchsorted(times, edge_tension.time)]
-    edges_of_engines = np.array([theory_edges, edge_tension.edges])  # a row for each engine
-    centres = edges_of_engines.mean(axis=1)
-    half_widths = (edges_of_engines[:, 1] - edges_of_engines[:, 0]) / 2
+    places = _places_beside_contact(criteria, np.array([theory_edges, edge_tension.edges]))
 
-    # places, the same in each contact; with a critical distance stress is averaged over depth, by
-    # these weights
+    # a table for each body
+    tables = []
+    bodies: tuple[Literal["lower", "upper"], ...] = ("lower", "upper")
+    for body in bodies:
+        material = getattr(solution.scene.material, body)
+        # for each engine, name of a measure -> its value at each place
+        measures_by_engine = [
+            measures(stress, criteria, material.young_modulus, material.poisson_ratio)
+            for stress in _stresses_by_engine(solution, theory, times, places, body)
+        ]
+        tables.append(_table_of_body(body, places, measures_by_engine))
+    return pd.concat(tables, ignore_index=True)
+
+
+def _largest_edge_tension(solution: FiniteElementSolution) -> LargestTension:
+    """The largest tension s_xx beside an edge of contact in the last cycle of a solution: it has
+    its time and the x of both edges of contact then, `edges` [length]. InputError where it is not
+    known, or where nothing touches.
+    """
+    import halfplane_fe
+    from halfplane_fe.body_fields import why_tension_is_unknown
+
+    edge_tension = halfplane_fe.largest_edge_tension(solution)
+    if edge_tension is None:
+        reason = why_tension_is_unknown(solution) or "nothing touches in the last cycle"
+        raise InputError(f"--fatigue: no stress is known beside the contact: {reason}")
+    return edge_tension
+
+
+def _places_beside_contact(criteria: Criteria, edges: Array) -> _Places:
+    """The places at which a survey of fatigue evaluates the stress: a grid of 161 values of x/a by
+    a few depths. `edges` (2, 2) are x of the left and right edge of contact [length], a row by
+    half-plane theory and a row by finite elements.
+
+    The depths are fractions of the half-width by theory, or Gauss points over the critical distance
+    of `criteria` where it has one.
+    """
+    centres = edges.mean(axis=1)
+    half_widths = (edges[:, 1] - edges[:, 0]) / 2
     depths, weights = _depths_and_weights(criteria, half_widths[0])
     # _PLACES_OVER_HALF_WIDTH: x/a from −1.25 to 1.25 in steps of 1/64
     depth, x_over_half_width = (
         axis.ravel() for axis in np.meshgrid(depths, _PLACES_OVER_HALF_WIDTH, indexing="ij")
     )
-    x_theory, x_elements = centres[:, None] + half_widths[:, None] * x_over_half_width
+    return _Places(x_over_half_width, depth, weights, centres, half_widths)
 
-    # a table for each body; stresses of both engines are (n_instants, n_points, 4)
-    tables = []
-    bodies: tuple[Literal["lower", "upper"], ...] = ("lower", "upper")
-    for body in bodies:
-        y = -depth if body == "lower" else depth
-        material = getattr(solution.scene.material, body)
-        stresses = [
-            semi_analytic.stress(theory, x_theory, y, times, body=body),
-            halfplane_fe.stress(solution, x_elements, y, times, body=body),
-        ]
-        is_known = ~np.isnan(stresses[1]).any(axis=(1, 2))  # (n_instants,)
-        stresses = [stress[is_known] for stress in stresses]
-        places = x_over_half_width
-        if weights is not None:
-            stresses = [_averaged_over_depth(stress, weights) for stress in stresses]
-            places = _PLACES_OVER_HALF_WIDTH
-            y = np.zeros(len(_PLACES_OVER_HALF_WIDTH))
-        # for each engine, name of a measure -> its value at each place
-        measures_by_engine = [
-            measures(stress, criteria, material.young_modulus, material.poisson_ratio)
-            for stress in stresses
-        ]
-        columns: dict[str, Any] = {"body": body}
-        for engine, centre_x, half_width in zip(ENGINES, centres, half_widths, strict=True):
-            columns[f"x, {engine}"] = centre_x + half_width * places
-        columns["y"] = y
-        for measure in measures_by_engine[0]:
-            for engine, value_by_measure in zip(ENGINES, measures_by_engine, strict=True):
-                columns[f"{measure}, {engine}"] = value_by_measure[measure]
-        tables.append(pd.DataFrame(columns))
-    return pd.concat(tables, ignore_index=True)
+
+def _stresses_by_engine(
+    solution: FiniteElementSolution,
+    theory: ContactSolution,
+    times: Array,
+    places: _Places,
+    body: Literal["lower", "upper"],
+) -> list[Array]:
+    """Stress of one body through a cycle by half-plane theory and by finite elements, at the same
+    places relative to the contact of each. Each array is (n_instants, n_points, 4): s_xx, s_yy,
+    s_xy, s_zz [stress].
+
+    `times` are those of `theory`. Instants at which finite elements know no stress are left out of
+    both. Where the places have weights, the stress is averaged over depth, and n_points is the
+    number of values of x.
+    """
+    import halfplane_fe
+    import semi_analytic
+
+    y = -places.depth if body == "lower" else places.depth
+    x_theory, x_elements = (
+        places.centres[:, None] + places.half_widths[:, None] * places.x_over_half_width
+    )
+    stress_by_theory = semi_analytic.stress(theory, x_theory, y, times, body=body)
+    stress_by_elements = halfplane_fe.stress(solution, x_elements, y, times, body=body)
+    is_known = ~np.isnan(stress_by_elements).any(axis=(1, 2))  # (n_instants,)
+    stresses = [stress_by_theory[is_known], stress_by_elements[is_known]]
+    if places.weights is not None:
+        stresses = [_averaged_over_depth(stress, places.weights) for stress in stresses]
+    return stresses
+
+
+def _table_of_body(
+    body: str, places: _Places, measures_by_engine: Sequence[dict[str, Array]]
+) -> pd.DataFrame:
+    """Fatigue measures of one body as a table with a row for each place: the body, x by each engine
+    and y [length], and each measure by each engine.
+
+    `measures_by_engine` has half-plane theory and then finite elements: name of a measure -> its
+    value at each place. With an average over depth the places are the 161 values of x/a, and y = 0.
+    """
+    import pandas as pd
+
+    x_over_half_width = places.x_over_half_width
+    y = -places.depth if body == "lower" else places.depth
+    if places.weights is not None:
+        x_over_half_width = _PLACES_OVER_HALF_WIDTH
+        y = np.zeros(len(_PLACES_OVER_HALF_WIDTH))
+    columns: dict[str, Any] = {"body": body}
+    contacts = zip(ENGINES, places.centres, places.half_widths, strict=True)
+    for engine, centre_x, half_width in contacts:
+        columns[f"x, {engine}"] = centre_x + half_width * x_over_half_width
+    columns["y"] = y
+    for measure in measures_by_engine[0]:
+        for engine, value_by_measure in zip(ENGINES, measures_by_engine, strict=True):
+            columns[f"{measure}, {engine}"] = value_by_measure[measure]
+    return pd.DataFrame(columns)
 
 
 def _times_of_cycle(solution: FiniteElementSolution) -> Array:
@@ -253,9 +327,7 @@ def measures(
     (25.0, 0.000325)
     """
     # of the stress itself, without planes: principal stresses in descending order
-    s_xx, s_yy, s_xy, s_zz = np.moveaxis(stress, -1, 0)
     principal_stress = principal(stress)
-    shear_modulus = young_modulus / (2 * (1 + poisson_ratio))
     shear_stress = (principal_stress[..., 0] - principal_stress[..., 2]) / 2
     largest_values = {
         "largest principal stress": principal_stress[..., 0].max(axis=0),
@@ -264,32 +336,11 @@ def measures(
         "Smith-Watson-Topper": np.zeros(stress.shape[1]),
     }
 
-    # on planes whose normals have these angles from x (_N_PLANES: 180)
+    # the largest values on planes whose normals have these angles from x (_N_PLANES: 180)
     for angle in np.pi * np.arange(_N_PLANES) / _N_PLANES:
-        cosine = np.cos(2 * angle)
-        sine = np.sin(2 * angle)
-        normal_stress = (s_xx + s_yy) / 2 + (s_xx - s_yy) / 2 * cosine + s_xy * sine
-        normal_strain = (
-            normal_stress - poisson_ratio * (s_xx + s_yy - normal_stress + s_zz)
-        ) / young_modulus
-        stress_along_plane = -(s_xx - s_yy) / 2 * sine + s_xy * cosine
-        shear_amplitude = np.ptp(stress_along_plane, axis=0) / 2
-        largest_normal_stress = normal_stress.max(axis=0)
-
-        # the measures on this plane, and their largest values so far
-        measures_on_plane = {
-            "Smith-Watson-Topper": largest_normal_stress * np.ptp(normal_strain, axis=0) / 2
-        }
-        if criteria.fatemi_socie is not None:
-            k_of_fatemi_socie, yield_stress = criteria.fatemi_socie
-            strain_amplitude = shear_amplitude / shear_modulus
-            fatemi_socie = strain_amplitude * (
-                1 + k_of_fatemi_socie * largest_normal_stress / yield_stress
-            )
-            measures_on_plane["Fatemi-Socie"] = np.maximum(fatemi_socie, 0.0)
-        if criteria.findley is not None:
-            k_of_findley = criteria.findley
-            measures_on_plane["Findley"] = shear_amplitude + k_of_findley * largest_normal_stress
+        measures_on_plane = _measures_on_plane(
+            stress, angle, criteria, young_modulus, poisson_ratio
+        )
         for name, value in measures_on_plane.items():
             largest_values[name] = np.maximum(value, largest_values.get(name, value))
 
@@ -298,6 +349,54 @@ def measures(
     largest_values["Crossland, amplitude of sqrt(J2)"] = amplitude
     largest_values["Crossland, largest hydrostatic stress"] = hydrostatic_stress
     return largest_values
+
+
+def _measures_on_plane(
+    stress: Array, angle: float, criteria: Criteria, young_modulus: float, poisson_ratio: float
+) -> dict[str, Array]:
+    """Fatigue measures of a cycle on one plane that contains the z axis, at each point: name ->
+    (n_points,). They are those of Smith, Watson and Topper [stress]; and of Fatemi and Socie [-]
+    and of Findley [stress], where `criteria` has their constants.
+
+    Parameters
+    ----------
+    stress
+        (n_instants, n_points, 4) s_xx, s_yy, s_xy, s_zz of the cycle
+    angle
+        from x to the normal of the plane [rad]
+    young_modulus
+        E of the body [stress]
+    poisson_ratio
+        nu of the body
+    """
+    # normal stress and strain, and shear stress, (n_instants, n_points)
+    s_xx, s_yy, s_xy, s_zz = np.moveaxis(stress, -1, 0)
+    cosine = np.cos(2 * angle)
+    sine = np.sin(2 * angle)
+    normal_stress = (s_xx + s_yy) / 2 + (s_xx - s_yy) / 2 * cosine + s_xy * sine
+    normal_strain = (
+        normal_stress - poisson_ratio * (s_xx + s_yy - normal_stress + s_zz)
+    ) / young_modulus
+    stress_along_plane = -(s_xx - s_yy) / 2 * sine + s_xy * cosine
+
+    # the measures, from largest values and half ranges through the cycle
+    shear_amplitude = np.ptp(stress_along_plane, axis=0) / 2
+    largest_normal_stress = normal_stress.max(axis=0)
+    measures_on_plane = {
+        "Smith-Watson-Topper": largest_normal_stress * np.ptp(normal_strain, axis=0) / 2
+    }
+    if criteria.fatemi_socie is not None:
+        k_of_fatemi_socie, yield_stress = criteria.fatemi_socie
+        shear_modulus = young_modulus / (2 * (1 + poisson_ratio))
+        strain_amplitude = shear_amplitude / shear_modulus
+        fatemi_socie = strain_amplitude * (
+            1 + k_of_fatemi_socie * largest_normal_stress / yield_stress
+        )
+        measures_on_plane["Fatemi-Socie"] = np.maximum(fatemi_socie, 0.0)
+    if criteria.findley is not None:
+        k_of_findley = criteria.findley
+        measures_on_plane["Findley"] = shear_amplitude + k_of_findley * largest_normal_stress
+    return measures_on_plane
 
 
 def _crossland_measures(stress: Array) -> tuple[Array, Array]:

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -189,11 +189,21 @@ def with_bodies(solution: ContactSolution, option: str) -> FiniteElementSolution
     return solution
 
 
+class _Part(NamedTuple):
+    """Fields of a body or of the contact line at one instant, for one VTU file."""
+
+    name: str  # name of the body, or "contact"
+    points: Array  # (n_points, 2) places in the undeformed body [length]
+    cells: Indices  # (n_cells, nodes per cell) points of each element
+    # name of a field -> its values at the points, (n_points,) or (n_points, components)
+    values_by_name: dict[str, NDArray[Any]]
+
+
 def write_fields(
     solution: FiniteElementSolution,
     snapshots: Iterable[Snapshot],
     folder: Path,
-    report: Report = lambda _done, _total, _text: None,
+    report: Report = lambda *_: None,
     total: int | None = None,
 ) -> list[str]:
     """Write the fields of both bodies and of the contact line at each snapshot as VTU files, and a
@@ -221,52 +231,60 @@ def write_fields(
     import meshes
 
     folder.mkdir(exist_ok=True)
-
-    # the contact line: nodes of the lower body from left to right, and pairs of neighbours
     nodes_of_line = contact_line(solution.bodies[0])
-    cells_of_line = np.column_stack(
-        [np.arange(len(nodes_of_line) - 1), np.arange(1, len(nodes_of_line))]
-    )
     entries = []
     for snapshot_number, snapshot in enumerate(snapshots):
         report(snapshot_number, total, f"time {snapshot.time:.6g}")
-        instant_index = int(np.argmin(np.abs(solution.time - snapshot.time)))
-        # name, points, cells and nodal values of the bodies and of the contact line
-        parts: list[tuple[str, Array, Indices, dict[str, NDArray[Any]]]] = []
-
-        # both bodies
-        for body in snapshot.bodies:
-            s_xx, s_yy, s_xy, s_zz = body.stress.T
-            tensor = np.column_stack(
-                [s_xx, s_yy, s_zz, s_xy, np.zeros_like(s_xx), np.zeros_like(s_xx)]
-            )
-            nodal_values = {
-                "displacement": body.displacement,
-                "stress": tensor,
-                "von_mises": body.von_mises,
-            }
-            parts.append((body.name, body.points, body.cells, nodal_values))
-
-        # the contact line
-        lower_fields = snapshot.bodies[0]
-        values_on_line = {
-            "pressure": solution.pressure[instant_index],
-            "shear": solution.shear[instant_index],
-            "slip": solution.slip[instant_index],
-            "state": solution.state[instant_index].astype(np.int32),
-            "displacement": lower_fields.displacement[nodes_of_line],
-        }
-        points_of_line = lower_fields.points[nodes_of_line]
-        parts.append(("contact", points_of_line, cells_of_line, values_on_line))
-
+        parts = [_part_of_body(body) for body in snapshot.bodies]
+        parts.append(_part_of_contact_line(solution, snapshot, nodes_of_line))
         # a file each, with an entry of the collection
-        for part_number, (part_name, points, cells, values_of_part) in enumerate(parts):
-            file_name = f"{part_name}_{snapshot_number:03d}.vtu"
-            meshes.write_vtu(folder / file_name, points, cells, values_of_part)
-            entries.append(meshes.PvdEntry(snapshot.time, part_number, part_name, file_name))
+        for part_number, part in enumerate(parts):
+            file_name = f"{part.name}_{snapshot_number:03d}.vtu"
+            meshes.write_vtu(folder / file_name, part.points, part.cells, part.values_by_name)
+            entries.append(meshes.PvdEntry(snapshot.time, part_number, part.name, file_name))
     # _NAME_OF_COLLECTION: "fields.pvd"
     meshes.write_pvd(folder / _NAME_OF_COLLECTION, entries)
     return [_NAME_OF_COLLECTION, *(entry.file for entry in entries)]
+
+
+def _part_of_body(body: BodyFields) -> _Part:
+    """Displacement, stress tensor and von Mises' stress at the nodes of a body at one instant, for
+    a VTU file. The tensor is (n_points, 6) in the order of VTK: xx, yy, zz, xy, yz, xz [stress].
+    """
+    s_xx, s_yy, s_xy, s_zz = body.stress.T
+    zero_shear = np.zeros_like(s_xx)  # yz and xz: none in plane strain
+    tensor = np.column_stack([s_xx, s_yy, s_zz, s_xy, zero_shear, zero_shear])
+    nodal_values = {
+        "displacement": body.displacement,
+        "stress": tensor,
+        "von_mises": body.von_mises,
+    }
+    return _Part(body.name, body.points, body.cells, nodal_values)
+
+
+def _part_of_contact_line(
+    solution: FiniteElementSolution, snapshot: Snapshot, nodes_of_line: Indices
+) -> _Part:
+    """Pressure, shear, slip and state of the contact line at the instant of a snapshot, for a VTU
+    file, with the displacement of the lower body there.
+
+    The points of the line are the nodes `nodes_of_line` (n,) of the lower body, from left to right;
+    its cells are pairs of neighbours. Of the solution the stored instant is taken whose time is
+    nearest to that of the snapshot.
+    """
+    cells_of_line = np.column_stack(
+        [np.arange(len(nodes_of_line) - 1), np.arange(1, len(nodes_of_line))]
+    )
+    instant_index = int(np.argmin(np.abs(solution.time - snapshot.time)))
+    lower_fields = snapshot.bodies[0]
+    values_on_line = {
+        "pressure": solution.pressure[instant_index],
+        "shear": solution.shear[instant_index],
+        "slip": solution.slip[instant_index],
+        "state": solution.state[instant_index].astype(np.int32),
+        "displacement": lower_fields.displacement[nodes_of_line],
+    }
+    return _Part("contact", lower_fields.points[nodes_of_line], cells_of_line, values_on_line)
 
 
 def contact_line(mesh: BodyMesh, boundaries: Sequence[str] = ("contact",)) -> Indices:

@@ -118,15 +118,7 @@ def picture(skins: Sequence[Skin], window: Window, width: int) -> NDArray[np.uin
     InputError
         Where nothing can be drawn: pyvista or a library that it needs is missing.
     """
-    if sys.platform == "linux" and not os.environ.get("DISPLAY"):
-        # else VTK complains that there is no X server
-        os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
-    try:
-        import pyvista
-    except (ImportError, OSError) as reason:
-        raise InputError(
-            f"pictures can't be drawn: {reason}; `halfplane doctor` says what is missing"
-        ) from reason
+    pyvista = _pyvista_without_screen()
 
     # a square pixel; colours without light and shadow
     left_x, right_x, bottom_y, top_y = window
@@ -138,41 +130,71 @@ def picture(skins: Sequence[Skin], window: Window, width: int) -> NDArray[np.uin
     try:
         plotter.set_background("white")
         for skin_number, skin in enumerate(skins):
-            # later meshes and the lines of a mesh lie nearer to the camera
-            z_of_skin = 1e-3 * skin_number * window_height
-            mesh = skin.grid().translate((0, 0, z_of_skin), inplace=False)
-            plotter.add_mesh(
-                mesh,
-                scalars="value",
-                cmap=skin.colours,
-                clim=skin.limits,
-                show_scalar_bar=False,
-                lighting=False,
-            )
-            if skin.opacity_of_lines:
-                z_of_lines = 1e-4 * window_height  # above their skin, below the next
-                lines = mesh.extract_all_edges().translate((0, 0, z_of_lines), inplace=False)
-                plotter.add_mesh(
-                    lines,
-                    color="black",
-                    line_width=1,
-                    opacity=skin.opacity_of_lines,
-                    lighting=False,
-                )
-
-        # the camera looks straight at the middle of the window, without perspective
-        x = (left_x + right_x) / 2
-        y = (bottom_y + top_y) / 2
-        camera = plotter.camera
-        camera.parallel_projection = True
-        camera.focal_point = (x, y, 0.0)
-        camera.position = (x, y, 10 * window_height)
-        camera.up = (0.0, 1.0, 0.0)
-        camera.parallel_scale = window_height / 2
-        plotter.reset_camera_clipping_range()
+            _add_skin(plotter, skin, skin_number, window_height)
+        _look_straight_at(plotter, window)
         return np.asarray(plotter.screenshot(None, return_img=True), dtype=np.uint8)
     finally:
         plotter.close()
+
+
+def _pyvista_without_screen() -> Any:
+    """The module pyvista, set to render where there is no screen. InputError where it or a library
+    that it needs is missing.
+    """
+    if sys.platform == "linux" and not os.environ.get("DISPLAY"):
+        # else VTK complains that there is no X server
+        os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
+    try:
+        import pyvista
+    except (ImportError, OSError) as reason:
+        raise InputError(
+            f"pictures can't be drawn: {reason}; `halfplane doctor` says what is missing"
+        ) from reason
+    return pyvista
+
+
+def _add_skin(plotter: Any, skin: Skin, skin_number: int, window_height: float) -> None:
+    """Add a coloured mesh to a pyvista `plotter`, and the lines between its elements where they are
+    not fully transparent. Meshes of a higher `skin_number` lie nearer to the camera, by a
+    thousandth of the height of the picture [length].
+    """
+    z_of_skin = 1e-3 * skin_number * window_height
+    mesh = skin.grid().translate((0, 0, z_of_skin), inplace=False)
+    plotter.add_mesh(
+        mesh,
+        scalars="value",
+        cmap=skin.colours,
+        clim=skin.limits,
+        show_scalar_bar=False,
+        lighting=False,
+    )
+    if skin.opacity_of_lines:
+        z_of_lines = 1e-4 * window_height  # above their skin, below the next
+        lines = mesh.extract_all_edges().translate((0, 0, z_of_lines), inplace=False)
+        plotter.add_mesh(
+            lines,
+            color="black",
+            line_width=1,
+            opacity=skin.opacity_of_lines,
+            lighting=False,
+        )
+
+
+def _look_straight_at(plotter: Any, window: Window) -> None:
+    """Point the camera of a pyvista `plotter` along −z at the middle of a window (left, right,
+    bottom, top) [length], without perspective, so that its height fills the picture.
+    """
+    left_x, right_x, bottom_y, top_y = window
+    window_height = top_y - bottom_y
+    x = (left_x + right_x) / 2
+    y = (bottom_y + top_y) / 2
+    camera = plotter.camera
+    camera.parallel_projection = True
+    camera.focal_point = (x, y, 0.0)
+    camera.position = (x, y, 10 * window_height)
+    camera.up = (0.0, 1.0, 0.0)
+    camera.parallel_scale = window_height / 2
+    plotter.reset_camera_clipping_range()
 
 
 def rendered(
@@ -230,6 +252,14 @@ def rendered(
     return panel
 
 
+class _View(NamedTuple):
+    """A square part of the plane that a panel of the mesh shows, lengths over a_ref."""
+
+    words: str  # title of the panel
+    centre: Array  # (2,) x and y
+    half_size: float  # half of the side of the square
+
+
 def mesh(
     bodies: Sequence[BodyMesh],
     half_width: float,
@@ -257,28 +287,12 @@ def mesh(
     """
     # sides of the elements in the common frame, the upper body turned over, and quality
     placed_bodies = list(zip(("lower", "upper"), (1.0, -1.0), bodies, strict=True))
-    sides: dict[str, Array] = {}  # (n, 2, 2) ends of the elements' sides over a_ref
+    sides_by_body: dict[str, Array] = {}  # (n, 2, 2) ends of the elements' sides over a_ref
     quality: dict[str, float] = {}
     for body_name, sign_of_y, body in placed_bodies:
         ends_of_sides = np.asarray(body.mesh.p.T[body.mesh.facets.T])
-        sides[body_name] = ends_of_sides * (1.0, sign_of_y) / half_width
+        sides_by_body[body_name] = ends_of_sides * (1.0, sign_of_y) / half_width
         quality |= {f"{body_name} {measure}": value for measure, value in body.quality.items()}
-
-    # the three views
-    points = np.concatenate([sides_of_body.reshape(-1, 2) for sides_of_body in sides.values()])
-    least_corner = points.min(axis=0)
-    largest_corner = points.max(axis=0)
-    edge_over_a = contact_edge / half_width if np.isfinite(contact_edge) else 1.0
-    # name, centre and half of the width of each square view, over a_ref
-    views = (
-        (
-            "whole",
-            (least_corner + largest_corner) / 2,
-            0.54 * float(max(largest_corner - least_corner)),
-        ),
-        ("at the contact", np.zeros(2), 1.35 * max(edge_over_a, 1.0)),
-        ("at the contact's edge", np.array([edge_over_a, 0.0]), 0.06),
-    )
 
     # the legend, and the boundaries
     # Key: an entry of the legend, its look and text
@@ -289,32 +303,12 @@ def mesh(
         legend_entries += entries_of_boundaries
 
     # a panel for each view; the boundaries are drawn on the first
-    panels = []
-    for view_number, (view_in_words, centre, half_size) in enumerate(views):
-        left_x, bottom_y = (centre - half_size).tolist()
-        right_x, top_y = (centre + half_size).tolist()
-        is_repeated = view_number > 0  # a page holds the lines of a mesh once
-        # Segments: lines, their look and name, whether the page has them already
-        marks: list[Mark] = [
-            Segments(sides_of_body, f"mesh-{body_name}", f"mesh-{body_name}", is_repeated)
-            for body_name, sides_of_body in sides.items()
-        ]
-        if view_number == 0:
-            marks += boundaries
-        # Panel: name, both axes, marks, description, width, height and title
-        panels.append(
-            Panel(
-                f"mesh-{view_number}",
-                Axis(left_x, right_x, "x / a_ref"),
-                Axis(bottom_y, top_y, "y / a_ref"),
-                marks,
-                f"Mesh, {view_in_words}",
-                340.0,
-                340.0,
-                view_in_words,
-                has_equal_scales=True,
-            )
-        )
+    edge_over_a = contact_edge / half_width if np.isfinite(contact_edge) else 1.0
+    views = _views_of_mesh(list(sides_by_body.values()), edge_over_a)
+    panels = [
+        _panel_of_mesh(view, view_number, sides_by_body, boundaries if view_number == 0 else ())
+        for view_number, view in enumerate(views)
+    ]
     # Plate: name, title, caption, description, panels, CSV table and legend
     return Plate(
         "mesh",
@@ -326,6 +320,58 @@ def mesh(
         {"quantity": list(quality), "value": list(quality.values())},
         tuple(legend_entries),
         columns=3,
+    )
+
+
+def _views_of_mesh(sides: Sequence[Array], edge_over_a: float) -> tuple[_View, ...]:
+    """The three parts of the plane that the figure of the mesh shows: whole bodies, the contact,
+    and its right edge, at x/a_ref = `edge_over_a`. `sides` are the ends of the element sides of
+    each body over a_ref, (n, 2, 2).
+    """
+    points = np.concatenate([sides_of_body.reshape(-1, 2) for sides_of_body in sides])
+    least_corner = points.min(axis=0)
+    largest_corner = points.max(axis=0)
+    return (
+        _View(
+            "whole",
+            (least_corner + largest_corner) / 2,
+            0.54 * float(max(largest_corner - least_corner)),
+        ),
+        _View("at the contact", np.zeros(2), 1.35 * max(edge_over_a, 1.0)),
+        _View("at the contact's edge", np.array([edge_over_a, 0.0]), 0.06),
+    )
+
+
+def _panel_of_mesh(
+    view: _View,
+    view_number: int,
+    sides_by_body: dict[str, Array],
+    boundaries: Sequence[Mark],
+) -> Panel:
+    """A panel with the element sides of both bodies in one view, and the marks of `boundaries` over
+    them. `sides_by_body`: name of the body -> ends of its element sides over a_ref, (n, 2, 2). A
+    page holds these lines once, in the view of number 0; further views refer to them.
+    """
+    left_x, bottom_y = (view.centre - view.half_size).tolist()
+    right_x, top_y = (view.centre + view.half_size).tolist()
+    is_repeated = view_number > 0
+    # Segments: lines, their look and name, whether the page has them already
+    marks: list[Mark] = [
+        Segments(sides_of_body, f"mesh-{body_name}", f"mesh-{body_name}", is_repeated)
+        for body_name, sides_of_body in sides_by_body.items()
+    ]
+    marks += boundaries
+    # Panel: name, both axes, marks, description, width, height and title
+    return Panel(
+        f"mesh-{view_number}",
+        Axis(left_x, right_x, "x / a_ref"),
+        Axis(bottom_y, top_y, "y / a_ref"),
+        marks,
+        f"Mesh, {view.words}",
+        340.0,
+        340.0,
+        view.words,
+        has_equal_scales=True,
     )
 
 
@@ -466,6 +512,13 @@ def stress(
     )
 
 
+class _DrawnBodies(NamedTuple):
+    """Both bodies as a picture shows them: deformed, drawn apart and coloured by stress."""
+
+    skins: list[Skin]  # the coloured mesh of each body
+    outlines: Array  # (n, 2, 2) ends of the sides of all boundaries, undeformed [length]
+
+
 def _panels_of_whole_bodies(
     solution: FiniteElementSolution,
     snapshot: Snapshot,
@@ -497,38 +550,12 @@ def _panels_of_whole_bodies(
     # ends of the scale of colours; _DECADES_OF_COLOURS: 2.5
     largest_stress, magnification = stress_and_magnification
     _, length_unit, stress_unit = units(solution.scene)
-    least_stress = largest_stress * 10**-_DECADES_OF_COLOURS
-    limits = (float(np.log10(least_stress)), float(np.log10(largest_stress)))
-
-    # coloured meshes of the deformed bodies, and outlines; _SHOWN_DISPLACEMENT: 0.06
-    largest_extent = max(float(np.ptp(body.points, axis=0).max()) for body in snapshot.bodies)
-    skins = []
-    outlines = []  # (n, 2, 2) ends of the sides of each boundary
-    for body_mesh, body in zip(solution.bodies, snapshot.bodies, strict=True):
-        # The bodies are drawn apart: with magnified displacements they would overlap, since the gap
-        # is not magnified.
-        outward_sign = 1.0 if body.name == "lower" else -1.0
-        offset = np.array([0.0, -outward_sign * (0.03 + _SHOWN_DISPLACEMENT) * largest_extent / 2])
-        values = np.log10(np.maximum(body.von_mises, least_stress))
-        deformed_points = body.points + magnification * body.displacement + offset
-        # Skin: nodes, elements, values at the nodes, ends of the scale of colours
-        skins.append(Skin(deformed_points, body.cells, values, limits))
-        outlines += [
-            _sides_of_boundary(body_mesh, boundary, outward_sign) + offset
-            for boundary in body_mesh.mesh.boundaries
-        ]
-
-    # the part of the plane that holds both, with a margin
-    points = np.concatenate(
-        [*(skin.points for skin in skins), *(lines.reshape(-1, 2) for lines in outlines)]
-    )
-    least_corner = points.min(axis=0)
-    largest_corner = points.max(axis=0)
-    margin = 0.04 * (largest_corner - least_corner)
-    left_x, bottom_y = (least_corner - margin).tolist()
-    right_x, top_y = (largest_corner + margin).tolist()
+    ends_of_colours = (largest_stress * 10**-_DECADES_OF_COLOURS, largest_stress)
 
     # the panel with its words, and the colours
+    drawn_bodies = _bodies_drawn_apart(
+        solution.bodies, snapshot.bodies, ends_of_colours, magnification
+    )
     loads_in_words = (
         f"P = {number(snapshot.normal_load)}, Q = {number(snapshot.tangential_load)}"
         f" {load_unit(solution.scene)}"
@@ -537,19 +564,79 @@ def _panels_of_whole_bodies(
     # PanelWords: unit of length, title and note
     panel_words = PanelWords(length_unit, f"t = {number(snapshot.time)}, {label}", note)
     # Segments: lines and their look in the style sheet
-    undeformed_outlines = Segments(np.concatenate(outlines), "curve undeformed")
+    undeformed_outlines = Segments(drawn_bodies.outlines, "curve undeformed")
     panel = rendered(
-        name, (left_x, right_x, bottom_y, top_y), skins, pixels, panel_words, [undeformed_outlines]
+        name,
+        _window_around(drawn_bodies),
+        drawn_bodies.skins,
+        pixels,
+        panel_words,
+        [undeformed_outlines],
     )
     colours = colour_scale(
         f"{name}-colours",
-        (least_stress, largest_stress),
+        ends_of_colours,
         f"von Mises stress  [{stress_unit}], logarithmic",
         log=True,
         width=440.0,
     )
     # Cell: panels one under the other; None: a click on them shows no instant
     return Cell((panel, colours), None)
+
+
+def _bodies_drawn_apart(
+    body_meshes: Sequence[BodyMesh],
+    bodies: Sequence[BodyFields],
+    ends_of_colours: tuple[float, float],
+    magnification: float,
+) -> _DrawnBodies:
+    """Both bodies with magnified displacements, coloured by the logarithm of von Mises' stress, and
+    the outlines of the undeformed bodies. They are drawn apart: else they would overlap, since the
+    gap is not magnified.
+
+    Parameters
+    ----------
+    body_meshes, bodies
+        meshes of the bodies, and their fields at one instant in the same order
+    ends_of_colours
+        least and largest stress of the scale of colours [stress]
+    magnification
+        factor by which displacements are magnified
+    """
+    least_stress, largest_stress = ends_of_colours
+    limits = (float(np.log10(least_stress)), float(np.log10(largest_stress)))
+    # each is moved by half of the distance; _SHOWN_DISPLACEMENT: 0.06
+    largest_extent = max(float(np.ptp(body.points, axis=0).max()) for body in bodies)
+    half_distance = (0.03 + _SHOWN_DISPLACEMENT) * largest_extent / 2
+    skins = []
+    outlines = []  # (n, 2, 2) ends of the sides of each boundary
+    for body_mesh, body in zip(body_meshes, bodies, strict=True):
+        outward_sign = 1.0 if body.name == "lower" else -1.0
+        offset = np.array([0.0, -outward_sign * half_distance])
+        values = np.log10(np.maximum(body.von_mises, least_stress))
+        deformed_points = body.points + magnification * body.displacement + offset
+        # Skin: nodes, elements, values at the nodes, ends of the scale of colours
+        skins.append(Skin(deformed_points, body.cells, values, limits))
+        outlines += [
+            _sides_of_boundary(body_mesh, boundary, outward_sign) + offset
+            for boundary in body_mesh.mesh.boundaries
+        ]
+    return _DrawnBodies(skins, np.concatenate(outlines))
+
+
+def _window_around(drawn_bodies: _DrawnBodies) -> Window:
+    """Left, right, bottom and top of the part of the plane [length] that holds the deformed bodies
+    and the outlines, with a margin of 4 % of its width and height.
+    """
+    points = np.concatenate(
+        [*(skin.points for skin in drawn_bodies.skins), drawn_bodies.outlines.reshape(-1, 2)]
+    )
+    least_corner = points.min(axis=0)
+    largest_corner = points.max(axis=0)
+    margin = 0.04 * (largest_corner - least_corner)
+    left_x, bottom_y = (least_corner - margin).tolist()
+    right_x, top_y = (largest_corner + margin).tolist()
+    return left_x, right_x, bottom_y, top_y
 
 
 def outermost(solution: FiniteElementSolution) -> float:
@@ -588,16 +675,6 @@ def _panels_of_contact(
     """
     _, length_unit, stress_unit = units(solution.scene)
     half_size = 1.75 * outermost(solution)  # of the square that is shown
-
-    # the picture: coloured meshes of the deformed bodies
-    skins = []
-    for body in snapshot.bodies:
-        # faces that are flat in the mesh are moved apart by the gap, which is drawn as well
-        lift_by_gap = np.outer(rise_by_gap(solution, body), (0.0, 1.0))
-        points = body.points + body.displacement + lift_by_gap
-        limits = (0.0, largest_stress)
-        # Skin: nodes, elements, values at the nodes, ends of the scale of colours
-        skins.append(Skin(points, body.cells, body.von_mises, limits, opacity_of_lines=0.22))
     largest_nodal_stress = peak(snapshot)  # value and body
     note = minus(
         f"largest nodal value {largest_nodal_stress['value']:.4g} {stress_unit},"
@@ -606,16 +683,50 @@ def _panels_of_contact(
     # PanelWords: unit of length, title and note
     panel_words = PanelWords(length_unit, "at the contact, to true scale", note)
     window = (-half_size, half_size, -half_size, half_size)
+    skins = _skins_at_true_scale(solution, snapshot.bodies, largest_stress)
     panel = rendered(f"{name}-contact", window, skins, pixels, panel_words)
-
-    # a strip with the states, and the colours
     instant_index = int(np.argmin(np.abs(solution.time - snapshot.time)))
+    strip = _strip_of_states(solution, instant_index, half_size, f"{name}-states")
+    colours = colour_scale(
+        f"{name}-contact-colours",
+        (0.0, largest_stress),
+        f"von Mises stress  [{stress_unit}]",
+        width=440.0,
+    )
+    # Cell: panels one under the other; None: a click on them shows no instant
+    return Cell((panel, strip, colours), None)
+
+
+def _skins_at_true_scale(
+    solution: FiniteElementSolution, bodies: Sequence[BodyFields], largest_stress: float
+) -> list[Skin]:
+    """Coloured meshes of both deformed bodies, without magnification, from their fields at one
+    instant. Colours go from 0 to `largest_stress` [stress]. Faces that are flat in the mesh are
+    moved apart by the gap, which is drawn as well.
+    """
+    skins = []
+    for body in bodies:
+        lift_by_gap = np.outer(rise_by_gap(solution, body), (0.0, 1.0))
+        points = body.points + body.displacement + lift_by_gap
+        limits = (0.0, largest_stress)
+        # Skin: nodes, elements, values at the nodes, ends of the scale of colours
+        skins.append(Skin(points, body.cells, body.von_mises, limits, opacity_of_lines=0.22))
+    return skins
+
+
+def _strip_of_states(
+    solution: FiniteElementSolution, instant_index: int, half_size: float, name: str
+) -> Panel:
+    """A narrow panel that shows by colour where the contact is open, sticks and slips at one stored
+    instant, for |x| up to `half_size` [length]. It has no axes; `name` is that of the panel.
+    """
     marks = [
         *state_blocks(solution, instant_index, half_size, 0.0, 1.0),
         Block((-half_size, half_size), (0.0, 1.0), "outline"),
     ]
-    strip = Panel(
-        f"{name}-states",
+    # Panel: name, both axes, marks, description, width and height
+    return Panel(
+        name,
         Axis(-half_size, half_size, ""),
         Axis(0.0, 1.0, ""),
         marks,
@@ -625,12 +736,6 @@ def _panels_of_contact(
         without_axes=True,
         room=(72.0, 2.0, 20.0, 2.0),
     )
-    colour_words = f"von Mises stress  [{stress_unit}]"
-    colours = colour_scale(
-        f"{name}-contact-colours", (0.0, largest_stress), colour_words, width=440.0
-    )
-    # Cell: panels one under the other; None: a click on them shows no instant
-    return Cell((panel, strip, colours), None)
 
 
 def rise_by_gap(solution: FiniteElementSolution, body: BodyFields) -> Array:
