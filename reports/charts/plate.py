@@ -834,6 +834,44 @@ def _png(
     return stream.getvalue()
 
 
+def _path_in_grains(end_points: NDArray[np.float64]) -> str:
+    """The "d" attribute of an SVG path of straight lines, in whole multiples of a small length
+    (`_GRAIN`, 2e-4 in numbers of the axes): each line as its start and the move to its end.
+    `end_points` (n, 2, 2) are the two ends of each line, x and y each.
+    """
+    grains = np.rint(end_points / _GRAIN).astype(int)
+    starts = grains[:, 0].tolist()
+    moves = (grains[:, 1] - grains[:, 0]).tolist()
+    lines = [
+        f"M{start_x} {start_y}l{move_x} {move_y}"
+        for (start_x, start_y), (move_x, move_y) in zip(starts, moves, strict=True)
+    ]
+    return "".join(lines)
+
+
+def _path_of_hatching(left_x: float, right_x: float, least_y: float, largest_y: float) -> str:
+    """The "d" attribute of an SVG path of oblique lines across a rectangle, given by its ends in
+    the drawing [pixels]. "" where it is so small that no line crosses it.
+
+    Along each line x + y is constant, a multiple of the distance of the lines (`_HATCH_DISTANCE`).
+    """
+    first_line = np.ceil((left_x + least_y) / _HATCH_DISTANCE)
+    last_line = np.floor((right_x + largest_y) / _HATCH_DISTANCE)
+    sums_of_lines = np.arange(first_line, last_line + 1) * _HATCH_DISTANCE
+    # the x at which each line enters and leaves the rectangle
+    starts_x = np.maximum(left_x, sums_of_lines - largest_y)
+    ends_x = np.minimum(right_x, sums_of_lines - least_y)
+    path = ""
+    for start_x, end_x, sum_of_line in zip(
+        starts_x.tolist(), ends_x.tolist(), sums_of_lines.tolist(), strict=True
+    ):
+        if end_x > start_x:
+            start_y = sum_of_line - start_x
+            end_y = sum_of_line - end_x
+            path += f"M{start_x:.1f} {start_y:.1f}L{end_x:.1f} {end_y:.1f}"
+    return path
+
+
 @dataclass(frozen=True)
 class _Pen:
     """Draws marks in the frame of a panel as SVG."""
@@ -891,14 +929,7 @@ class _Pen:
         """The SVG element of one mark in a panel: a curve, band, dot, rule (a line across the whole
         area), block, bitmap, text, arrow, or a group of these. All have the look of their classes
         in the style sheet (`css`); a `label` is what a pointer shows.
-
-        `frame` has the scales of both axes, whose `pixels_of` gives places in the drawing, and the
-        ends of the area (`box`). `is_standalone`: for an SVG file of its own, not for a page.
         """
-        # `look_attributes`: attributes for the look of the classes; `data_attributes`: those that
-        # the page's script reads, none in an SVG file of its own
-        frame = self.frame
-        left_x, top_y, right_x, bottom_y = frame.box
         match mark:
             case Curve():
                 return self.curve(mark)
@@ -907,58 +938,82 @@ class _Pen:
             case Segments():
                 return self.segments(mark)
             case Dot():
-                x = float(frame.x.pixels_of(mark.x))
-                y = float(frame.y.pixels_of(mark.y))
-                attributes: dict[str, object] = {"fill": mark.fill or None}
-                attributes |= self.data_attributes({"label": mark.label} | dict(mark.data))
-                return _element(
-                    "circle",
-                    cx=x,
-                    cy=y,
-                    r=mark.radius,
-                    **self.look_attributes(mark.css),
-                    **attributes,
-                )
+                return self.dot(mark)
             case Rule():
-                if mark.is_upright:
-                    place = float(frame.x.pixels_of(mark.value))
-                    ends = {"x1": place, "x2": place, "y1": top_y, "y2": bottom_y}
-                else:
-                    place = float(frame.y.pixels_of(mark.value))
-                    ends = {"x1": left_x, "x2": right_x, "y1": place, "y2": place}
-                return _element("line", **ends, **self.look_attributes(mark.css))
+                return self.rule(mark)
             case Block():
                 return self.block(mark)
             case Bitmap():
-                picture = base64.b64encode(
-                    _png(mark.pixels, mark.colours, all_colours=self.is_standalone)
-                )
-                data_address = "data:image/png;base64," + picture.decode()
-                place_and_size = {
-                    "x": left_x,
-                    "y": top_y,
-                    "width": right_x - left_x,
-                    "height": bottom_y - top_y,
-                }
-                return _element(
-                    "image",
-                    **place_and_size,
-                    href=data_address,
-                    preserveAspectRatio="none",
-                    **self.look_attributes("map"),
-                )
+                return self.bitmap(mark)
             case Note():
                 return self.note(mark)
             case Arrow():
                 return self.arrow(mark)
             case Group():
-                content = "".join(map(self.draw, mark.marks)) or " "
-                return _element(
-                    "g",
-                    content,
-                    **self.look_attributes(mark.css),
-                    **self.data_attributes(mark.data),
-                )
+                return self.group(mark)
+
+    def dot(self, mark: Dot) -> str:
+        """The SVG element of a round mark; its `x` and `y` are in numbers of the axes. `fill` is a
+        colour that stands for a number, `label` the text that a pointer shows, `data` holds further
+        values for the page's script.
+        """
+        attributes: dict[str, object] = {"fill": mark.fill or None}
+        # `data_attributes`: for the page's script; none in an SVG file of its own
+        attributes |= self.data_attributes({"label": mark.label} | dict(mark.data))
+        return _element(
+            "circle",
+            cx=float(self.frame.x.pixels_of(mark.x)),
+            cy=float(self.frame.y.pixels_of(mark.y)),
+            r=mark.radius,
+            **self.look_attributes(mark.css),
+            **attributes,
+        )
+
+    def rule(self, mark: Rule) -> str:
+        """The SVG element of a line across the whole area of a panel, at x = `value` of the mark if
+        it `is_upright`, else at y = `value`, in numbers of the axes.
+        """
+        left_x, top_y, right_x, bottom_y = self.frame.box
+        if mark.is_upright:
+            place = float(self.frame.x.pixels_of(mark.value))
+            ends = {"x1": place, "x2": place, "y1": top_y, "y2": bottom_y}
+        else:
+            place = float(self.frame.y.pixels_of(mark.value))
+            ends = {"x1": left_x, "x2": right_x, "y1": place, "y2": place}
+        return _element("line", **ends, **self.look_attributes(mark.css))
+
+    def bitmap(self, mark: Bitmap) -> str:
+        """The SVG element of a map that fills the area of a panel: a PNG picture, written into the
+        element. In an SVG file of its own it keeps all its colours, on a page 255 of them at most.
+        """
+        left_x, top_y, right_x, bottom_y = self.frame.box
+        png_bytes = _png(mark.pixels, mark.colours, all_colours=self.is_standalone)
+        data_address = "data:image/png;base64," + base64.b64encode(png_bytes).decode()
+        place_and_size = {
+            "x": left_x,
+            "y": top_y,
+            "width": right_x - left_x,
+            "height": bottom_y - top_y,
+        }
+        return _element(
+            "image",
+            **place_and_size,
+            href=data_address,
+            preserveAspectRatio="none",
+            **self.look_attributes("map"),
+        )
+
+    def group(self, mark: Group) -> str:
+        """The SVG element of marks that the page's script replaces together: their elements within
+        one, which has the `data` of the mark for the script.
+        """
+        content = "".join(map(self.draw, mark.marks)) or " "
+        return _element(
+            "g",
+            content,
+            **self.look_attributes(mark.css),
+            **self.data_attributes(mark.data),
+        )
 
     def curve(self, mark: Curve) -> str:
         """The SVG element of a curve. On a page it keeps nearly all its points, which the pointer
@@ -1044,30 +1099,28 @@ class _Pen:
                 **self.look_attributes(mark.css),
             )
 
-        # Written in multiples of the small length, with the transform to places in the drawing
-        # (`pixels_of`). The scale of x holds for y as well.
+        # or in multiples of the small length, which a transform takes to places in the drawing
+        if mark.is_repeated:
+            content = _element("use", href=f"#{mark.name}")
+        else:
+            path = _path_in_grains(mark.end_points)
+            content = _element("path", d=path, id=mark.name, **self.look_attributes(mark.css))
+        return _element("g", content, transform=self.transform_of_grains())
+
+    def transform_of_grains(self) -> str:
+        """The "transform" attribute of an SVG element whose coordinates are whole multiples of a
+        small length (`_GRAIN`, 2e-4 in numbers of the axes): it takes them to places in the
+        drawing. The scale of x, which is linear, holds for y as well.
+        """
         x_scale = self.frame.x
         pixels_per_unit = (x_scale.end - x_scale.start) / (x_scale.high - x_scale.low)
         pixels_per_grain = pixels_per_unit * _GRAIN
         x_of_origin = float(x_scale.pixels_of(0.0))
         y_of_origin = float(self.frame.y.pixels_of(0.0))
-        transform = (
+        return (
             f"translate({x_of_origin:.3f} {y_of_origin:.3f})"
             f" scale({pixels_per_grain:.7g} {-pixels_per_grain:.7g})"
         )
-        if mark.is_repeated:
-            return _element("g", _element("use", href=f"#{mark.name}"), transform=transform)
-
-        # the lines, each as its start and the move to its end
-        grains = np.rint(mark.end_points / _GRAIN).astype(int)
-        starts = grains[:, 0].tolist()
-        moves = (grains[:, 1] - grains[:, 0]).tolist()
-        lines = [
-            f"M{start_x} {start_y}l{move_x} {move_y}"
-            for (start_x, start_y), (move_x, move_y) in zip(starts, moves, strict=True)
-        ]
-        path = _element("path", d="".join(lines), id=mark.name, **self.look_attributes(mark.css))
-        return _element("g", path, transform=transform)
 
     def path_of_visible_lines(self, mark: Segments) -> str:
         """The "d" attribute of an SVG path of those straight lines that may reach into the panel's
@@ -1103,27 +1156,12 @@ class _Pen:
         }
         attributes = {"fill": mark.fill or None} | self.data_attributes({"label": mark.label})
         rectangle = _element("rect", **place, **self.look_attributes(mark.css), **attributes)
-        if not mark.is_hatched:
+        hatching = ""
+        if mark.is_hatched:
+            hatching = _path_of_hatching(left_x, right_x, least_y, largest_y)
+        if not hatching:
             return rectangle
-
-        # The oblique lines: x + y is constant along each of them, a multiple of their distance
-        # (_HATCH_DISTANCE). They start and end at these x.
-        first_line = np.ceil((left_x + least_y) / _HATCH_DISTANCE)
-        last_line = np.floor((right_x + largest_y) / _HATCH_DISTANCE)
-        sums_of_lines = np.arange(first_line, last_line + 1) * _HATCH_DISTANCE
-        starts_x = np.maximum(left_x, sums_of_lines - largest_y)
-        ends_x = np.minimum(right_x, sums_of_lines - least_y)
-        path = ""
-        for start_x, end_x, sum_of_line in zip(
-            starts_x.tolist(), ends_x.tolist(), sums_of_lines.tolist(), strict=True
-        ):
-            if end_x > start_x:
-                start_y = sum_of_line - start_x
-                end_y = sum_of_line - end_x
-                path += f"M{start_x:.1f} {start_y:.1f}L{end_x:.1f} {end_y:.1f}"
-        if not path:
-            return rectangle
-        return rectangle + _element("path", d=path, **self.look_attributes("hatching"))
+        return rectangle + _element("path", d=hatching, **self.look_attributes("hatching"))
 
     def arrow(self, mark: Arrow) -> str:
         """The SVG elements of an arrow from `mark.start` to `mark.end` (x and y in numbers of the
@@ -1156,42 +1194,10 @@ class _Pen:
         """The SVG elements of the axes `x` and `y` of a panel: grid lines at the ticks, the numbers
         beside them, and the axis titles. A number or title for which there is no room below the
         area is left out.
-
-        `frame` has the scales of both axes, whose `pixels_of` gives places in the drawing, and the
-        ends of the area (`box`).
         """
-        frame = self.frame
-        left_x, top_y, right_x, bottom_y = frame.box
-        room_below = frame.height - bottom_y
-        elements = []
-
-        # ticks of x, each a number and its text: upright grid lines, texts below the area
-        for number, text in _tick_pairs(x, frame.x):
-            place = float(frame.x.pixels_of(number))
-            look_of_grid = self.look_attributes("grid across")
-            elements.append(
-                _element("line", x1=place, x2=place, y1=top_y, y2=bottom_y, **look_of_grid)
-            )
-            if room_below > 16:
-                elements.append(
-                    self.text_element(
-                        place, bottom_y + 15, text, "tick across", text_anchor="middle"
-                    )
-                )
-
-        # ticks of y: level grid lines, texts left of the area
-        for number, text in _tick_pairs(y, frame.y):
-            place = float(frame.y.pixels_of(number))
-            look_of_grid = self.look_attributes("grid upright")
-            elements.append(
-                _element("line", x1=left_x, x2=right_x, y1=place, y2=place, **look_of_grid)
-            )
-            elements.append(
-                self.text_element(left_x - 6, place + 4, text, "tick upright", text_anchor="end")
-            )
-
-        # the titles
-        if x.words and room_below > 30:
+        elements = [*self.ticks_of_x(x), *self.ticks_of_y(y)]
+        left_x, top_y, right_x, bottom_y = self.frame.box
+        if x.words and self.frame.height - bottom_y > 30:
             middle_of_axis = (left_x + right_x) / 2
             elements.append(
                 self.text_element(
@@ -1207,6 +1213,44 @@ class _Pen:
                 )
             )
         return "".join(elements)
+
+    def ticks_of_x(self, axis: Axis) -> list[str]:
+        """The SVG elements of the ticks of a level axis: at each an upright grid line, and its
+        number below the area where there is room for it.
+        """
+        _, top_y, _, bottom_y = self.frame.box
+        room_below = self.frame.height - bottom_y
+        elements = []
+        for number, text in _tick_pairs(axis, self.frame.x):
+            place = float(self.frame.x.pixels_of(number))
+            look_of_grid = self.look_attributes("grid across")
+            elements.append(
+                _element("line", x1=place, x2=place, y1=top_y, y2=bottom_y, **look_of_grid)
+            )
+            if room_below > 16:
+                elements.append(
+                    self.text_element(
+                        place, bottom_y + 15, text, "tick across", text_anchor="middle"
+                    )
+                )
+        return elements
+
+    def ticks_of_y(self, axis: Axis) -> list[str]:
+        """The SVG elements of the ticks of an upright axis: at each a level grid line, and its
+        number left of the area.
+        """
+        left_x, _, right_x, _ = self.frame.box
+        elements = []
+        for number, text in _tick_pairs(axis, self.frame.y):
+            place = float(self.frame.y.pixels_of(number))
+            look_of_grid = self.look_attributes("grid upright")
+            elements.append(
+                _element("line", x1=left_x, x2=right_x, y1=place, y2=place, **look_of_grid)
+            )
+            elements.append(
+                self.text_element(left_x - 6, place + 4, text, "tick upright", text_anchor="end")
+            )
+        return elements
 
 
 def _tick_pairs(axis: Axis, scale: Scale) -> tuple[tuple[float, str], ...]:
@@ -1229,33 +1273,11 @@ def _panel_svg(panel: Panel, *, is_standalone: bool = False, **place: object) ->
     """
     frame = panel.frame  # the area, with the scales of both axes
     pen = _Pen(frame, is_standalone)  # makes SVG elements
-
-    # the marks, cut off at the area where there are axes
-    left_x, top_y, right_x, bottom_y = frame.box
-    area = {"x": left_x, "y": top_y, "width": right_x - left_x, "height": bottom_y - top_y}
-    content = "".join(map(pen.draw, panel.marks)) or " "
+    content_of_marks = "".join(map(pen.draw, panel.marks)) or " "
     # on a page the page's script finds them by their class
-    drawn_marks = _element("g", content, **({} if is_standalone else {"class_": "marks"}))
-    elements = [drawn_marks]
-    if not panel.without_axes:
-        corner = f"M{left_x:g} {top_y:g}L{left_x:g} {bottom_y:g}L{right_x:g} {bottom_y:g}"
-        elements = [
-            _element("clipPath", _element("rect", **area), id=f"clip-{panel.name}"),
-            _element("rect", **area, **pen.look_attributes("area")),
-            pen.axes(panel.x, panel.y),
-            _element("g", drawn_marks, clip_path=f"url(#clip-{panel.name})"),
-            _element("path", d=corner, **pen.look_attributes("axis")),
-        ]
-
-    # lines of text above the area, each with its x and its class in the style sheet
-    lines_above = [(left_x, panel.title, "title")] if panel.title else []
-    lines_above += [(24.0, note, "measure") for note in panel.notes]
-    # _LINE_HEIGHT: 15 units of the drawing
-    y_of_first_line = top_y - 9.0 - _LINE_HEIGHT * (len(lines_above) - 1)
-    for line_number, (x_of_line, text, css) in enumerate(lines_above):
-        elements.append(
-            pen.text_element(x_of_line, y_of_first_line + _LINE_HEIGHT * line_number, text, css)
-        )
+    drawn_marks = _element("g", content_of_marks, **({} if is_standalone else {"class_": "marks"}))
+    elements = [drawn_marks] if panel.without_axes else _area_with_axes(panel, pen, drawn_marks)
+    elements += _lines_above(panel, pen)
 
     # the element around all of them; `alt` describes the panel for readers who can't see it
     view_box = {"viewBox": f"0 0 {frame.width:g} {frame.height:g}"}
@@ -1271,6 +1293,39 @@ def _panel_svg(panel: Panel, *, is_standalone: bool = False, **place: object) ->
         id=f"panel-{panel.name}",
         **_script_attributes(panel, frame),
     )
+
+
+def _area_with_axes(panel: Panel, pen: _Pen, drawn_marks: str) -> list[str]:
+    """SVG elements of the area of a panel, the rectangle in which curves are drawn: its background,
+    grid and axes, and the marks, cut off at its ends. `drawn_marks` is the SVG element of the
+    marks.
+    """
+    left_x, top_y, right_x, bottom_y = pen.frame.box
+    area = {"x": left_x, "y": top_y, "width": right_x - left_x, "height": bottom_y - top_y}
+    corner = f"M{left_x:g} {top_y:g}L{left_x:g} {bottom_y:g}L{right_x:g} {bottom_y:g}"
+    return [
+        _element("clipPath", _element("rect", **area), id=f"clip-{panel.name}"),
+        _element("rect", **area, **pen.look_attributes("area")),
+        pen.axes(panel.x, panel.y),
+        _element("g", drawn_marks, clip_path=f"url(#clip-{panel.name})"),
+        _element("path", d=corner, **pen.look_attributes("axis")),
+    ]
+
+
+def _lines_above(panel: Panel, pen: _Pen) -> list[str]:
+    """SVG elements of the lines of text above the area of a panel: its title, and its notes, which
+    hold numbers. The last line stands 9 units of the drawing above the area.
+    """
+    left_x, top_y, _, _ = pen.frame.box
+    # each with its x and its class in the style sheet
+    lines_above = [(left_x, panel.title, "title")] if panel.title else []
+    lines_above += [(24.0, note, "measure") for note in panel.notes]
+    # _LINE_HEIGHT: 15 units of the drawing
+    y_of_first_line = top_y - 9.0 - _LINE_HEIGHT * (len(lines_above) - 1)
+    return [
+        pen.text_element(x_of_line, y_of_first_line + _LINE_HEIGHT * line_number, text, css)
+        for line_number, (x_of_line, text, css) in enumerate(lines_above)
+    ]
 
 
 def _is_sketch(panel: Panel) -> bool:

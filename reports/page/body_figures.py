@@ -57,8 +57,7 @@ _MOST_DOTS = 400
 def sketch(scene: Scene, half_width: float) -> Plate:
     """A figure of both bodies to scale, with their supports, their loads and the contact.
 
-    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV. `Note`
-    is a text.
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
 
     Parameters
     ----------
@@ -68,6 +67,39 @@ def sketch(scene: Scene, half_width: float) -> Plate:
     _, unit_of_length, _ = units(scene)
     # by body: (n, 2) x, and y upwards from the contact plane [length]
     outlines = {name: outline(scene, name, half_width) for name in ("lower", "upper")}
+    table: Table = {
+        "body": [name for name in outlines for _ in outlines[name]],
+        f"x [{unit_of_length}]": np.concatenate([points[:, 0] for points in outlines.values()]),
+        f"y [{unit_of_length}]": np.concatenate([points[:, 1] for points in outlines.values()]),
+    }
+    shapes = (scene.bodies.lower, scene.bodies.upper)
+    # The arguments after `columns` fill the caption: whether a half-plane is cut off, width of the
+    # contact, ranges of P and Q in words, what acts beside P and Q, units.
+    # `number`: as text, to six digits
+    return figure_with_texts(
+        "bodies",
+        [_panel_of_bodies(scene, outlines, half_width)],
+        table,
+        columns=1,
+        cut=any(isinstance(shape, HalfPlane) for shape in shapes),
+        width=number(2 * half_width),
+        length=unit_of_length,
+        normal=_range_in_words(_normal_loads(scene)),
+        tangential=_range_in_words(_tangential_loads(scene)),
+        load=load_unit(scene),
+        beside=bulk_and_tilt_in_words(scene),
+        alt=bodies_in_words(scene),
+    )
+
+
+def _panel_of_bodies(scene: Scene, outlines: dict[str, Array], half_width: float) -> Panel:
+    """A panel of both bodies to scale, with supports, names, arrows of the loads, and a line for
+    the contact of this half-width [length].
+
+    Marks are placed in pixels, since supports and arrows have no size in the scene. `outlines`:
+    "lower" or "upper" -> outline of the body, (n, 2) x and y [length], y upwards from the contact
+    plane.
+    """
     frame = _frame_of_sketch(outlines)  # scales from lengths to pixels
     marks: list[Mark] = []
     for name, points in outlines.items():
@@ -81,42 +113,16 @@ def sketch(scene: Scene, half_width: float) -> Plate:
     y_of_contact = float(frame.y.pixels_of(0.0))
     marks.append(Curve(x_of_contact, [y_of_contact, y_of_contact], "contact-line"))
     marks += _marks_of_loads(frame, scene, outlines)
-
-    alt = bodies_in_words(scene)
-    # Marks are placed in pixels: supports and arrows have no size in the scene.
-    panel = Panel(
+    return Panel(
         "bodies",
         Axis(0.0, frame.width, ""),
         Axis(frame.height, 0.0, ""),
         marks,
-        alt,
+        bodies_in_words(scene),
         frame.width,
         frame.height,
         without_axes=True,
         room=(0.0, 0.0, 0.0, 0.0),
-    )
-    table: Table = {
-        "body": [name for name in outlines for _ in outlines[name]],
-        f"x [{unit_of_length}]": np.concatenate([points[:, 0] for points in outlines.values()]),
-        f"y [{unit_of_length}]": np.concatenate([points[:, 1] for points in outlines.values()]),
-    }
-    shapes = (scene.bodies.lower, scene.bodies.upper)
-    # The arguments after `columns` fill the caption: whether a half-plane is cut off, width of the
-    # contact, ranges of P and Q in words, what acts beside P and Q, units.
-    # `number`: as text, to six digits
-    return figure_with_texts(
-        "bodies",
-        [panel],
-        table,
-        columns=1,
-        cut=any(isinstance(shape, HalfPlane) for shape in shapes),
-        width=number(2 * half_width),
-        length=unit_of_length,
-        normal=_range_in_words(_normal_loads(scene)),
-        tangential=_range_in_words(_tangential_loads(scene)),
-        load=load_unit(scene),
-        beside=bulk_and_tilt_in_words(scene),
-        alt=alt,
     )
 
 

@@ -16,6 +16,7 @@ from reports.charts.plate import (
     Key,
     Mark,
     Note,
+    Panel,
     Plate,
     Segments,
     figure_with_texts,
@@ -56,8 +57,8 @@ def budget_bars(budget: ErrorBudget) -> Plate | None:
     An entry of `budget.budgets` is the budget of one metric: its terms, and whether the bodies are
     the half-planes of theory. Then the rest of E is unexplained, else it is the idealisation error.
 
-    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV. `Note`
-    is a text and `Key` an entry of the legend.
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV. `Key` is
+    an entry of the legend.
     """
     budgets_with_tolerance = [
         budget_of_metric for budget_of_metric in budget.budgets if budget_of_metric.metric.tolerance
@@ -75,8 +76,33 @@ def budget_bars(budget: ErrorBudget) -> Plate | None:
     block_names = [*term_names, rest_name]
     # lengths of the blocks of each bar, in tolerances or per cent
     stacks = [_stack_of(budget_of_metric, is_judged) for budget_of_metric in budgets]
-    axis_end = _half_width_of_bars(stacks, is_judged)
+    # legend of the sources of error that have a block in some bar
+    is_drawn = np.any([stack.lengths != 0 for stack in stacks], axis=0)
+    keys = [
+        Key(f"term-{index}", name, is_patch=True)
+        for index, name in enumerate(block_names)
+        if is_drawn[index]
+    ]
+    numbers_by_column = _budget_table(budgets, term_names, rest_name)
+    panel = _panel_of_bars(stacks, block_names, is_judged)
+    return figure_with_texts(
+        "budget", [panel], numbers_by_column, keys, columns=1, judged=is_judged
+    )
 
+
+def _panel_of_bars(stacks: Sequence[_Stack], block_names: Sequence[str], is_judged: bool) -> Panel:
+    """A panel with a stacked bar for each metric, the first on top, each with a label above it.
+
+    Parameters
+    ----------
+    stacks
+        of each bar the lengths of its blocks, its total and the uncertainty of that
+    block_names
+        what each block stands for: the sources of error, then what no source explains
+    is_judged
+        whether lengths are over the tolerance; else they are per cent
+    """
+    axis_end = _half_width_of_bars(stacks, is_judged)
     marks: list[Mark] = []
     for row_number, stack in enumerate(stacks):
         # a row has height 1; the first is on top
@@ -88,28 +114,36 @@ def budget_bars(budget: ErrorBudget) -> Plate | None:
         # how far the bar with its uncertainty goes from zero
         cut_in_words = ", cut off" if stack.largest_distance > axis_end else ""
         label = f"{metric.label}: {value_in_words(metric)}{cut_in_words}"
-        marks.append(Note(-axis_end, lower_edge + 0.7, label, "tick over", shift=(6.0, 0.0)))
-
-    # _BAR_HEIGHT: height of the row of a bar [pixels]
-    panel = broad_panel(
+        marks.append(_label_of_row(-axis_end, lower_edge, label))
+    return _panel_of_rows(
         "budget",
         Axis(-axis_end, axis_end, _axis_of_bars(is_judged), count=8),
-        Axis(0.0, float(len(budgets)), "", count=0),
+        len(stacks),
         marks,
         "Error budget as stacked bars",
-        _BAR_HEIGHT * len(budgets) + 60,
-        room=(20.0, 12.0, 20.0, 46.0),
     )
-    # legend of the sources of error that have a block in some bar
-    is_drawn = np.any([stack.lengths != 0 for stack in stacks], axis=0)
-    keys = [
-        Key(f"term-{index}", name, is_patch=True)
-        for index, name in enumerate(block_names)
-        if is_drawn[index]
-    ]
-    numbers_by_column = _budget_table(budgets, term_names, rest_name)
-    return figure_with_texts(
-        "budget", [panel], numbers_by_column, keys, columns=1, judged=is_judged
+
+
+def _label_of_row(left_end: float, lower_edge: float, label: str) -> Note:
+    """The text above a bar, at the left end of the axis. `lower_edge` is the height at which the
+    row of the bar begins; a row has height 1.
+    """
+    return Note(left_end, lower_edge + 0.7, label, "tick over", shift=(6.0, 0.0))
+
+
+def _panel_of_rows(name: str, axis: Axis, n_rows: int, marks: Sequence[Mark], alt: str) -> Panel:
+    """A panel of level bars along `axis`, in `n_rows` rows of height 1, which are 44 pixels high.
+    `name` is that of the panel on the page; `alt` says what it shows, for readers who can't see it.
+    """
+    # _BAR_HEIGHT: height of the row of a bar [pixels]
+    return broad_panel(
+        name,
+        axis,
+        Axis(0.0, float(n_rows), "", count=0),
+        marks,
+        alt,
+        _BAR_HEIGHT * n_rows + 60,
+        room=(20.0, 12.0, 20.0, 46.0),
     )
 
 
@@ -132,39 +166,26 @@ def waterfall(why: Why) -> Plate | None:
     parts = why.all_parts
     if not parts:
         return None
-    ends_of_bars = [100 * (part.sum_before + part.change.value) for part in parts]
     total_change = 100 * why.difference.value
     uncertainty = 100 * why.difference.uncertainty
     if not math.isfinite(uncertainty):
         uncertainty = 0.0
-    least_value = min(0.0, *ends_of_bars, total_change - uncertainty)
-    largest_value = max(0.0, *ends_of_bars, total_change + uncertainty)
-    margin = 0.08 * (largest_value - least_value) or 1.0
-    # its ends, `axis.low` and `axis.high`, and about eight ticks
-    axis = Axis(least_value - margin, largest_value + margin, "change of W, per cent", count=8)
+    axis = _axis_of_waterfall(why, total_change, uncertainty)
     marks: list[Mark] = []
     labels: list[Mark] = []  # on top of all lines
     n_rows = len(parts) + 1  # of height 1, the first on top, the total in the last
     for part_number, part in enumerate(parts):
         lower_edge = float(n_rows - part_number - 1)
         label = f"{part.cause}: {percent_of(part.change)}"
-        ends_of_bar = (100 * part.sum_before, ends_of_bars[part_number])
+        ends_of_bar = (100 * part.sum_before, 100 * (part.sum_before + part.change.value))
         marks += _bar_of_cause(ends_of_bar, lower_edge, f"term-{part_number} edge", label)
-        labels.append(Note(axis.low, lower_edge + 0.7, label, "tick over", shift=(6.0, 0.0)))
+        labels.append(_label_of_row(axis.low, lower_edge, label))
     marks.append(Segments(np.array([[[0.0, 0.06], [0.0, 0.56]]]), "zero"))
     marks += _marks_of_total(0.0, total_change, uncertainty, max(-axis.low, axis.high))
     label_of_total = f"finite elements/theory − 1: {percent_of(why.difference)}"
-    labels.append(Note(axis.low, 0.7, label_of_total, "tick over", shift=(6.0, 0.0)))
-    marks += labels
-    # _BAR_HEIGHT: height of the row of a bar [pixels]
-    panel = broad_panel(
-        "waterfall",
-        axis,
-        Axis(0.0, float(n_rows), "", count=0),
-        marks,
-        "From theory to finite elements, step by step",
-        _BAR_HEIGHT * n_rows + 60,
-        room=(20.0, 12.0, 20.0, 46.0),
+    marks += [*labels, _label_of_row(axis.low, 0.0, label_of_total)]
+    panel = _panel_of_rows(
+        "waterfall", axis, n_rows, marks, "From theory to finite elements, step by step"
     )
     table: Table = {
         "cause": [part.cause for part in parts],
@@ -172,6 +193,18 @@ def waterfall(why: Why) -> Plate | None:
         "u": [part.change.uncertainty for part in parts],
     }
     return figure_with_texts("waterfall", [panel], table, columns=1)
+
+
+def _axis_of_waterfall(why: Why, total_change: float, uncertainty: float) -> Axis:
+    """The axis of the changes of the dissipation W in per cent, with about eight ticks: it holds
+    zero, the ends of the bars of all causes, and the total with its uncertainty [per cent], with a
+    margin.
+    """
+    ends_of_bars = [100 * (part.sum_before + part.change.value) for part in why.all_parts]
+    least_value = min(0.0, *ends_of_bars, total_change - uncertainty)
+    largest_value = max(0.0, *ends_of_bars, total_change + uncertainty)
+    margin = 0.08 * (largest_value - least_value) or 1.0
+    return Axis(least_value - margin, largest_value + margin, "change of W, per cent", count=8)
 
 
 def _bar_of_cause(
@@ -450,50 +483,86 @@ def _figure_of_convergence(
     element_sizes
         those of all meshes
     """
-    curves = {
+    points_by_label = {
         label: points
         for label, points in distances_by_label.items()
         if _has_positive_distance(points)
     }
-    if len(element_sizes) < 3 or not curves:
+    if len(element_sizes) < 3 or not points_by_label:
         return None
 
-    sizes = np.array(sorted(element_sizes))
     # (element size, distance) of all metrics
-    all_points = [point for points in curves.values() for point in points]
+    all_points = [point for points in points_by_label.values() for point in points]
+    sizes = np.array(sorted(element_sizes))
     positive_distances = [distance for _, distance in all_points if distance > 0]
-    largest_distance = max(positive_distances)
-
-    # straight lines of order 1 and 2 from the largest distance
-    keys_of_orders = [Key(f"slope order-{order}", f"order {order}") for order in (1, 2)]
-    marks: list[Mark] = []
-    for order, key in enumerate(keys_of_orders, 1):
-        marks.append(
-            Curve(sizes, largest_distance * (sizes / sizes[-1]) ** order, key.css, key.text)
-        )
-    keys = []
-    # LINE_LOOKS: classes of lines in the style sheet, one for each metric
-    for (label, points), css in zip(curves.items(), LINE_LOOKS, strict=False):
-        curve_sizes = [size for size, _ in points]
-        curve_distances = [distance for _, distance in points]
-        marks.append(Curve(curve_sizes, curve_distances, css, label))
-        for size, distance in points:
-            if distance > 0:
-                marks.append(Dot(size, distance, f"{css} knot", 3.2))
-        keys.append(Key(css, label))
-
-    words_of_horizontal_axis, words_of_vertical_axis = words_of_axes
-    x_axis = Axis(
-        0.8 * float(sizes.min()), 1.25 * float(sizes.max()), words_of_horizontal_axis, log=True
-    )
-    # Below a millionth of the largest distance a curve is round-off.
-    least_distance = max(min(positive_distances), 1e-6 * largest_distance)
-    y_axis = Axis(least_distance / 3, 3 * largest_distance, words_of_vertical_axis, log=True)
+    x_axis, y_axis = _axes_of_convergence(words_of_axes, sizes, positive_distances)
+    curves_of_orders = _curves_of_orders(sizes, max(positive_distances))
+    marks: list[Mark] = [*curves_of_orders, *_marks_of_metrics(points_by_label)]
     alt = "Convergence with the mesh, both axes logarithmic"
     panel = broad_panel(name, x_axis, y_axis, marks, alt, 360.0)
     table: dict[str, Any] = {
-        "metric": [label for label, points in curves.items() for _ in points],
+        "metric": [label for label, points in points_by_label.items() for _ in points],
         "size": [size for size, _ in all_points],
         "distance": [distance for _, distance in all_points],
     }
-    return figure_with_texts(name, [panel], table, [*keys, *keys_of_orders], columns=1)
+    # LINE_LOOKS: classes of lines in the style sheet, one for each metric
+    keys = [Key(css, label) for label, css in zip(points_by_label, LINE_LOOKS, strict=False)]
+    keys += [Key(curve.css, curve.label) for curve in curves_of_orders]
+    return figure_with_texts(name, [panel], table, keys, columns=1)
+
+
+def _axes_of_convergence(
+    words_of_axes: tuple[str, str], sizes: Array, positive_distances: Sequence[float]
+) -> tuple[Axis, Axis]:
+    """The logarithmic axes of a figure of convergence: of element size and of distance from the
+    limit. Below a millionth of the largest distance a curve is round-off, which is not shown.
+
+    Parameters
+    ----------
+    words_of_axes
+        words of the axis of element size, and of that of distance
+    sizes
+        (n_meshes,) element sizes
+    positive_distances
+        distances of all metrics on all meshes, but those that are 0
+    """
+    words_of_size, words_of_distance = words_of_axes
+    largest_distance = max(positive_distances)
+    least_distance = max(min(positive_distances), 1e-6 * largest_distance)
+    return (
+        Axis(0.8 * float(sizes.min()), 1.25 * float(sizes.max()), words_of_size, log=True),
+        Axis(least_distance / 3, 3 * largest_distance, words_of_distance, log=True),
+    )
+
+
+def _curves_of_orders(sizes: Array, largest_distance: float) -> list[Curve]:
+    """Straight lines of order 1 and 2 in a logarithmic figure of convergence: distance proportional
+    to the element size and to its square. Both start at the largest distance on the coarsest mesh.
+    `sizes` (n_meshes,) are ascending.
+    """
+    return [
+        Curve(
+            sizes,
+            largest_distance * (sizes / sizes[-1]) ** order,
+            f"slope order-{order}",
+            f"order {order}",
+        )
+        for order in (1, 2)
+    ]
+
+
+def _marks_of_metrics(
+    points_by_label: Mapping[str, Sequence[tuple[float, float]]],
+) -> Iterator[Mark]:
+    """For each metric a curve of its distance from its limit over the element size, and a dot on
+    each mesh, but where the distance is 0. `points_by_label`: label of the metric -> (element size,
+    distance) of each mesh.
+    """
+    # LINE_LOOKS: classes of lines in the style sheet, one for each metric
+    for (label, points), css in zip(points_by_label.items(), LINE_LOOKS, strict=False):
+        curve_sizes = [size for size, _ in points]
+        curve_distances = [distance for _, distance in points]
+        yield Curve(curve_sizes, curve_distances, css, label)
+        for size, distance in points:
+            if distance > 0:
+                yield Dot(size, distance, f"{css} knot", 3.2)

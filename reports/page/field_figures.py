@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +26,7 @@ from reports.charts.plate import (
     axis_limits,
     figure_with_texts,
 )
-from reports.charts.templating import STATE_NAMES
+from reports.charts.templating import STATE_NAMES, Table
 from reports.comparison.words import value_in_words
 from reports.page.cycle_view import (
     ZERO,
@@ -102,6 +103,19 @@ def _traction_fields(view: CycleView) -> dict[str, tuple[str, float]]:
     return {"p": ("pressure", view.scales.pressure), "q": ("shear", view.scales.shear)}
 
 
+class _DrawnTractions(NamedTuple):
+    """Tractions of both engines at the points and instants that a figure needs.
+
+    p is the pressure and q the shear. They are divided by p_ref, the pressure at the reference
+    load, and by f p_ref, f the friction coefficient.
+    """
+
+    x: Array  # (n,) points over a_ref, the half-width at the reference load
+    # "p" or "q" -> of the reference and of the result, (k instants, n) each; the instant that is
+    # drawn is the first, the others are there for the ends of the axes
+    pairs: dict[str, tuple[Array, Array]]
+
+
 def traction_panels(
     view: CycleView,
     instant: int,
@@ -134,79 +148,109 @@ def traction_panels(
         whether the curves change to the instant that the page's slider chooses
     """
     width, height = size
-    # x/a_ref (n,); by letter p or q: reference and result, (instants, n), the drawn instant first
-    x, traction_pairs = _tractions_at(view, (instant, *instants_of_axes))
-    differences = {
-        letter: 100 * (result_values - reference_values)
-        for letter, (reference_values, result_values) in traction_pairs.items()
-    }
-
-    def curve_of(values: Array, css: str, label: str, field: str) -> Curve:
-        """A curve over x; the slider replaces it by values of `field` in the page's script."""
-        data_of_slider = {"field": field} if moves_with_slider else {}
-        return Curve(x, values.copy(), css, label, data_of_slider)
-
-    # `ZERO` is a line at zero; `line_css` the class of an engine's lines in the style sheet. Row 0
-    # is the instant that is drawn. Its curves are copies of the row: a view of it would keep the
-    # tractions of all instants in memory.
-    traction_marks: list[Mark] = [ZERO]
-    for engine_number, engine in enumerate(view.engines):
-        for letter in "pq":
-            values = traction_pairs[letter][engine_number][0]
-            css = f"{engine.line_css} {letter}"
-            label = f"{letter}, {engine.name}"
-            traction_marks.append(curve_of(values, css, label, f"{letter}{engine_number}"))
-    all_values = [values for pair in traction_pairs.values() for values in pair]
+    drawn = _tractions_at(view, (instant, *instants_of_axes))
+    all_values = [values for pair in drawn.pairs.values() for values in pair]
     upper_panel = Panel(
         name,
         view.over_x(""),
         Axis(*axis_limits(*all_values, with_zero=True), "p/p_ref,  q/(f p_ref)"),
-        traction_marks,
+        _traction_curves(view, drawn, moves_with_slider=moves_with_slider),
         f"Pressure and shear over x. {title}".strip(),
         width,
         height,
         title,
         room=(72.0, 26.0 if title else 12.0, 20.0, 20.0),
     )
-
-    pressure_of_reference, pressure_of_result = traction_pairs["p"]
-    is_touching = (pressure_of_reference[0] != 0) | (pressure_of_result[0] != 0)
-    difference_marks: list[Mark] = [ZERO]
-    notes = []
-    for letter in "pq":
-        values = differences[letter][0]
-        label = f"difference of {letter}, %"
-        difference_marks.append(curve_of(values, f"d {letter}", label, f"d{letter}"))
-        size_in_words = difference_in_words(values, x, "x = {} a_ref", " %", is_touching)
-        notes.append(f"{letter}: {size_in_words}")
+    difference_by_letter = {
+        letter: 100 * (result_values - reference_values)
+        for letter, (reference_values, result_values) in drawn.pairs.items()
+    }
     lower_panel = Panel(
         f"{name}-difference",
         view.over_x(),
         Axis(
-            *axis_limits(*differences.values(), with_zero=True, least_range=1e-9),
+            *axis_limits(*difference_by_letter.values(), with_zero=True, least_range=1e-9),
             "difference, %",
             count=3,
         ),
-        difference_marks,
+        _difference_curves(drawn.x, difference_by_letter, moves_with_slider=moves_with_slider),
         f"Result less reference over x. {title}".strip(),
         width,
         0.56 * height + 56,
-        notes=notes,
+        notes=_differences_in_words(drawn, difference_by_letter),
     )
     return upper_panel, lower_panel
 
 
-def _tractions_at(
-    view: CycleView, instants: Sequence[int]
-) -> tuple[Array, dict[str, tuple[Array, Array]]]:
-    """The x/a_ref of the points that are drawn, (n,); and by letter, "p" or "q", a pair of arrays
-    (k, n): p/p_ref or q/(f p_ref) of the reference and of the result at these points.
+def _curve_over_x(
+    x: Array, values: Array, css: str, label: str, series_of_slider: str | None
+) -> Curve:
+    """A curve of `values` (n,) over `x` (n,) with a label, in the look of a class of the style
+    sheet. Where the page's slider moves it, `series_of_slider` is the name of its values in the
+    data of the page's script; else None.
 
-    The k instants are `instants` (indices) in their order, without repetitions. `view` holds the
-    last cycles of both solutions, all points over a_ref, and the largest that is drawn.
+    The values are copied: a view of one instant would keep those of all instants in memory.
+    """
+    data_of_slider = {} if series_of_slider is None else {"field": series_of_slider}
+    return Curve(x, values.copy(), css, label, data_of_slider)
 
-    # notation: p pressure, q shear traction, p_ref and a_ref pressure and half-width at the
-    # reference load, f friction coefficient
+
+def _traction_curves(
+    view: CycleView, drawn: _DrawnTractions, *, moves_with_slider: bool
+) -> list[Mark]:
+    """A line at zero, and the curves of p and q of both engines over x at the first instant of
+    `drawn`. With `moves_with_slider` the page's slider replaces each curve by one of the series
+    "p0" and "q0" (reference), "p1" and "q1" (result) of the page's script.
+    """
+    # `ZERO` is a line at zero; `line_css` the class of an engine's lines in the style sheet
+    marks: list[Mark] = [ZERO]
+    for engine_number, engine in enumerate(view.engines):
+        for letter in "pq":
+            values = drawn.pairs[letter][engine_number][0]
+            css = f"{engine.line_css} {letter}"
+            series_of_slider = f"{letter}{engine_number}" if moves_with_slider else None
+            label = f"{letter}, {engine.name}"
+            marks.append(_curve_over_x(drawn.x, values, css, label, series_of_slider))
+    return marks
+
+
+def _difference_curves(
+    x: Array, difference_by_letter: Mapping[str, Array], *, moves_with_slider: bool
+) -> list[Mark]:
+    """A line at zero, and the curves of the differences of p and q over `x` (n,), in per cent, at
+    the first instant of each array (k, n). With `moves_with_slider` the page's slider replaces them
+    by the series "dp" and "dq" of the page's script.
+    """
+    marks: list[Mark] = [ZERO]
+    for letter in "pq":
+        values = difference_by_letter[letter][0]
+        label = f"difference of {letter}, %"
+        series_of_slider = f"d{letter}" if moves_with_slider else None
+        marks.append(_curve_over_x(x, values, f"d {letter}", label, series_of_slider))
+    return marks
+
+
+def _differences_in_words(
+    drawn: _DrawnTractions, difference_by_letter: Mapping[str, Array]
+) -> list[str]:
+    """The sizes of the differences of p and of q at the first instant, in words: root mean square,
+    largest value and its place. They count where either engine has pressure.
+    `difference_by_letter`: "p" or "q" -> difference (k, n) in per cent.
+    """
+    pressure_of_reference, pressure_of_result = drawn.pairs["p"]
+    is_touching = (pressure_of_reference[0] != 0) | (pressure_of_result[0] != 0)
+    notes = []
+    for letter in "pq":
+        values = difference_by_letter[letter][0]
+        size_in_words = difference_in_words(values, drawn.x, "x = {} a_ref", " %", is_touching)
+        notes.append(f"{letter}: {size_in_words}")
+    return notes
+
+
+def _tractions_at(view: CycleView, instants: Sequence[int]) -> _DrawnTractions:
+    """Tractions of both engines at the points that are drawn and at the k `instants` (indices), in
+    their order, without repetitions. `view` holds the last cycles of both solutions, all points
+    over a_ref, and the largest that is drawn.
     """
     is_drawn = np.abs(view.x) <= view.largest_x * 1.02
     instants_once = np.array(list(dict.fromkeys(instants)))
@@ -216,7 +260,7 @@ def _tractions_at(
         reference_values = getattr(view.reference_cycle, field)[grid] / scale
         result_values = getattr(view.result_cycle, field)[grid] / scale
         traction_pairs[letter] = (reference_values, result_values)
-    return view.x[is_drawn], traction_pairs
+    return _DrawnTractions(view.x[is_drawn], traction_pairs)
 
 
 def moving_instant(view: CycleView) -> Plate:
@@ -306,17 +350,38 @@ def state_map(view: CycleView) -> Plate:
     3, and the instants `time` (k,). Its points `x` (n,) are over the half-width at the reference
     load; `largest_x` is the largest that is drawn.
 
-    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV. `Bitmap`
-    is an image over the panel.
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
     """
-    states_of_reference = view.reference_cycle.state
-    states_of_result = view.result_cycle.state
     metric = view.comparison.metric("state")
     # The share of points that differ is that of the metric, weighted by lengths. Points crowd at
     # the edges, so that counting them would give a larger share.
     share_in_words = "" if metric.value is None else value_in_words(metric)
+    # the table: of a long path evenly many instants, half a million states in all
+    point_indices = np.flatnonzero(np.abs(view.x) <= view.largest_x)
+    n_instants = min(len(view.time), max(_MOST_STATES // len(point_indices), 2))
+    instant_indices = np.linspace(0, len(view.time) - 1, n_instants).round().astype(int)
+    # with the legend of the four states; the arguments after `columns` fill the caption
+    return figure_with_texts(
+        "state_map",
+        _maps_of_states(view, f"they differ: {share_in_words}".rstrip(": ")),
+        _table_of_states(view, instant_indices, point_indices),
+        STATE_KEYS,
+        columns=3,
+        share=share_in_words,
+        written=len(instant_indices),
+        instants=len(view.time),
+        stretch=view.part_of_path,
+    )
+
+
+def _maps_of_states(view: CycleView, difference_title: str) -> list[Panel]:
+    """Three panels over x and time: the contact states of the reference, those of the result, and
+    where they differ. Each is a `Bitmap`, an image over the panel. `difference_title` is the title
+    of the third.
+    """
+    states_of_reference = view.reference_cycle.state
+    states_of_result = view.result_cycle.state
     reference_engine, result_engine = view.engines
-    difference_title = f"they differ: {share_in_words}".rstrip(": ")
     # name of the panel, values (k, n), colour of each value, title
     maps = (
         ("map-reference", states_of_reference, _STATE_COLOURS, reference_engine.name),
@@ -329,49 +394,40 @@ def state_map(view: CycleView) -> Plate:
         ),
     )
     pixels = _pixels(view)  # the instant and the point of each pixel of a map
-    panels = []
-    for name, states, palette, title in maps:
-        marks = [Bitmap(states[pixels].astype(np.uint8), palette)]
-        panels.append(
-            Panel(
-                name,
-                view.over_x(),
-                view.over_time(),
-                marks,
-                f"Map of states: {title}",
-                340.0,
-                320.0,
-                title,
-                time="y",
-                css="pick",
-            )
+    # Panel: name, both axes, marks, description, width, height, title
+    return [
+        Panel(
+            name,
+            view.over_x(),
+            view.over_time(),
+            [Bitmap(values[pixels].astype(np.uint8), palette)],
+            f"Map of states: {title}",
+            340.0,
+            320.0,
+            title,
+            time="y",
+            css="pick",
         )
+        for name, values, palette, title in maps
+    ]
 
-    # the table of all states; of a long path evenly many instants, half a million states in all
-    point_indices = np.flatnonzero(np.abs(view.x) <= view.largest_x)
-    instant_count = min(len(view.time), max(_MOST_STATES // len(point_indices), 2))
-    instant_indices = np.linspace(0, len(view.time) - 1, instant_count).round().astype(int)
+
+def _table_of_states(
+    view: CycleView, instant_indices: NDArray[np.int_], point_indices: NDArray[np.int_]
+) -> Table:
+    """The contact states of both engines as columns, a row for each of these instants and points:
+    time, x, and the state in the reference and in the result as a code. The headings explain the
+    codes.
+    """
     grid = np.ix_(instant_indices, point_indices)
     # STATE_NAMES: code of a state -> its name, such as 1 -> "stick"
     codes = ", ".join(f"{int(state)} {state_name}" for state, state_name in STATE_NAMES.items())
-    table = {
+    return {
         "time": np.repeat(view.result_cycle.time[instant_indices], len(point_indices)),
         "x": np.tile(view.result_cycle.x[point_indices], len(instant_indices)),
-        f"state_reference ({codes})": states_of_reference[grid].ravel(),
-        f"state_result ({codes})": states_of_result[grid].ravel(),
+        f"state_reference ({codes})": view.reference_cycle.state[grid].ravel(),
+        f"state_result ({codes})": view.result_cycle.state[grid].ravel(),
     }
-    # with the legend of the four states; the arguments after `columns` fill the caption
-    return figure_with_texts(
-        "state_map",
-        panels,
-        table,
-        STATE_KEYS,
-        columns=3,
-        share=share_in_words,
-        written=len(instant_indices),
-        instants=len(view.time),
-        stretch=view.part_of_path,
-    )
 
 
 def _pixels(view: CycleView) -> tuple[NDArray[np.int_], ...]:
@@ -386,6 +442,18 @@ def _pixels(view: CycleView) -> tuple[NDArray[np.int_], ...]:
     return np.ix_(instant_indices, point_indices)
 
 
+class _Densities(NamedTuple):
+    """The friction work per area w(x) of the last cycle by both engines, (n,) each.
+
+    It is over A f² P_ref²/a_ref: A = 2/E* is the compliance of the materials, f the friction
+    coefficient, P_ref and a_ref are load and half-width of the reference.
+    """
+
+    x: Array  # (n,) points over a_ref
+    reference: Array
+    result: Array
+
+
 def dissipation_density(view: CycleView) -> Plate | None:
     """A figure of the friction work per area w(x) of the last cycle, both engines, and of their
     difference in per cent of the largest w of the reference. None where nothing is dissipated.
@@ -394,49 +462,89 @@ def dissipation_density(view: CycleView) -> Plate | None:
     scale of w is A f^2 P_ref^2/a_ref: A = 2/E* the compliance of the materials, f the friction
     coefficient, P_ref and a_ref load and half-width of the reference.
 
-    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV. `Rule`
-    is a line across the panel, `Key` an entry of the legend and `ZERO` a line at 0. `css` is a
-    class of the style sheet.
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV. `Key` is
+    an entry of the legend.
     """
-    x = view.x
     scales = view.scales
     scale_of_density = scales.dissipation / scales.half_width
-    density_of_reference = view.reference_cycle.dissipation_density / scale_of_density
-    density_of_result = view.result_cycle.dissipation_density / scale_of_density
-    if not (np.any(density_of_reference) or np.any(density_of_result)):
+    densities = _Densities(
+        view.x,
+        view.reference_cycle.dissipation_density / scale_of_density,
+        view.result_cycle.dissipation_density / scale_of_density,
+    )
+    if not (np.any(densities.reference) or np.any(densities.result)):
         return None
 
     # ends of the zone that sticks through the whole cycle, over a_ref; NaN without one
     stick_edges = permanent_edges(view.comparison.reference) / scales.half_width
-    density_marks: list[Mark] = [
+    known_density = np.where(np.isfinite(densities.result), densities.result, -np.inf)
+    peak_index = int(np.nanargmax(known_density))
+    scale_in_words = "(A f^2 P_ref^2/a_ref)"
+    table = {
+        "x": view.result_cycle.x,
+        "x/a_ref": densities.x,
+        f"w_reference/{scale_in_words}": densities.reference,
+        f"w_result/{scale_in_words}": densities.result,
+    }
+    # the arguments after the legend fill the caption; `signed`: as text, to four digits
+    return figure_with_texts(
+        "dissipation_density",
+        (
+            _density_panel(view, densities, stick_edges, peak_index),
+            _density_difference_panel(view, densities),
+        ),
+        table,
+        (*view.keys, Key("d p", "difference")),
+        stretch=view.part_of_path,
+        peak=f"{densities.result[peak_index]:.4g}",
+        place=signed(float(densities.x[peak_index])),
+        stick=_ends_in_words(stick_edges),
+    )
+
+
+def _density_panel(
+    view: CycleView, densities: _Densities, stick_edges: Array, peak_index: int
+) -> Panel:
+    """A panel of the friction work per area over x by both engines. Upright lines mark the ends
+    `stick_edges` (2,) of the zone that always sticks (over a_ref, NaN without one). A dot marks the
+    largest value of the result, at the point of index `peak_index`.
+    """
+    x = densities.x
+    marks: list[Mark] = [
         Rule(float(edge), "stick-line", is_upright=True)
         for edge in stick_edges
         if np.isfinite(edge)
     ]
-    for density, key in zip((density_of_reference, density_of_result), view.keys, strict=True):
-        density_marks.append(Curve(x, density, key.css, key.text))
-    known_density = np.where(np.isfinite(density_of_result), density_of_result, -np.inf)
-    peak_index = int(np.nanargmax(known_density))
-    density_marks.append(Dot(float(x[peak_index]), float(density_of_result[peak_index]), "event"))
-    density_panel = Panel(
+    # the legend entries `keys` have class and name of both engines
+    for density, key in zip((densities.reference, densities.result), view.keys, strict=True):
+        marks.append(Curve(x, density, key.css, key.text))
+    marks.append(Dot(float(x[peak_index]), float(densities.result[peak_index]), "event"))
+    return Panel(
         "work",
         view.over_x(),
         Axis(
-            *axis_limits(density_of_reference, density_of_result, with_zero=True),
+            *axis_limits(densities.reference, densities.result, with_zero=True),
             "w / (A f² P_ref²/a_ref)",
         ),
-        density_marks,
+        marks,
         "Dissipation density over x",
         css="pick",
     )
 
-    largest_density = float(np.nanmax(np.abs(density_of_reference), initial=0.0)) or 1.0
-    difference = 100 * (density_of_result - density_of_reference) / largest_density
-    has_dissipation = (density_of_reference != 0) | (density_of_result != 0)
-    note = difference_in_words(
-        difference, x, "x = {} a_ref", " %", (np.abs(x) <= view.largest_x) & has_dissipation
-    )
-    difference_panel = Panel(
+
+def _density_difference_panel(view: CycleView, densities: _Densities) -> Panel:
+    """A panel of the difference of the friction work per area, result minus reference, over x. It
+    is in per cent of the largest value of the reference, or of its unit where the reference
+    dissipates nothing. A note states its size in words.
+    """
+    x = densities.x
+    largest_density = float(np.nanmax(np.abs(densities.reference), initial=0.0)) or 1.0
+    difference = 100 * (densities.result - densities.reference) / largest_density
+    has_dissipation = (densities.reference != 0) | (densities.result != 0)
+    is_drawn = np.abs(x) <= view.largest_x
+    note = difference_in_words(difference, x, "x = {} a_ref", " %", is_drawn & has_dissipation)
+    # `ZERO` is a line at zero
+    return Panel(
         "work-difference",
         view.over_x(),
         Axis(
@@ -446,25 +554,6 @@ def dissipation_density(view: CycleView) -> Plate | None:
         [ZERO, Curve(x, difference, "d p", "difference")],
         "Difference of the dissipation density",
         notes=[note],
-    )
-    scale_in_words = "(A f^2 P_ref^2/a_ref)"
-    table = {
-        "x": view.result_cycle.x,
-        "x/a_ref": x,
-        f"w_reference/{scale_in_words}": density_of_reference,
-        f"w_result/{scale_in_words}": density_of_result,
-    }
-    # the arguments after the legend fill the caption
-    # `signed`: as text, to four digits
-    return figure_with_texts(
-        "dissipation_density",
-        (density_panel, difference_panel),
-        table,
-        (*view.keys, Key("d p", "difference")),
-        stretch=view.part_of_path,
-        peak=f"{density_of_result[peak_index]:.4g}",
-        place=signed(float(x[peak_index])),
-        stick=_ends_in_words(stick_edges),
     )
 
 

@@ -24,7 +24,7 @@ from reports.charts.plate import (
 from reports.charts.templating import Table
 from reports.comparison.cycles import Cycle, Event
 from reports.comparison.judged import JudgedPair
-from reports.comparison.metrics import reason_by_missing_field
+from reports.comparison.metrics import Metric, reason_by_missing_field
 from reports.comparison.pairs import are_half_planes
 from reports.comparison.work_of_loads import bulk_strain, bulk_work, loop_work
 from reports.measured import load_cycles
@@ -60,24 +60,9 @@ def half_widths(view: CycleView) -> Plate:
     style sheet) of reference and result, the axis of time, and words for the part of the path.
 
     A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV. `Key` is
-    an entry of the legend and `ZERO` a line at 0.
+    an entry of the legend.
     """
-    a_ref = view.scales.half_width
-    curves: list[Curve] = []
-    keys: list[Key] = []
-    table = {"time": view.result_cycle.time}
-    half_widths_of: dict[str, list[Array]] = {"contact": [], "stick": []}
-    for role, engine in zip(("reference", "result"), view.engines, strict=True):
-        for kind, css in (("contact", "p"), ("stick", "q")):
-            edges = getattr(engine.cycle, f"{kind}_edges")  # (k instants, 2) [length]
-            left_edge, right_edge = edges.T
-            key = Key(f"{engine.line_css} {css}", f"{kind} edge, {engine.name}")
-            keys.append(key)
-            curves.append(Curve(view.time, left_edge / a_ref, key.css, key.text))
-            curves.append(Curve(view.time, right_edge / a_ref, key.css, key.text))
-            half_widths_of[kind].append((right_edge - left_edge) / 2 / a_ref)
-            table[f"left_{kind}_edges_{role}"] = left_edge
-            table[f"right_{kind}_edges_{role}"] = right_edge
+    curves = _curves_of_edges(view)
     # X_OVER_A: words of the axis, "x / a_ref"
     panel_of_edges = Panel(
         "edges",
@@ -87,45 +72,85 @@ def half_widths(view: CycleView) -> Plate:
         f"Contact and stick edges through the {view.noun}",
         time="x",
     )
+    # an entry for each zone of each engine, whose edges are two curves
+    keys = [Key(curve.css, curve.label) for curve in curves[::2]]
+    legend = (*keys, Key("d p", "difference, contact"), Key("d q", "difference, stick"))
+    # of the result's points
+    spacing = _spacing_at_the_edge(view.result_cycle) / view.scales.half_width
+    # the named values fill the caption; `stretch` is the part of the path in words, such as "last
+    # cycle"
+    return figure_with_texts(
+        "half_widths",
+        (panel_of_edges, _panel_of_half_width_differences(view)),
+        _table_of_edges(view),
+        legend,
+        stretch=view.part_of_path,
+        spacing=f"{spacing:.1g}" if np.isfinite(spacing) else "",
+    )
 
-    differences = {
-        kind: 100 * (result_values - reference_values)
-        for kind, (reference_values, result_values) in half_widths_of.items()
-    }
+
+def _curves_of_edges(view: CycleView) -> list[Curve]:
+    """Curves of the left and the right edge of contact and of stick zone over time, of the
+    reference and then of the result: x over a_ref, the half-width at the reference load.
+    """
+    a_ref = view.scales.half_width
+    curves = []
+    for engine in view.engines:
+        for zone, css in (("contact", "p"), ("stick", "q")):
+            left_edge, right_edge = getattr(engine.cycle, f"{zone}_edges").T  # (k,) [length]
+            for edge in (left_edge, right_edge):
+                label = f"{zone} edge, {engine.name}"
+                curves.append(Curve(view.time, edge / a_ref, f"{engine.line_css} {css}", label))
+    return curves
+
+
+def _table_of_edges(view: CycleView) -> Table:
+    """Columns (k,) for a CSV: the time, and the left and right edge of contact and of stick zone of
+    the reference and of the result [length].
+    """
+    table = {"time": view.result_cycle.time}
+    for role, engine in zip(("reference", "result"), view.engines, strict=True):
+        for zone in ("contact", "stick"):
+            left_edge, right_edge = getattr(engine.cycle, f"{zone}_edges").T
+            table[f"left_{zone}_edges_{role}"] = left_edge
+            table[f"right_{zone}_edges_{role}"] = right_edge
+    return table
+
+
+def _panel_of_half_width_differences(view: CycleView) -> Panel:
+    """A panel of the differences of the half-widths of contact and stick zone over time, result
+    minus reference, in per cent of a_ref. Notes state the size of each.
+    """
+    a_ref = view.scales.half_width
+    difference_of_zone = {}
+    for zone in ("contact", "stick"):
+        half_width_of_engine = []  # of the reference and of the result, (k,) over a_ref
+        for engine in view.engines:
+            left_edge, right_edge = getattr(engine.cycle, f"{zone}_edges").T
+            half_width_of_engine.append((right_edge - left_edge) / 2 / a_ref)
+        reference_values, result_values = half_width_of_engine
+        difference_of_zone[zone] = 100 * (result_values - reference_values)
     # root mean square and largest value of each difference, in words
     notes = [
-        f"{kind}: {view.difference_over_time(difference, ' % of a_ref')}"
-        for kind, difference in differences.items()
+        f"{zone}: {view.difference_over_time(difference, ' % of a_ref')}"
+        for zone, difference in difference_of_zone.items()
     ]
     difference_axis = Axis(
-        *axis_limits(*differences.values(), with_zero=True, least_range=1e-10),
+        *axis_limits(*difference_of_zone.values(), with_zero=True, least_range=1e-10),
         "difference, % of a_ref",
     )
-    panel_of_differences = Panel(
+    return Panel(
         "edges-difference",
         view.over_time(),
         difference_axis,
         [
             ZERO,  # a line at 0
-            Curve(view.time, differences["contact"], "d p", "contact"),
-            Curve(view.time, differences["stick"], "d q", "stick"),
+            Curve(view.time, difference_of_zone["contact"], "d p", "contact"),
+            Curve(view.time, difference_of_zone["stick"], "d q", "stick"),
         ],
         "Difference of the half-widths",
         notes=notes,
         time="x",
-    )
-    # of the result's points
-    spacing = _spacing_at_the_edge(view.result_cycle) / a_ref
-    legend = (*keys, Key("d p", "difference, contact"), Key("d q", "difference, stick"))
-    # the named values fill the caption; `stretch` is the part of the path in words, such as "last
-    # cycle"
-    return figure_with_texts(
-        "half_widths",
-        (panel_of_edges, panel_of_differences),
-        table,
-        legend,
-        stretch=view.part_of_path,
-        spacing=f"{spacing:.1g}" if np.isfinite(spacing) else "",
     )
 
 
@@ -140,6 +165,15 @@ def _spacing_at_the_edge(cycle: Cycle) -> float:
     return float(np.median(np.diff(cycle.x)[is_about_edge]))
 
 
+class _DrawnRatios(NamedTuple):
+    """The discrepancy of one metric at each instant, as a figure draws it."""
+
+    label: str  # name of the metric
+    # (k,) |difference| over the tolerance, or in per cent where the figure has no tolerances; NaN
+    # at instants that are not judged
+    ratios: Array
+
+
 def discrepancies(view: CycleView) -> Plate:
     """A figure of how far the result is from the reference through the cycle: for each metric that
     has a tolerance and values over time, |difference| at each judged instant over that tolerance.
@@ -147,11 +181,10 @@ def discrepancies(view: CycleView) -> Plate:
     Where none has, the metrics by which half-planes are judged are drawn in per cent.
 
     `view` holds the comparison and the axis of time. A metric's `series` is its value at each
-    instant, (k,); `is_judged` (k,) is True at instants in contact with a normal load of at least a
-    tenth of the reference load.
+    instant, (k,).
 
-    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV. `Rule`
-    is a line across the panel, `Note` a text and `Key` an entry of the legend.
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV. `Key` is
+    an entry of the legend.
     """
     metrics = [metric for metric in view.comparison.metrics if metric.series is not None]
     metrics_with_tolerance = [metric for metric in metrics if metric.tolerance is not None]
@@ -160,45 +193,15 @@ def discrepancies(view: CycleView) -> Plate:
     drawn_metrics = metrics_with_tolerance or [
         metric for metric in metrics if metric.key in OWN_TOLERANCES
     ]
-    marks: list[Mark] = []
-    if has_tolerances:
-        marks.append(Rule(1.0, "limit"))
-    legend_entries = []
-    largest_ratio = 0.0
-    # `LINE_LOOKS`: classes of lines in the style sheet, one for each metric
-    for metric, css in zip(drawn_metrics, LINE_LOOKS, strict=False):
-        unit_of_ratio = (metric.tolerance or 1.0) if has_tolerances else 0.01
-        ratios = np.abs(np.asarray(metric.series)) / unit_of_ratio
-        # Instants at a light load are not judged: errors relative to the small traction measure
-        # the mesh only.
-        judged_ratios = np.where(view.comparison.is_judged, ratios, np.nan)
-        worst_index = int(np.nanargmax(judged_ratios)) if np.isfinite(judged_ratios).any() else 0
-        largest_ratio = max(largest_ratio, float(np.nanmax(judged_ratios, initial=0.0)))
-        marks.append(Curve(view.time, judged_ratios, css, metric.label))
-        unit_in_words = "" if has_tolerances else " %"
-        text = (
-            f"{metric.label}: {judged_ratios[worst_index]:.2g}{unit_in_words} at"
-            f" {view.time[worst_index]:.3g}"
-        )
-        # `minus`: with a real minus sign
-        legend_entries.append(Key(css, minus(text)))
-    if has_tolerances:
-        last_time = float(view.time[-1])
-        marks.append(Note(last_time, 1.0, "tolerance", anchor="end", shift=(-4.0, -5.0)))
-        # at most 8 tolerances; larger ratios are cut off
-        largest_drawn_ratio = min(max(1.0, largest_ratio), _LARGEST_DRAWN_RATIO)
-        axis_words = "|discrepancy| / tolerance"
-    else:
-        largest_drawn_ratio = largest_ratio or 1.0
-        axis_words = "|discrepancy|, %"
-    panel = broad_panel(
-        "errors",
-        view.over_time(8),
-        Axis(0.0, 1.08 * largest_drawn_ratio, axis_words),
-        marks,
-        f"Discrepancy through the {view.noun}",
-        time="x",
+    drawn_ratios = [
+        _DrawnRatios(metric.label, _judged_ratios(view, metric, has_tolerances=has_tolerances))
+        for metric in drawn_metrics
+    ]
+    largest_ratio = max(
+        (float(np.nanmax(metric.ratios, initial=0.0)) for metric in drawn_ratios), default=0.0
     )
+    panel = _panel_of_discrepancies(view, drawn_ratios, largest_ratio, has_tolerances)
+    legend_entries = _legend_of_discrepancies(view, drawn_ratios, "" if has_tolerances else " %")
     table = {"time": view.result_cycle.time}
     table |= {metric.key: np.asarray(metric.series) for metric in drawn_metrics}
     # the values behind `columns` fill the caption; `stretch` is the part of the path in words
@@ -214,6 +217,86 @@ def discrepancies(view: CycleView) -> Plate:
     )
 
 
+def _judged_ratios(view: CycleView, metric: Metric, *, has_tolerances: bool) -> Array:
+    """|difference| of a metric over its tolerance at each instant, (k,), or in per cent where the
+    figure has no tolerances.
+
+    NaN at instants that are not judged: out of contact, or with a normal load below a tenth of the
+    reference load. There errors relative to the small traction would measure the mesh only.
+    """
+    unit_of_ratio = (metric.tolerance or 1.0) if has_tolerances else 0.01
+    ratios = np.abs(np.asarray(metric.series)) / unit_of_ratio
+    return np.where(view.comparison.is_judged, ratios, np.nan)
+
+
+def _legend_of_discrepancies(
+    view: CycleView, drawn_ratios: Sequence[_DrawnRatios], unit_in_words: str
+) -> list[Key]:
+    """Entries of the legend: name of each metric, its largest ratio with `unit_in_words` behind it,
+    and the time of that, on the axis of the figure.
+    """
+    legend_entries = []
+    # `LINE_LOOKS`: classes of lines in the style sheet, one for each metric
+    for metric, css in zip(drawn_ratios, LINE_LOOKS, strict=False):
+        is_known = np.isfinite(metric.ratios)
+        worst_index = int(np.nanargmax(metric.ratios)) if is_known.any() else 0
+        text = (
+            f"{metric.label}: {metric.ratios[worst_index]:.2g}{unit_in_words} at"
+            f" {view.time[worst_index]:.3g}"
+        )
+        # `minus`: with a real minus sign
+        legend_entries.append(Key(css, minus(text)))
+    return legend_entries
+
+
+def _panel_of_discrepancies(
+    view: CycleView,
+    drawn_ratios: Sequence[_DrawnRatios],
+    largest_ratio: float,
+    has_tolerances: bool,
+) -> Panel:
+    """A panel with a curve over time for each metric. Where they are over their tolerances, a line
+    across the panel marks 1, and ratios above 8 are cut off. `largest_ratio` is the largest of all
+    metrics and judged instants.
+    """
+    marks: list[Mark] = []
+    if has_tolerances:
+        marks.append(Rule(1.0, "limit"))
+    # `LINE_LOOKS`: classes of lines in the style sheet, one for each metric
+    marks += [
+        Curve(view.time, metric.ratios, css, metric.label)
+        for metric, css in zip(drawn_ratios, LINE_LOOKS, strict=False)
+    ]
+    if has_tolerances:
+        last_time = float(view.time[-1])
+        marks.append(Note(last_time, 1.0, "tolerance", anchor="end", shift=(-4.0, -5.0)))
+        # _LARGEST_DRAWN_RATIO: 8
+        largest_drawn_ratio = min(max(1.0, largest_ratio), _LARGEST_DRAWN_RATIO)
+        axis_words = "|discrepancy| / tolerance"
+    else:
+        largest_drawn_ratio = largest_ratio or 1.0
+        axis_words = "|discrepancy|, %"
+    return broad_panel(
+        "errors",
+        view.over_time(8),
+        Axis(0.0, 1.08 * largest_drawn_ratio, axis_words),
+        marks,
+        f"Discrepancy through the {view.noun}",
+        time="x",
+    )
+
+
+class _SlipSinceStart(NamedTuple):
+    """Slip since the start of the cycle at a few points by both engines, a column for each point,
+    (k instants, n_points) [length].
+    """
+
+    points: list[int]  # indices of the points among those of the result
+    labels: list[str]  # x of each point in words
+    reference: Array
+    result: Array
+
+
 def slip_histories(view: CycleView) -> Plate:
     """A figure of the slip of a few points over time, by both engines: the slip since the start of
     the cycle.
@@ -227,30 +310,45 @@ def slip_histories(view: CycleView) -> Plate:
     """
     # indices of up to four points between the stick zone and the edge of contact
     points = slip_points(view.comparison)
-    unit_of_length = units(view.scene)[1]
     labels = [f"x = {view.x[point]:.3f} a_ref" for point in points]
-    # (k, number of points) of reference and result [length]
-    slips = [engine.cycle.slip[:, points] - engine.cycle.slip[0, points] for engine in view.engines]
-    curves = []
-    for line_width, slip, engine in zip(("wide", "thin"), slips, view.engines, strict=True):
-        for column, label in enumerate(labels):
-            css = f"{line_width} point-{column}"
-            curves.append(Curve(view.time, slip[:, column], css, f"{label}, {engine.name}"))
-    slip_of_reference, slip_of_result = slips
-    table = {"time": view.result_cycle.time}
-    for column, point in enumerate(points):
-        place_with_unit = f"(x = {view.result_cycle.x[point]:.6g}) [{unit_of_length}]"
-        table[f"slip_reference{place_with_unit}"] = slip_of_reference[:, column]
-        table[f"slip_result{place_with_unit}"] = slip_of_result[:, column]
+    slip_of_reference, slip_of_result = (
+        engine.cycle.slip[:, points] - engine.cycle.slip[0, points] for engine in view.engines
+    )
+    slip = _SlipSinceStart(points, labels, slip_of_reference, slip_of_result)
+    keys = [Key(f"point-{column}", label) for column, label in enumerate(labels)]
+    return figure_with_texts(
+        "slip_history",
+        [_panel_of_slip(view, slip)],
+        _table_of_slip(view, slip),
+        keys,
+        columns=1,
+        stretch=view.part_of_path,
+    )
 
-    difference = slip_of_result - slip_of_reference
+
+def _panel_of_slip(view: CycleView, slip: _SlipSinceStart) -> Panel:
+    """A panel of slip over time: of each point a wide line for the reference and a thin one for the
+    result. Notes state the difference at the point where it is largest.
+    """
+    unit_of_length = units(view.scene)[1]
+    slips = (slip.reference, slip.result)
+    curves = []
+    for line_width, slip_of_engine, engine in zip(
+        ("wide", "thin"), slips, view.engines, strict=True
+    ):
+        for column, label in enumerate(slip.labels):
+            css = f"{line_width} point-{column}"
+            curves.append(
+                Curve(view.time, slip_of_engine[:, column], css, f"{label}, {engine.name}")
+            )
+    difference = slip.result - slip.reference
     worst_column = int(np.argmax(np.nanmax(np.abs(np.nan_to_num(difference)), axis=0)))
     notes = [
-        f"result − reference at {labels[worst_column]}, where it is largest:",
+        f"result − reference at {slip.labels[worst_column]}, where it is largest:",
         view.difference_over_time(difference[:, worst_column], f" {unit_of_length}"),
     ]
     least_slip = 1e-12 * view.scales.half_width  # least range of the axis
-    panel = broad_panel(
+    return broad_panel(
         "slip",
         view.over_time(8),
         Axis(
@@ -263,10 +361,19 @@ def slip_histories(view: CycleView) -> Plate:
         notes=notes,
         time="x",
     )
-    keys = [Key(f"point-{column}", label) for column, label in enumerate(labels)]
-    return figure_with_texts(
-        "slip_history", [panel], table, keys, columns=1, stretch=view.part_of_path
-    )
+
+
+def _table_of_slip(view: CycleView, slip: _SlipSinceStart) -> Table:
+    """Columns (k,) for a CSV: the time, and the slip of each point since the start of the cycle, by
+    both engines [length]. The headings state the x of the point and the unit.
+    """
+    unit_of_length = units(view.scene)[1]
+    table = {"time": view.result_cycle.time}
+    for column, point in enumerate(slip.points):
+        place_with_unit = f"(x = {view.result_cycle.x[point]:.6g}) [{unit_of_length}]"
+        table[f"slip_reference{place_with_unit}"] = slip.reference[:, column]
+        table[f"slip_result{place_with_unit}"] = slip.result[:, column]
+    return table
 
 
 def cumulative_work(view: CycleView) -> Plate | None:
@@ -324,57 +431,21 @@ def load_path(view: CycleView) -> Plate:
     A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV. `Key` is
     an entry of the legend.
     """
-    cycle = view.result_cycle
     scene = view.comparison.result.scene
-    friction = scene.friction.coefficient
-    unit = load_unit(scene)
     # initial loading and cycle, each with P and Q at many instants
     parts = _parts_of_path(scene)
-    normal_load = np.concatenate([part.normal_load for part in parts])
-    tangential_load = np.concatenate([part.tangential_load for part in parts])
-    # where the axes of P and Q end: a little beyond the largest loads
-    end_of_p_axis = 1.08 * float(normal_load.max())
-    end_of_q_axis = 1.25 * max(float(np.abs(tangential_load).max()), 0.15 * end_of_p_axis)
-
-    marks: list[Mark] = []
-    if friction:
-        for sign in (1, -1):
-            friction_limit = sign * end_of_p_axis * friction
-            marks.append(Curve([0, end_of_p_axis], [0, friction_limit], "cone", "|Q| = f P"))
-    marks += [
-        Curve(part.normal_load, part.tangential_load, part.line_css, part.name) for part in parts
-    ]
-    start_of_q_axis = min(-0.3 * end_of_q_axis, 1.25 * float(tangential_load.min()))
-    # _LOOP_HEIGHT: 220 pixels
-    panel = Panel(
-        "load-path",
-        Axis(0.0, end_of_p_axis, f"normal load P  [{unit}]"),
-        Axis(start_of_q_axis, end_of_q_axis, f"tangential load Q  [{unit}]"),
-        marks,
-        "Load path in the plane of P and Q",
-        height=_LOOP_HEIGHT,
-    )
-    marks += _numbered_dots(panel, cycle.normal_load, cycle.tangential_load, view.chosen_events)
-    shown_instant = view.shown_instant
-    # the page's slider moves it along Q over P
-    marks.append(
-        _slider_ring(
-            "P", cycle.normal_load[shown_instant], "Q", cycle.tangential_load[shown_instant], "now"
-        )
-    )
-
     keys = [Key(part.line_css, part.name) for part in reversed(parts)]
-    if friction:
+    if scene.friction.coefficient:
         keys.append(Key("cone", "|Q| = f P"))
-    panels = [panel]
+    panels = [_panel_of_path(view, parts)]
     for name, title, lines_of_panel in _lines_of_bulk_and_tilt(view):
         panels.append(_panel_beneath_path(view, name, title, lines_of_panel))
         keys += [Key(line.css, line.text) for line in lines_of_panel]
     table: Table = {
         "time": np.concatenate([part.time for part in parts]),
         "part": [part.name for part in parts for _ in part.time],
-        "P": normal_load,
-        "Q": tangential_load,
+        "P": np.concatenate([part.normal_load for part in parts]),
+        "Q": np.concatenate([part.tangential_load for part in parts]),
     }
     has_bulk_or_tilt = len(panels) > 1
     # the values behind `columns` fill the caption; `stretch` is the part of the path in words
@@ -387,6 +458,52 @@ def load_path(view: CycleView) -> Plate:
         beside=has_bulk_or_tilt,
         stretch=view.part_of_path,
     )
+
+
+def _panel_of_path(view: CycleView, parts: Sequence[_PathPart]) -> Panel:
+    """A panel of Q over P: the Coulomb limit |Q| = f P, initial loading and cycle (`parts`), dots
+    with numbers at chosen instants, and a ring that the page's slider moves along the cycle.
+    """
+    scene = view.comparison.result.scene
+    friction_coefficient = scene.friction.coefficient
+    end_of_p_axis, start_of_q_axis, end_of_q_axis = _ends_of_load_axes(parts)
+    marks: list[Mark] = []
+    if friction_coefficient:
+        for sign in (1, -1):
+            coulomb_limit = sign * end_of_p_axis * friction_coefficient
+            marks.append(Curve([0, end_of_p_axis], [0, coulomb_limit], "cone", "|Q| = f P"))
+    marks += [
+        Curve(part.normal_load, part.tangential_load, part.line_css, part.name) for part in parts
+    ]
+    unit = load_unit(scene)
+    # _LOOP_HEIGHT: 220 pixels
+    panel = Panel(
+        "load-path",
+        Axis(0.0, end_of_p_axis, f"normal load P  [{unit}]"),
+        Axis(start_of_q_axis, end_of_q_axis, f"tangential load Q  [{unit}]"),
+        marks,
+        "Load path in the plane of P and Q",
+        height=_LOOP_HEIGHT,
+    )
+    # dots and ring need the scales of the panel, whose marks they join
+    cycle = view.result_cycle
+    marks += _numbered_dots(panel, cycle.normal_load, cycle.tangential_load, view.chosen_events)
+    shown_normal_load = cycle.normal_load[view.shown_instant]
+    shown_tangential_load = cycle.tangential_load[view.shown_instant]
+    marks.append(_slider_ring("P", shown_normal_load, "Q", shown_tangential_load, "now"))
+    return panel
+
+
+def _ends_of_load_axes(parts: Sequence[_PathPart]) -> tuple[float, float, float]:
+    """The end of the axis of P, which starts from 0, and start and end of the axis of Q [force /
+    thickness]: a little beyond the largest and least loads of a load path, given by its `parts`.
+    """
+    normal_load = np.concatenate([part.normal_load for part in parts])
+    tangential_load = np.concatenate([part.tangential_load for part in parts])
+    end_of_p_axis = 1.08 * float(normal_load.max())
+    end_of_q_axis = 1.25 * max(float(np.abs(tangential_load).max()), 0.15 * end_of_p_axis)
+    start_of_q_axis = min(-0.3 * end_of_q_axis, 1.25 * float(tangential_load.min()))
+    return end_of_p_axis, start_of_q_axis, end_of_q_axis
 
 
 def _panel_beneath_path(view: CycleView, name: str, title: str, lines: Sequence[_Line]) -> Panel:
@@ -617,26 +734,6 @@ def hysteresis(view: CycleView) -> Plate | None:
     if "tangential_displacement" in reason_by_missing_field(comparison.result) or nothing_moves:
         return None
 
-    _, unit_of_length, _ = units(scene)
-    displacements_v = [sheared_displacement(cycle) for cycle in cycles]
-    panels = [
-        _loop_panel(
-            view,
-            "hysteresis",
-            ("U", displacements_u),
-            f"tangential displacement U  [{unit_of_length}]",
-        ),
-        _loop_panel(
-            view,
-            "hysteresis-sheared",
-            ("V", displacements_v),
-            f"U − k Q, about its mean  [{unit_of_length}]",
-        ),
-    ]
-    # With bulk stress the friction work is not the area of one loop alone.
-    if comparison.has_bulk_stress and all(cycle.shear_moment is not None for cycle in cycles):
-        panels.append(_bulk_loop_panel(view))
-
     table = {
         "time": view.result_cycle.time,
         "Q": view.result_cycle.tangential_load,
@@ -650,17 +747,44 @@ def hysteresis(view: CycleView) -> Plate | None:
     # `signed`: as text, to four digits
     return figure_with_texts(
         "hysteresis",
-        panels,
+        _panels_of_loops(view),
         table,
         view.keys,
         stretch=view.part_of_path,
         slopes=" and ".join(signed(loop_compliance(cycle)) for cycle in cycles),
-        unit=f"{unit_of_length} per {load_unit(scene)}",
+        unit=f"{units(scene)[1]} per {load_unit(scene)}",
         periodic=scene.load.path().period is not None,
         alone=are_half_planes(scene) or has_constant_p,
         works=_works_in_words(comparison),
         datum=_datum_in_words(comparison),
     )
+
+
+def _panels_of_loops(view: CycleView) -> list[Panel]:
+    """Panels of the loops through the cycle by both engines: Q over the tangential displacement U,
+    and Q over V = U − k Q, k the mean slope dU/dQ. Under bulk stress a third has the moment of the
+    shear over the bulk strain: the friction work is not the area of one loop alone then.
+    """
+    cycles = (view.reference_cycle, view.result_cycle)
+    _, unit_of_length, _ = units(view.scene)
+    panels = [
+        _loop_panel(
+            view,
+            "hysteresis",
+            ("U", [cycle.tangential_displacement for cycle in cycles]),
+            f"tangential displacement U  [{unit_of_length}]",
+        ),
+        _loop_panel(
+            view,
+            "hysteresis-sheared",
+            ("V", [sheared_displacement(cycle) for cycle in cycles]),
+            f"U − k Q, about its mean  [{unit_of_length}]",
+        ),
+    ]
+    has_moments = all(cycle.shear_moment is not None for cycle in cycles)
+    if view.comparison.has_bulk_stress and has_moments:
+        panels.append(_bulk_loop_panel(view))
+    return panels
 
 
 def _datum_in_words(comparison: JudgedPair) -> str:
@@ -695,41 +819,58 @@ def _loop_panel(
     title
         words of the axis of the displacement
     """
-    letter, (reference_values, result_values) = letter_and_displacements
+    letter, displacements = letter_and_displacements
     loads = [view.reference_cycle.tangential_load, view.result_cycle.tangential_load]
-    range_of_displacement = float(np.ptp(reference_values)) or 1.0
-    difference_in_percent = 100 * (result_values - reference_values) / range_of_displacement
-    fraction = view.result_cycle.fraction  # of the period, (k,)
-    # root mean square and largest value in words; " at ..." is left out
-    numbers_and_place = difference_in_words(difference_in_percent, fraction, "{}", " %")
-    difference_note = numbers_and_place.rpartition(" at ")[0]
-    if letter == "U" and view.comparison.lacks_common_datum:
-        difference_note = ""  # the engines count U from two different points
-    loop_extent = "stroke" if letter == "U" else "width"
     marks: list[Mark] = []
-    for key, values, loads_of_engine in zip(
-        view.keys, (reference_values, result_values), loads, strict=True
-    ):
-        marks.append(Curve(values, loads_of_engine, key.css, key.text))
+    for key, displacement, load in zip(view.keys, displacements, loads, strict=True):
+        marks.append(Curve(displacement, load, key.css, key.text))
+    note = _difference_of_loops_in_words(view, letter, displacements)
     # _LOOP_HEIGHT: 220 pixels
     panel = Panel(
         name,
-        Axis(*axis_limits(reference_values, result_values, margin=0.12), title, count=4),
+        Axis(*axis_limits(*displacements, margin=0.12), title, count=4),
         Axis(*axis_limits(*loads, margin=0.12), f"tangential load Q  [{load_unit(view.scene)}]"),
         marks,
         f"Tangential load over {title}",
         height=_LOOP_HEIGHT,
-        notes=[f"{difference_note}, of the {loop_extent}"] if difference_note else [],
+        notes=[note] if note else [],
     )
-    marks += _numbered_dots(panel, result_values, loads[1], view.chosen_events)
-    shown_instant = view.shown_instant
+    marks += _numbered_dots(panel, displacements[1], loads[1], view.chosen_events)
     # rings that the page's slider moves along the loops: "U0" over "Q0" of the reference, "U1" over
     # "Q" of the result
+    shown_instant = view.shown_instant
     for number, (y_series, css) in enumerate((("Q0", "now pale"), ("Q", "now"))):
-        displacement = (reference_values, result_values)[number][shown_instant]
-        load = loads[number][shown_instant]
-        marks.append(_slider_ring(f"{letter}{number}", displacement, y_series, load, css))
+        shown_displacement = displacements[number][shown_instant]
+        shown_load = loads[number][shown_instant]
+        marks.append(
+            _slider_ring(f"{letter}{number}", shown_displacement, y_series, shown_load, css)
+        )
     return panel
+
+
+def _difference_of_loops_in_words(
+    view: CycleView, letter: str, displacements: Sequence[Array]
+) -> str:
+    """The difference of a displacement between two loops, in words: root mean square and largest
+    value, in per cent of the range in the reference.
+
+    `displacements` are those of the reference and of the result, (k,) each; `letter` is "U", or "V"
+    for the displacement without its elastic part. "" for U that the engines count from two
+    different points.
+    """
+    if letter == "U" and view.comparison.lacks_common_datum:
+        return ""
+    reference_values, result_values = displacements
+    range_of_displacement = float(np.ptp(reference_values)) or 1.0
+    difference_in_percent = 100 * (result_values - reference_values) / range_of_displacement
+    fraction = view.result_cycle.fraction  # of the period, (k,)
+    # " at ...", the place of the largest value, is left out
+    numbers_and_place = difference_in_words(difference_in_percent, fraction, "{}", " %")
+    numbers_in_words = numbers_and_place.rpartition(" at ")[0]
+    if not numbers_in_words:
+        return ""
+    loop_extent = "stroke" if letter == "U" else "width"
+    return f"{numbers_in_words}, of the {loop_extent}"
 
 
 def _works_in_words(comparison: JudgedPair) -> tuple[str, ...]:

@@ -335,69 +335,105 @@ def _over_time(rig_motion: RigMotion) -> Plate:
     `rig_motion` holds time, loads, displacements and slip of the middle (k,) at the shown instants,
     and what the contact does (stick, partial slip, ...) with the times between which it does so.
 
-    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV. `Rule`
-    is a line across the panel, `Block` a rectangle and `Key` an entry of the legend.
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV. `Key` is
+    an entry of the legend.
     """
-    unit_of_length = units(rig_motion.scene)[1]
-    unit_of_load = load_unit(rig_motion.scene)
-    friction_limit = rig_motion.scene.friction.coefficient * rig_motion.normal_load
-    force_range = axis_limits(friction_limit, -friction_limit)
-    # `_CSS_AND_WORDS`: class of the style sheet, and words, of a kind of motion, such as stick
-    force_marks: list[Mark] = [
-        Block((begin, end), force_range, _CSS_AND_WORDS[kind_of_motion][0])
-        for kind_of_motion, begin, end in rig_motion.intervals()
-    ]
-    force_marks += [
-        Curve(rig_motion.time, friction_limit, "cone", "f P"),
-        Curve(rig_motion.time, -friction_limit, "cone", "−f P"),
-        Curve(rig_motion.time, rig_motion.tangential_load, "c5 bold", "Q"),
-    ]
-    displacement_curves = [
-        Curve(rig_motion.time, rig_motion.actuator_displacement, "c1 dash", "U of the actuator"),
-        Curve(rig_motion.time, rig_motion.contact_displacement, "c0", "U of the contact"),
-        Curve(rig_motion.time, rig_motion.slip_of_middle, "c2 bold", "way that the bodies slide"),
-    ]
-    time_axis = Axis(float(rig_motion.time[0]), float(rig_motion.time[-1]), "time")
-
-    def panel_of(name: str, y_axis: Axis, marks: Sequence[Mark], alt: str) -> Panel:
-        """A panel over time; `alt` says what it shows, for readers who can't see it."""
-        # _WIDTH: 900 pixels
-        return Panel(name, time_axis, y_axis, marks, alt, _WIDTH, 300.0, css="broad", time="x")
-
+    displacement_curves = _curves_of_displacement(rig_motion)
     panels = [
-        panel_of(
-            "rig-force", Axis(*force_range, f"Q  [{unit_of_load}]"), force_marks, "Q over time"
-        ),
-        panel_of(
-            "rig-way",
-            Axis(
-                *axis_limits(*(curve.y for curve in displacement_curves)),
-                f"displacement  [{unit_of_length}]",
-            ),
-            [Rule(0.0, "zero"), *displacement_curves],
-            "Displacements over time",
-        ),
+        _panel_of_force(rig_motion),
+        _panel_of_displacement(rig_motion, displacement_curves),
     ]
     keys = [Key("c5 bold", "Q"), Key("cone", "±f P")]
     keys += [Key(curve.css, curve.label) for curve in displacement_curves]
+    # `_CSS_AND_WORDS`: class of the style sheet, and words, of a kind of motion, such as stick
     drawn_kinds = {kind_of_motion for kind_of_motion, _, _ in rig_motion.intervals()}
     keys += [
         Key(*_CSS_AND_WORDS[kind_of_motion], is_patch=True)
         for kind_of_motion in Motion
         if kind_of_motion in drawn_kinds
     ]
+    # `noun`: "last cycle" or "path", for the caption
+    return figure_with_texts(
+        "rig_over_time",
+        panels,
+        _table_over_time(rig_motion),
+        keys,
+        columns=1,
+        noun=rig_motion.part_of_path,
+    )
+
+
+def _panel_over_time(
+    rig_motion: RigMotion, name: str, y_axis: Axis, marks: Sequence[Mark], alt: str
+) -> Panel:
+    """A panel over the times of the shown instants, 900 pixels wide. `name` is that of the panel on
+    the page; `alt` says what it shows, for readers who can't see it.
+    """
+    time_axis = Axis(float(rig_motion.time[0]), float(rig_motion.time[-1]), "time")
+    return Panel(name, time_axis, y_axis, marks, alt, _WIDTH, 300.0, css="broad", time="x")
+
+
+def _panel_of_force(rig_motion: RigMotion) -> Panel:
+    """A panel of the tangential load Q of a rig over time, between the limits of friction ±f P.
+    Rectangles behind the curves show by colour what the contact does: stick, partial slip, sliding
+    forward or back as a whole, apart.
+    """
+    time = rig_motion.time
+    friction_limit = rig_motion.scene.friction.coefficient * rig_motion.normal_load
+    force_range = axis_limits(friction_limit, -friction_limit)
+    # `_CSS_AND_WORDS`: class of the style sheet, and words, of a kind of motion
+    marks: list[Mark] = [
+        Block((begin, end), force_range, _CSS_AND_WORDS[kind_of_motion][0])
+        for kind_of_motion, begin, end in rig_motion.intervals()
+    ]
+    marks += [
+        Curve(time, friction_limit, "cone", "f P"),
+        Curve(time, -friction_limit, "cone", "−f P"),
+        Curve(time, rig_motion.tangential_load, "c5 bold", "Q"),
+    ]
+    y_axis = Axis(*force_range, f"Q  [{load_unit(rig_motion.scene)}]")
+    return _panel_over_time(rig_motion, "rig-force", y_axis, marks, "Q over time")
+
+
+def _curves_of_displacement(rig_motion: RigMotion) -> list[Curve]:
+    """Curves over time of the displacement of the actuator, of that of the contact, and of the slip
+    of the middle of the contact since the first instant [length].
+    """
+    time = rig_motion.time
+    return [
+        Curve(time, rig_motion.actuator_displacement, "c1 dash", "U of the actuator"),
+        Curve(time, rig_motion.contact_displacement, "c0", "U of the contact"),
+        Curve(time, rig_motion.slip_of_middle, "c2 bold", "way that the bodies slide"),
+    ]
+
+
+def _panel_of_displacement(rig_motion: RigMotion, curves: Sequence[Curve]) -> Panel:
+    """A panel over time with `curves` of displacements [length] and a line at zero; its axis holds
+    all of them.
+    """
+    y_axis = Axis(
+        *axis_limits(*(curve.y for curve in curves)),
+        f"displacement  [{units(rig_motion.scene)[1]}]",
+    )
+    marks: list[Mark] = [Rule(0.0, "zero"), *curves]
+    return _panel_over_time(rig_motion, "rig-way", y_axis, marks, "Displacements over time")
+
+
+def _table_over_time(rig_motion: RigMotion) -> Table:
+    """Columns for a CSV, a row for each shown instant of a rig: time, Q, f P, the slip of the
+    middle of the contact, and what the contact did in the step that ended then, in words.
+    """
+    unit_of_length = units(rig_motion.scene)[1]
+    unit_of_load = load_unit(rig_motion.scene)
     words_of_motions = [_CSS_AND_WORDS[Motion(code)][1] for code in rig_motion.motions.tolist()]
-    table: Table = {
+    friction_limit = rig_motion.scene.friction.coefficient * rig_motion.normal_load
+    return {
         "time": rig_motion.time,
         f"Q [{unit_of_load}]": rig_motion.tangential_load,
         f"f P [{unit_of_load}]": friction_limit,
         f"way that the bodies slide [{unit_of_length}]": rig_motion.slip_of_middle,
         "motion in the step before": words_of_motions,
     }
-    # `noun`: "last cycle" or "path", for the caption
-    return figure_with_texts(
-        "rig_over_time", panels, table, keys, columns=1, noun=rig_motion.part_of_path
-    )
 
 
 # ------------------------------------------------------------------------------------------ numbers
@@ -406,9 +442,8 @@ def rows_of(rig_motion: RigMotion) -> list[tuple[str, str]]:
     displacement), loads, dissipation, and how long the contact sticks or slides. Finite elements
     have rows at the end where they were solved beside theory.
 
-    `rig_motion` holds loads and displacements (k,) at the shown instants. It states, for a kind of
-    motion (stick, partial slip, sliding forward or back, apart), the fraction of the time in it and
-    the distance slid. `part_of_path` is "last cycle" or "path".
+    `rig_motion` holds loads and displacements (k,) at the shown instants. `part_of_path` is "last
+    cycle" or "path".
     """
     scene = rig_motion.scene
     unit_of_length = units(scene)[1]
@@ -436,6 +471,18 @@ def rows_of(rig_motion: RigMotion) -> list[tuple[str, str]]:
         rows.append(row_of_sliding(rig_motion.solution))
     label_of_work = f"dissipation W of the {rig_motion.part_of_path} [{energy_unit(scene)}]"
     rows.append((label_of_work, f"{rig_motion.solution.dissipation:.6g}"))
+    rows += _rows_of_motions(rig_motion)
+    if rig_motion.motion_by_elements is not None:
+        rows += _rows_of_elements(rig_motion, rig_motion.motion_by_elements)
+    return rows
+
+
+def _rows_of_motions(rig_motion: RigMotion) -> Iterator[tuple[str, str]]:
+    """Rows (kind of motion, value) on what the contact of a rig does: for each kind of motion that
+    occurs, such as stick or partial slip, the part of the time in it. Where the bodies slide
+    forward or back as a whole, the distance follows.
+    """
+    unit_of_length = units(rig_motion.scene)[1]
     for kind_of_motion in Motion:
         time_fraction = rig_motion.time_fraction(kind_of_motion)
         if not time_fraction:
@@ -446,10 +493,7 @@ def rows_of(rig_motion: RigMotion) -> list[tuple[str, str]]:
                 f", over {rig_motion.slide_distance(kind_of_motion):.6g} {unit_of_length}"
             )
         # _CSS_AND_WORDS: for each kind of motion the class of the style sheet, and words
-        rows.append((_CSS_AND_WORDS[kind_of_motion][1], time_in_words))
-    if rig_motion.motion_by_elements is not None:
-        rows += _rows_of_elements(rig_motion, rig_motion.motion_by_elements)
-    return rows
+        yield _CSS_AND_WORDS[kind_of_motion][1], time_in_words
 
 
 def _rows_of_elements(by_theory: RigMotion, by_elements: RigMotion) -> list[tuple[str, str]]:

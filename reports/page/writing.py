@@ -26,7 +26,7 @@ from reports import input_words
 from reports.charts.plate import STATE_KEYS, Panel, Plate, write_tables
 from reports.charts.templating import script, template
 from reports.comparison import Comparison, budget_words, words
-from reports.comparison.cycles import last_cycle
+from reports.comparison.cycles import Cycle, last_cycle
 from reports.comparison.metrics import reason_by_missing_field
 from reports.comparison.pairs import engine_in_words
 from reports.comparison.words import headline_sentence, verdict_in_sentences
@@ -116,13 +116,8 @@ def write(
     InputError
         If the folder can't be written to, or VTU or stress is requested of a result without bodies.
     """
-    if not isinstance(report, Report):
-        report = Report(report)
+    report = _with_input_effects(report)
     comparison = report.comparison
-    # what the stated uncertainties of the inputs do to the values of theory
-    if report.inputs is None and comparison.scene.inputs:
-        inputs = input_effects(comparison.scene, comparison.effects)
-        report = replace(report, inputs=inputs)
     # a temporary folder, whose files move to `out` at the end; after an error the solutions alone
     # SOLUTIONS: names of the files, reference.nc and result.nc
     with results_folder(out, solutions=SOLUTIONS) as folder:
@@ -134,10 +129,7 @@ def write(
         if stress_instants:
             drawings += (_figure_of_stress(comparison, stress_instants),)
         tables = write_tables(drawings, folder)
-        scene_text = comparison.scene.model_dump_json(indent=1) + "\n"
-        (folder / "scene.json").write_text(scene_text, encoding="utf-8")
-        comparison_text = as_json(report, command, seconds) + "\n"
-        (folder / "comparison.json").write_text(comparison_text, encoding="utf-8")
+        _write_json(report, folder, command, seconds)
         if vtu_instants is not None and len(vtu_instants):
             _write_vtu(comparison, vtu_instants, folder / "fields")
         # what the page states of the answer of a third solver
@@ -147,12 +139,39 @@ def write(
         page = render(report, drawings, command, seconds or {}, script_data, third_content)
         (folder / "report.html").write_text(page, encoding="utf-8")
         if log:
-            log_text = (
-                "\n".join([*log, headline_sentence(comparison), verdict_in_sentences(comparison)])
-                + "\n"
-            )
-            (folder / "run.log").write_text(log_text, encoding="utf-8")
+            _write_log(comparison, log, folder)
     return Path(out) / "report.html"
+
+
+def _with_input_effects(report: Comparison | Report) -> Report:
+    """The report, or a report of the comparison, with what the stated uncertainties of the scene's
+    inputs do to the values of theory; as it is where none is stated or this is known already.
+    """
+    if not isinstance(report, Report):
+        report = Report(report)
+    comparison = report.comparison
+    if report.inputs is None and comparison.scene.inputs:
+        inputs = input_effects(comparison.scene, comparison.effects)
+        report = replace(report, inputs=inputs)
+    return report
+
+
+def _write_json(
+    report: Report, folder: Path, command: str, seconds: Mapping[str, float] | None
+) -> None:
+    """Write scene.json, the scene, and comparison.json, all that a report holds, to a folder.
+    `command` reproduces the report; `seconds` is the wall time of each stage.
+    """
+    scene_text = report.comparison.scene.model_dump_json(indent=1) + "\n"
+    (folder / "scene.json").write_text(scene_text, encoding="utf-8")
+    comparison_text = as_json(report, command, seconds) + "\n"
+    (folder / "comparison.json").write_text(comparison_text, encoding="utf-8")
+
+
+def _write_log(comparison: Comparison, log: Sequence[str], folder: Path) -> None:
+    """Write run.log to a folder: the lines of the run, the headline and the verdict."""
+    lines = [*log, headline_sentence(comparison), verdict_in_sentences(comparison)]
+    (folder / "run.log").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def _figure_of_stress(comparison: Comparison, instants: Sequence[Instant]) -> Plate:
@@ -214,14 +233,9 @@ def render(
     # texts by their names on the page: headline, question, bodies, ...
     sentences = common_content(report)
     sentences_on_fit, _ = findings_on_fit(scene)  # none without a profile fitted to measured rows
-    # sources of error that are negligible in the first table
-    terms_left_out = budget_words.negligible_terms(report.budget) if report.budget else ()
     bodies = [sentences["bodies"], sentences["unlike_materials"], *sentences_on_fit]
-    # the page's script, and its digest, by which a browser knows it
-    program, script_digest = script()
-    # Names as in the template. `flat`: makes one mapping of nested settings; `live`: data of the
-    # script; `carried`: a sentence on the slider; `stretch`: the part of the path, in words;
-    # `measured`: what is shown of measured data; `states`: legend of open, stick and slip.
+    # Names as in the template. `flat`: makes one mapping of nested settings; `states`: legend of
+    # open, stick and slip.
     return template("report.html").render(
         sentences | {"bodies": bodies},
         title=scene.title or scene.name,
@@ -229,32 +243,65 @@ def render(
         comparison=comparison,
         report=report,
         in_words=words,
-        budget_words=budget_words,
         units=import_module("reports.units"),
         input_words=input_words,
-        budget=budget_words.budget_table(report.budget, terms_left_out) if report.budget else None,
-        without_terms=terms_left_out,
-        notes=_notes(comparison),
-        dissipations=list(_dissipations(comparison)),
-        stretch=words.part_of_path(scene),
-        measured=page_section(scene, (comparison.reference, comparison.result)),
         figures={drawing.name: drawing for drawing in drawings},
-        engines=[
-            (engine_in_words(solution.engine), solution)
-            for solution in (comparison.reference, comparison.result)
-        ],
         flat=_settings_by_name,
         command=command,
         commit=code_commit(),
         third=third_content,
-        script=program,
-        script_hash=script_digest,
-        live=_as_script(dict(script_data) if script_data else {"instants": 0}),
-        carried=_extent_of_slider_in_words(script_data) if script_data else "",
         states=STATE_KEYS,
-        uncertain_work=words.sentence_on_work(comparison),
         seconds=seconds,
+        **_budget_for_page(report),
+        **_solutions_for_page(comparison),
+        **_script_for_page(script_data),
     )
+
+
+def _budget_for_page(report: Report) -> dict[str, Any]:
+    """Values of the page's template on the error budget, by their names there: its table, None
+    without a budget; the terms (sources of error) that the table leaves out, since they are
+    negligible; and the module that puts a budget into words.
+    """
+    terms_left_out = budget_words.negligible_terms(report.budget) if report.budget else ()
+    return {
+        "budget_words": budget_words,
+        "budget": (
+            budget_words.budget_table(report.budget, terms_left_out) if report.budget else None
+        ),
+        "without_terms": terms_left_out,
+    }
+
+
+def _solutions_for_page(comparison: Comparison) -> dict[str, Any]:
+    """Values of the page's template on the two solutions, by their names there: notes, the table of
+    the friction work, the part of the path in words (`stretch`), what is shown of a measured record
+    of loads, each solution with the name of its engine, and a sentence on the uncertainty of W.
+    """
+    scene = comparison.scene
+    solutions = (comparison.reference, comparison.result)
+    return {
+        "notes": _notes(comparison),
+        "dissipations": list(_dissipations(comparison)),
+        "stretch": words.part_of_path(scene),
+        "measured": page_section(scene, solutions),
+        "engines": [(engine_in_words(solution.engine), solution) for solution in solutions],
+        "uncertain_work": words.sentence_on_work(comparison),
+    }
+
+
+def _script_for_page(script_data: Mapping[str, Any] | None) -> dict[str, str]:
+    """Values of the page's template on its script, by their names there: the script, its digest, by
+    which a browser knows it, its data as JSON (`live`), and a sentence on the instants and points
+    of the slider. `script_data` is None for a page without slider.
+    """
+    program, script_digest = script()
+    return {
+        "script": program,
+        "script_hash": script_digest,
+        "live": _as_script(dict(script_data) if script_data else {"instants": 0}),
+        "carried": _extent_of_slider_in_words(script_data) if script_data else "",
+    }
 
 
 def code_commit(files: str = ".") -> str:
@@ -391,27 +438,15 @@ def _data_of_slider(view: CycleView) -> dict[str, Any]:
     """What the page's script needs for its slider: loads, displacements, tractions and states at
     the instants and points that the page holds, and how many there are in all.
 
-    `view` holds the last cycles of both solutions: `time`, loads and displacements (k,) at k
-    instants, points `x` over the half-width at the reference load (n,), and the instants that
-    figures mark (`chosen_events`).
+    `view` holds the last cycles of both solutions: loads and displacements (k,) at k instants,
+    points `x` over the half-width at the reference load (n,), and the instants that figures mark
+    (`chosen_events`).
     """
     scene = view.scene
     # indices of the instants and points that the page holds: about 200 instants at most, and
     # 100,000 instants times points
     instant_indices = _instants_of_slider(view)
     point_indices = _points_of_slider(view, len(instant_indices))
-    # Q0, U0, V0 of the reference; P, Q, U1, V1 of the result. V is U without its elastic part: Q
-    # over V is a wide loop.
-    series = {
-        "t": view.time,
-        "P": view.result_cycle.normal_load,
-        "Q": view.result_cycle.tangential_load,
-        "Q0": view.reference_cycle.tangential_load,
-        "U0": view.reference_cycle.tangential_displacement,
-        "U1": view.result_cycle.tangential_displacement,
-        "V0": sheared_displacement(view.reference_cycle),
-        "V1": sheared_displacement(view.result_cycle),
-    }
     # tractions and slip as packed numbers; states as codes (instants, points)
     fields, states = _fields_of_slider(view, np.ix_(instant_indices, point_indices))
     # words for the units of force, length and stress
@@ -422,10 +457,7 @@ def _data_of_slider(view: CycleView) -> dict[str, Any]:
         "stretch": view.part_of_path,
         "rows": instant_indices.tolist(),
         "x": [_seven_digits(x) for x in view.x[point_indices]],
-        "series": {
-            name: list(map(_seven_digits, values[instant_indices]))
-            for name, values in series.items()
-        },
+        "series": _series_of_slider(view, instant_indices),
         "fields": fields,
         "states": base64.b64encode(states.tobytes()).decode(),
         "events": [
@@ -440,6 +472,31 @@ def _data_of_slider(view: CycleView) -> dict[str, Any]:
         "load_unit": load_unit(scene),
         "length": units(scene)[1],
         "engines": [engine.name for engine in view.engines],
+    }
+
+
+def _series_of_slider(
+    view: CycleView, instant_indices: NDArray[np.int_]
+) -> dict[str, list[float | None]]:
+    """Time, loads and displacements at the instants of the page's slider, to seven digits, by their
+    names in the page's script: t; Q0, U0, V0 of the reference; P, Q, U1, V1 of the result.
+
+    U is the tangential displacement. V is U without its elastic part: Q over V is a wide loop.
+    """
+    reference_cycle = view.reference_cycle
+    result_cycle = view.result_cycle
+    series = {
+        "t": view.time,
+        "P": result_cycle.normal_load,
+        "Q": result_cycle.tangential_load,
+        "Q0": reference_cycle.tangential_load,
+        "U0": reference_cycle.tangential_displacement,
+        "U1": result_cycle.tangential_displacement,
+        "V0": sheared_displacement(reference_cycle),
+        "V1": sheared_displacement(result_cycle),
+    }
+    return {
+        name: list(map(_seven_digits, values[instant_indices])) for name, values in series.items()
     }
 
 
@@ -554,11 +611,34 @@ def draw(report: Report) -> tuple[Plate, ...]:
     its causes, or None.
     """
     comparison = report.comparison
+    plates = _plates_of_cycle(comparison)
+    if report.study is not None:
+        plates.append(study_convergence(report.study))
+    if comparison.why is not None:
+        plates.append(waterfall(comparison.why))
+    if report.budget is not None:
+        plates += [budget_bars(report.budget), mesh_refinement(report.budget)]
+    # of the finite elements; none in a solution that was read from a file
+    meshes = getattr(comparison.result, "bodies", ())
+    if meshes:
+        from reports.field_output.pictures import mesh
+
+        edge_of_result = float(np.nanmax(comparison.result_cycle.contact_edges))
+        plates.append(mesh(meshes, comparison.scales.half_width, edge_of_result))
+    names_left_out = _names_of_plates_without_values(comparison)
+    return tuple(plate for plate in plates if plate and plate.name not in names_left_out)
+
+
+def _plates_of_cycle(comparison: Comparison) -> list[Plate | None]:
+    """The figures that every report has, in the order of the page: both bodies, and loads,
+    tractions, slip and dissipation of the last cycle by both solutions. One is None where it does
+    not apply, such as the work of a measured record.
+    """
     # the last cycles of both solutions, with the axes that figures share
     view = CycleView(comparison)
     half_width = comparison.scales.half_width  # a_ref, at the reference load
     contact_edge = float(np.nanmax(comparison.reference_cycle.contact_edges))  # outermost at right
-    plates: list[Plate | None] = [
+    return [
         sketch(comparison.scene, half_width),
         fit_residuals(comparison.scene, contact_edge),
         cumulative_work(view),
@@ -572,30 +652,22 @@ def draw(report: Report) -> tuple[Plate, ...]:
         discrepancies(view),
         tractions(view),
     ]
-    if report.study is not None:
-        plates.append(study_convergence(report.study))
-    if comparison.why is not None:
-        plates.append(waterfall(comparison.why))
-    if report.budget is not None:
-        plates += [budget_bars(report.budget), mesh_refinement(report.budget)]
-    # of the finite elements; none in a solution that was read from a file
-    meshes = getattr(comparison.result, "bodies", ())
-    if meshes:
-        from reports.field_output.pictures import mesh
 
-        edge_of_result = float(np.nanmax(comparison.result_cycle.contact_edges))
-        plates.append(mesh(meshes, half_width, edge_of_result))
 
-    names_left_out = set()
+def _names_of_plates_without_values(comparison: Comparison) -> set[str]:
+    """Names of the figures that the result has nothing to draw for: those of slip and of
+    dissipation without that field, and those over time with fewer than two instants.
+    """
+    names = set()
     for field, name in (
         ("slip", "slip_history"),
         ("dissipation_density", "dissipation_density"),
     ):
         if field in reason_by_missing_field(comparison.result):
-            names_left_out.add(name)
-    if len(view.time) < 2:
-        names_left_out |= {"state_map", "half_widths", "slip_history", "errors"}
-    return tuple(plate for plate in plates if plate and plate.name not in names_left_out)
+            names.add(name)
+    if len(comparison.result_cycle.time) < 2:
+        names |= {"state_map", "half_widths", "slip_history", "errors"}
+    return names
 
 
 def figure(report: Comparison | Report, name: str) -> str:
@@ -640,30 +712,40 @@ def published(comparison: Comparison) -> str:
     # the last cycles of both solutions, with the axes that figures share
     view = CycleView(comparison)
     scene = comparison.scene
-    reference_cycle = comparison.reference_cycle
-    # the instant of the largest P, and of several with that P the one of the largest |Q|
-    largest_normal_load = reference_cycle.normal_load.max()
-    has_largest_load = reference_cycle.normal_load >= largest_normal_load * (1 - 1e-9)
-    size_of_q = np.where(has_largest_load, np.abs(reference_cycle.tangential_load), -1.0)
-    instant = int(np.argmax(size_of_q))  # index
-    title = f"t = {reference_cycle.time[instant]:.4g}"
-    size = (440.0, 330.0)
+    size = (440.0, 330.0)  # of each panel [pixels]
+    instant = _instant_of_largest_loads(comparison.reference_cycle)
+    title = f"t = {comparison.reference_cycle.time[instant]:.4g}"
     # without the panel of the differences; with words on the axis of x
     traction_panel, _ = traction_panels(view, instant, [instant], "tractions", size, title)
     traction_panel = replace(traction_panel, x=view.over_x(), room=None)
-
-    stroke = np.ptp(reference_cycle.tangential_displacement)
-    is_moving = stroke > 1e-9 * comparison.scales.displacement
-    # figure of the loops: Q over U, then Q over U − k Q
-    loop_plate = hysteresis(view) if is_moving else None
-    # edges over time, not over the share of the period
-    view.time = view.result_cycle.time
-    view.time_words = "time"
-    second_plate_panel = loop_plate.panels[1] if loop_plate else half_widths(view).panels[0]
-    assert isinstance(second_plate_panel, Panel)
-    second_panel = replace(second_plate_panel, height=size[1])
+    second_panel = replace(_panel_of_loop_or_edges(view), height=size[1])
     keys = traction_keys(view)[:4]  # legend of p and q of both engines, without their differences
     alt = f"Both engines on {scene.name}"
     panels = (traction_panel, second_panel)
     plate = Plate(scene.name, scene.title or scene.name, "", alt, panels, {}, keys)
     return plate.svg() + "\n"
+
+
+def _instant_of_largest_loads(cycle: Cycle) -> int:
+    """Index of the instant of the largest P in a cycle, and of several with that P of the one with
+    the largest |Q|.
+    """
+    has_largest_load = cycle.normal_load >= cycle.normal_load.max() * (1 - 1e-9)
+    size_of_q = np.where(has_largest_load, np.abs(cycle.tangential_load), -1.0)
+    return int(np.argmax(size_of_q))
+
+
+def _panel_of_loop_or_edges(view: CycleView) -> Panel:
+    """A panel of the loop of Q over U − k Q (k the mean slope dU/dQ); of the contact and stick
+    edges over time where U does not move, or the result holds none. Changes the axis of time of
+    `view` from shares of the period to times.
+    """
+    stroke = np.ptp(view.reference_cycle.tangential_displacement)
+    is_moving = stroke > 1e-9 * view.scales.displacement
+    # figure of the loops: Q over U, then Q over U − k Q
+    loop_plate = hysteresis(view) if is_moving else None
+    view.time = view.result_cycle.time
+    view.time_words = "time"
+    panel = loop_plate.panels[1] if loop_plate else half_widths(view).panels[0]
+    assert isinstance(panel, Panel)
+    return panel
