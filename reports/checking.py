@@ -65,7 +65,7 @@ _KEYS_OF_HALF_LENGTHS = ("flat_half_length", "tip_half_length", "inner_half_leng
 
 
 @dataclass(frozen=True)
-class _NearestToSliding:
+class NearestToSliding:
     """How near a load path comes to gross sliding."""
 
     # largest |Q|/(f P), 1 being gross sliding; 0 for a frictionless path without Q; infinite where
@@ -78,7 +78,7 @@ class _NearestToSliding:
     tangential_load: float
 
 
-def nearest_to_sliding(scene: Scene) -> _NearestToSliding:
+def nearest_to_sliding(scene: Scene) -> NearestToSliding:
     """How near the loads come to gross sliding: the largest |Q|/(f P) of the initial loading and
     one cycle, with its time, its loads and the part of the path.
 
@@ -104,7 +104,7 @@ def nearest_to_sliding(scene: Scene) -> _NearestToSliding:
     ratio, time = ratios_and_times[segment_number]
     segment, part_of_path = named_segments[segment_number]
     normal_load, tangential_load = segment.loads(time)
-    return _NearestToSliding(ratio, part_of_path, time, float(normal_load), float(tangential_load))
+    return NearestToSliding(ratio, part_of_path, time, float(normal_load), float(tangential_load))
 
 
 def _deciding_segments(scene: Scene) -> list[tuple[LoadSegment, str]]:
@@ -532,7 +532,7 @@ def _require_face_wider_than_contact(scene: Scene, source: str) -> None:
 
 
 @dataclass(frozen=True)
-class _LargestContact:
+class LargestContact:
     """The contact at the largest normal load of the path, by half-plane theory."""
 
     normal_load: float  # P [force per thickness]
@@ -544,7 +544,7 @@ class _LargestContact:
     ratios: dict[str, float]
 
 
-def largest_contact(scene: Scene, source: str) -> _LargestContact:
+def largest_contact(scene: Scene, source: str) -> LargestContact:
     """The contact at the largest P of a scene, by half-plane theory: half-width, peak pressure p0,
     strain p0/E*, largest slope of the gap at its edges, and ratios of sizes to the half-width.
 
@@ -577,7 +577,7 @@ def largest_contact(scene: Scene, source: str) -> _LargestContact:
     contact_edges = np.array([contact.left_edge, contact.right_edge])
     heights = scene.profile.height(contact_edges[:, None] * np.array([1 - 1e-6, 1 + 1e-6]))
     slopes = (heights[:, 1] - heights[:, 0]) / (2e-6 * np.abs(contact_edges))
-    return _LargestContact(
+    return LargestContact(
         normal_load=largest_load,
         half_width=half_width,
         peak_pressure=peak_pressure,
@@ -718,7 +718,7 @@ def _tilt_or_moment_at(scene: Scene, time: float) -> dict[str, float]:
 
 
 @dataclass(frozen=True)
-class _BulkAndTilt:
+class BulkAndTilt:
     """What bulk stress and tilt do to a contact, from the loads alone."""
 
     # largest |eps| of the path: eps = sigma/E' of the lower body minus that of the upper body, with
@@ -736,7 +736,7 @@ class _BulkAndTilt:
     centre: float | None
 
 
-def bulk_and_tilt(scene: Scene) -> _BulkAndTilt | None:
+def bulk_and_tilt(scene: Scene) -> BulkAndTilt | None:
     """What bulk stress and tilt do to a contact, from the loads alone: the largest bulk strain, the
     shift of the stick zone by it, and the shift of the contact by tilt or moment. None for a scene
     that has neither.
@@ -756,7 +756,7 @@ def bulk_and_tilt(scene: Scene) -> _BulkAndTilt | None:
     # way.
     stick_shift = semi_analytic.eccentricity(scene)
     if stick_shift is None:  # no bulk stress
-        return _BulkAndTilt(largest_strain, None, None, largest_shift)
+        return BulkAndTilt(largest_strain, None, None, largest_shift)
 
     # amplitude of the strain over the largest moderate one: None where the strain is constant,
     # infinite where Q is, for then no strain is moderate
@@ -766,7 +766,7 @@ def bulk_and_tilt(scene: Scene) -> _BulkAndTilt | None:
         if stick_shift.limit:
             share_of_limit = stick_shift.strain / stick_shift.limit
     eccentricity = stick_shift.value if np.isfinite(stick_shift.value) else None
-    return _BulkAndTilt(largest_strain, eccentricity, share_of_limit, largest_shift)
+    return BulkAndTilt(largest_strain, eccentricity, share_of_limit, largest_shift)
 
 
 def _strain_and_shift(scene: Scene) -> tuple[Array, float | None]:
@@ -818,7 +818,7 @@ def _strain_and_shift(scene: Scene) -> tuple[Array, float | None]:
     return strain, float(shift[np.argmax(np.abs(shift))])
 
 
-def bulk_in_words(effect: _BulkAndTilt) -> str:
+def bulk_in_words(effect: BulkAndTilt) -> str:
     """Sentences on what bulk stress and tilt do to the contact of a scene."""
     return in_template("bulk", effect)
 
@@ -850,7 +850,7 @@ def _size_ratios(scene: Scene, half_width: float) -> dict[str, float]:
     return ratios
 
 
-def rows_of_sliding(scene: Scene, nearest: _NearestToSliding) -> list[tuple[str, str]]:
+def rows_of_sliding(scene: Scene, nearest: NearestToSliding) -> list[tuple[str, str]]:
     """How near the loads come to gross sliding, and where, as rows of a table."""
     place = f"{number(nearest.time)}, in the {nearest.part}"
     loads = f"{number(nearest.normal_load)}, {number(nearest.tangential_load)}"
@@ -861,7 +861,7 @@ def rows_of_sliding(scene: Scene, nearest: _NearestToSliding) -> list[tuple[str,
     ]
 
 
-def rows_of_contact(scene: Scene, contact: _LargestContact) -> list[tuple[str, str]]:
+def rows_of_contact(scene: Scene, contact: LargestContact) -> list[tuple[str, str]]:
     """Rows (label with unit, value) of a table on the contact at the largest load, by half-plane
     theory.
 
@@ -882,7 +882,7 @@ def rows_of_contact(scene: Scene, contact: _LargestContact) -> list[tuple[str, s
     return rows
 
 
-def remarks_on_input(scene: Scene, contact: _LargestContact) -> list[str]:
+def remarks_on_input(scene: Scene, contact: LargestContact) -> list[str]:
     """Sentences about input that is allowed but looks like a mistake: a modulus in a wrong unit,
     friction in per cent, strains or slopes beyond linear elasticity. An empty list where nothing is
     unusual.

@@ -18,7 +18,7 @@ import textwrap
 import time
 import traceback
 import warnings
-from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from contextvars import Context
 from dataclasses import dataclass, field, fields, replace
@@ -729,32 +729,11 @@ def _function_of(command_row: _Command) -> Callable[..., int]:
     as the scene), then options as keywords, with the help texts as annotations. The function does
     the command's work, prints the answer and returns the exit code.
 
-    A row has operands (name, type, help, default; ... for none), names of options ("!" behind one
-    that must be given), help texts that differ from the usual ones, and the name of the function
-    that does the work, as "module:function".
+    A row names, among others, the function that does the work, as "module:function".
     """
-    # the fields of `Options`: name, type with help text, default
-    option_by_name = {option.name: option for option in fields(Options)}
-    parameters = []
-    for operand in command_row.operands:
-        kind: Any = Parameter.POSITIONAL_OR_KEYWORD
-        if operand.positional_only:
-            kind = Parameter.POSITIONAL_ONLY
-        default = Parameter.empty if operand.default is ... else operand.default
-        annotation: Any = Annotated[operand.type, CommandLineParameter(help=operand.help)]
-        parameters.append(Parameter(operand.name, kind, default=default, annotation=annotation))
-    for option_name in command_row.options:
-        option = option_by_name[option_name.rstrip("!")]
-        default = Parameter.empty if option_name.endswith("!") else option.default
-        annotation = option.type
-        if option.name in command_row.help_of_option:
-            help_text = command_row.help_of_option[option.name]
-            parameter_with_help = CommandLineParameter(help=help_text, group="Parameters")
-            annotation = Annotated[option.type, parameter_with_help]
-        parameters.append(
-            Parameter(option.name, Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
-        )
-    signature = Signature(parameters)
+    signature = Signature(
+        [*_parameters_of_operands(command_row), *_parameters_of_options(command_row)]
+    )
 
     def command(*operands: Any, **options: Any) -> int:
         """Do the work of the command, print its answer, and return the exit code."""
@@ -770,6 +749,36 @@ def _function_of(command_row: _Command) -> Callable[..., int]:
 
     command.__signature__ = signature  # type: ignore[attr-defined]
     return command
+
+
+def _parameters_of_operands(command_row: _Command) -> Iterator[Parameter]:
+    """Parameters for the operands of a command (positional arguments, such as the scene): name,
+    type with help text, and default; an operand whose default is `...` must be given.
+    """
+    for operand in command_row.operands:
+        kind: Any = Parameter.POSITIONAL_OR_KEYWORD
+        if operand.positional_only:
+            kind = Parameter.POSITIONAL_ONLY
+        default = Parameter.empty if operand.default is ... else operand.default
+        annotation: Any = Annotated[operand.type, CommandLineParameter(help=operand.help)]
+        yield Parameter(operand.name, kind, default=default, annotation=annotation)
+
+
+def _parameters_of_options(command_row: _Command) -> Iterator[Parameter]:
+    """Keyword parameters for the options of a command, from the fields of `Options`: name, type
+    with help text, and default. In `command_row.options` a "!" behind a name marks an option that
+    must be given; `help_of_option` has the help texts that differ from the usual ones.
+    """
+    option_by_name = {option.name: option for option in fields(Options)}
+    for option_name in command_row.options:
+        option = option_by_name[option_name.rstrip("!")]
+        default = Parameter.empty if option_name.endswith("!") else option.default
+        annotation: Any = option.type
+        if option.name in command_row.help_of_option:
+            help_text = command_row.help_of_option[option.name]
+            parameter_with_help = CommandLineParameter(help=help_text, group="Parameters")
+            annotation = Annotated[option.type, parameter_with_help]
+        yield Parameter(option.name, Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
 
 
 def _print_answer(command_row: _Command, answer: Answer, options: Options) -> int:

@@ -8,7 +8,7 @@ import json
 from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from reports.cli.application import EXIT_WITHIN, Answer, Options
 from reports.cli.solving import (
@@ -155,6 +155,15 @@ def _json_text(content: dict[str, Any]) -> str:
     return json.dumps(strict_json_values(content), allow_nan=False, indent=1) + "\n"
 
 
+class _WrittenFields(NamedTuple):
+    """What was written for ParaView, and what is needed of it afterwards."""
+
+    file_names: list[str]  # in the job's folder
+    values_of_instants: list[dict[str, Any]]  # values of each instant, for fields.json
+    # each instant that pictures are drawn of, with displacement and stress of both bodies
+    drawn_snapshots: list[tuple[Instant, Snapshot]]
+
+
 def _write_files(
     job: Job, solution: FiniteElementSolution, request: _Request
 ) -> tuple[dict[str, Any], list[tuple[Instant, Snapshot]]]:
@@ -167,10 +176,43 @@ def _write_files(
     `request` holds the instants, the times of those to draw, notes on their choice, and criteria:
     fatigue measures with their constants, or None.
     """
-    from reports.field_output import fatigue, files
+    from reports.field_output import files
     from reports.folder import results_folder
 
-    stages = job.stages
+    # a temporary folder, whose files move to the job's folder at the end; earlier files of these
+    # names are removed
+    with results_folder(job.folder, stale_prefixes=("fields/", "pictures/")) as staging:
+        folder = staging / "fields"
+        written = _write_bodies(job, solution, request, folder)
+        file_names = written.file_names
+        fatigue_content: dict[str, Any] = {}
+        if request.criteria is not None:
+            with job.stages.stage("measures of fatigue"):
+                largest_measures = _write_fatigue(solution, request.criteria, folder)
+            file_names.append("fields/fatigue.csv")
+            fatigue_content = {"fatigue": largest_measures}
+        content = files.record(
+            solution,
+            command=job.options.command("fields", job.source, job.folder),
+            instants=written.values_of_instants,
+            notes=request.notes,
+            files=file_names,
+            pictures=[],
+            seconds=dict(job.stages.seconds),
+            **fatigue_content,
+        )
+        (folder / "fields.json").write_text(_json_text(content), encoding="utf-8")
+    return content, written.drawn_snapshots
+
+
+def _write_bodies(
+    job: Job, solution: FiniteElementSolution, request: _Request, folder: Path
+) -> _WrittenFields:
+    """Write the fields of both bodies and of the contact line at the requested instants to a
+    folder, as files for ParaView; timed as a stage of the job.
+    """
+    from reports.field_output import files
+
     values_of_instants: list[dict[str, Any]] = []
     drawn_snapshots: list[tuple[Instant, Snapshot]] = []
 
@@ -185,35 +227,25 @@ def _write_files(
                 drawn_snapshots.append((instant, snapshot))
             yield snapshot
 
-    # a temporary folder, whose files move to the job's folder at the end; earlier files of these
-    # names are removed
-    with results_folder(job.folder, stale_prefixes=("fields/", "pictures/")) as staging:
-        folder = staging / "fields"
-        with stages.stage("files for ParaView", "instants") as show_progress:
-            vtu_names = files.write_fields(
-                solution, noted_snapshots(), folder, show_progress, len(request.instants)
-            )
-        file_names = [f"fields/{name}" for name in vtu_names]
-        fatigue_content: dict[str, Any] = {}
-        if request.criteria is not None:
-            with stages.stage("measures of fatigue"):
-                # fatigue measures at places beside the contact
-                table_of_places = fatigue.survey(solution, request.criteria)
-            table_of_places.to_csv(folder / "fatigue.csv", index=False, float_format="%.9g")
-            file_names.append("fields/fatigue.csv")
-            fatigue_content = {"fatigue": fatigue.largest(table_of_places)}
-        content = files.record(
-            solution,
-            command=job.options.command("fields", job.source, job.folder),
-            instants=values_of_instants,
-            notes=request.notes,
-            files=file_names,
-            pictures=[],
-            seconds=dict(stages.seconds),
-            **fatigue_content,
+    with job.stages.stage("files for ParaView", "instants") as show_progress:
+        vtu_names = files.write_fields(
+            solution, noted_snapshots(), folder, show_progress, len(request.instants)
         )
-        (folder / "fields.json").write_text(_json_text(content), encoding="utf-8")
-    return content, drawn_snapshots
+    file_names = [f"fields/{name}" for name in vtu_names]
+    return _WrittenFields(file_names, values_of_instants, drawn_snapshots)
+
+
+def _write_fatigue(
+    solution: FiniteElementSolution, criteria: Criteria, folder: Path
+) -> list[dict[str, Any]]:
+    """Write fatigue measures at places beside the contact, by both engines, to fatigue.csv in the
+    folder. Returns the largest value of each measure in each body, with its place.
+    """
+    from reports.field_output import fatigue
+
+    table_of_places = fatigue.survey(solution, criteria)
+    table_of_places.to_csv(folder / "fatigue.csv", index=False, float_format="%.9g")
+    return fatigue.largest(table_of_places)
 
 
 def _with_pictures(

@@ -8,7 +8,7 @@ import math
 import shlex
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from reports.cli.application import (
     EXIT_NOT_CONVERGED,
@@ -24,8 +24,10 @@ from reports.console import Part, Sheet, Stages, complain
 from reports.units import minus
 
 if TYPE_CHECKING:
+    from reports.comparison import Comparison
     from reports.comparison.findings import Difference, ValueRow
     from reports.report import Report
+    from reports.scoring.loops import LoopScore
     from reports.scoring.mapping import Mapping
     from scenes import Scene
 
@@ -224,7 +226,6 @@ def _score_loop(
     """
     stages = Stages(options.quiet)  # progress on stderr, and the seconds of each stage
     with stages.stage("loading"):
-        from reports.comparison.words import reading_in_words
         from reports.scoring import loop_page, loops
     with stages.stage("reading"):
         measured_loop = loops.read_loop(path, mapping, scene)
@@ -232,6 +233,30 @@ def _score_loop(
         loop_score = loops.score_loop(
             measured_loop, scene, rig_compliance=options.rig_compliance, against=options.against
         )
+    sentences, content_on_uncertainty = _validation_of_loop(loop_score, scene, mapping, stages)
+    with stages.stage("report"):
+        page = str(loop_page.write(loop_score, folder, command, content_on_uncertainty, sentences))
+    title = f"{scene.title or scene.name}: measured loop {path.name}"
+    return Answer(
+        EXIT_WITHIN if loop_score.is_scene_friction_within else EXIT_OUTSIDE,
+        [*_parts_of_loop(loop_score, path.name, title), *sentences, page],
+        lambda: (
+            loop_page.content(loop_score)
+            | content_on_uncertainty
+            | {"page": page, "seconds": stages.seconds}
+        ),
+        scene.name,
+    )
+
+
+def _validation_of_loop(
+    loop_score: LoopScore, scene: Scene, mapping: Mapping, stages: Stages
+) -> tuple[list[str], dict[str, Any]]:
+    """The area of a measured loop against those of computed loops, with the uncertainties of the
+    measurement (stated in `mapping`) and of the scene's inputs: sentences, and entries for --json.
+    What the inputs do is timed as one of the `stages`; it is left out where the scene states no
+    uncertainty.
+    """
     from reports import validation
     from reports.input_words import content as input_content
     from reports.inputs import input_effects
@@ -240,47 +265,35 @@ def _score_loop(
     if scene.inputs:
         with stages.stage("uncertainty of the inputs"):
             inputs = input_effects(scene)
-    # the area of the measured loop against the computed ones, with the uncertainties of both
     loop_validation = validation.loop_area_against_models(loop_score, inputs, mapping.measured)
     sentences = validation.sentences(loop_validation, is_measured=True)
-    further_content = {
+    return sentences, {
         "validation": [entry.content() for entry in loop_validation],
         "inputs": input_content(inputs, scene),
     }
-    with stages.stage("report"):
-        page = str(loop_page.write(loop_score, folder, command, further_content, sentences))
+
+
+def _parts_of_loop(loop_score: LoopScore, file_name: str, title: str) -> Iterator[Part]:
+    """What the terminal shows of a measured loop: how its columns were read, what was assumed or
+    left out, a table of the loops (measured and computed) under this title, and a sentence on the
+    friction coefficient that fits.
+    """
+    from reports.comparison.words import reading_in_words
+    from reports.scoring import loop_page
+
+    yield reading_in_words(file_name, loop_score.read_as)
+    yield from (f"Assumed: {sentence}." for sentence in loop_score.notes)
     heads, cells = loop_page.table_of_loops(loop_score)
-    sheet = Sheet(
-        f"{scene.title or scene.name}: measured loop {path.name}",
-        heads,
-        cells,
-        range(1, len(heads)),
-    )
-    # exit code 0 or 1; notes: what was assumed or left out; sentences: on the area of the loop
-    return Answer(
-        EXIT_WITHIN if loop_score.is_scene_friction_within else EXIT_OUTSIDE,
-        [
-            reading_in_words(path.name, loop_score.read_as),
-            *(f"Assumed: {sentence}." for sentence in loop_score.notes),
-            sheet,
-            loop_score.sentence,
-            *sentences,
-            page,
-        ],
-        lambda: (
-            loop_page.content(loop_score)
-            | further_content
-            | {"page": page, "seconds": stages.seconds}
-        ),
-        scene.name,
-    )
+    # Sheet: title, heads, rows, and the columns that are flush right
+    yield Sheet(title, heads, cells, range(1, len(heads)))
+    yield loop_score.sentence
 
 
 def _score_shown(report: Report, page: str) -> Iterator[Part]:
     """What the terminal shows of the report on an external result: assumptions, verdict, metrics
     without a value, what the rows of the result show, likely causes, and the mesh study if there is
     one. `page` is the path of the page. Of `report`: `guesses` are assumptions on the file,
-    `read_as` how its columns were read, `evidence` what the rows show, `diagnoses` likely causes. A
+    `read_as` how its columns were read, `unscored` files of a mesh study that were left out. A
     `Sheet` is a table: title, heads, rows, and the columns that are flush right.
     """
     from reports.comparison.words import reading_in_words
@@ -298,15 +311,33 @@ def _score_shown(report: Report, page: str) -> Iterator[Part]:
             f"Differences at the points and instants of the result: {'; '.join(labels_on_points)}."
             " There the reference has other values than its own in the table."
         )
-    # main metrics without a value, those with the same reason in one line
+    yield from _metrics_without_value_shown(report.comparison)
+    if report.study is None:  # a mesh study's own sentences name the files not scored
+        yield from (file.sentence for file in report.unscored)
+    yield from _causes_shown(report)
+    if report.study is not None:
+        heads = report.study.heads
+        yield Sheet("Mesh study", heads, report.study.rows, range(1, len(heads)))
+        yield from report.study.sentences
+    yield page
+
+
+def _metrics_without_value_shown(comparison: Comparison) -> Iterator[str]:
+    """Lines on the metrics of the first table that have no value, each with the reason. Those with
+    the same reason share a line.
+    """
     labels_of_reason: dict[str, list[str]] = {}
-    for metric in report.comparison.headlines:
+    for metric in comparison.headlines:
         if metric.value is None and metric.note:
             labels_of_reason.setdefault(metric.note, []).append(metric.label)
     for reason, labels in labels_of_reason.items():
         yield f"Not scored: {', '.join(labels)} ({reason})."
-    if report.study is None:  # a mesh study's own sentences name the files not scored
-        yield from (file.sentence for file in report.unscored)
+
+
+def _causes_shown(report: Report) -> Iterator[str]:
+    """Lines on the difference of an external result: numbered, what its rows show (`evidence`), and
+    likely causes (`diagnoses`), each with its own evidence below it.
+    """
     if report.evidence:
         yield "What the rows show:"
     for number, observation in enumerate(report.evidence, 1):
@@ -315,11 +346,6 @@ def _score_shown(report: Report, page: str) -> Iterator[Part]:
         yield "Likely causes:"
     for number, diagnosis in enumerate(report.diagnoses, 1):
         yield "\n   - ".join((f"{number}. {diagnosis.sentence}", *diagnosis.evidence))
-    if report.study is not None:
-        heads = report.study.heads
-        yield Sheet("Mesh study", heads, report.study.rows, range(1, len(heads)))
-        yield from report.study.sentences
-    yield page
 
 
 def _inputs_shown(report: Report) -> Iterator[Part]:

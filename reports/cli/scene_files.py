@@ -11,13 +11,14 @@ import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from reports.cli.application import EXIT_WITHIN, TEMPLATES, Answer, Options
 from reports.cli.solving import load_engines, read
 from reports.console import Part, Sheet, Stages, width
 
 if TYPE_CHECKING:
+    from reports.checking import BulkAndTilt, EngineRefusals, LargestContact, NearestToSliding
     from scenes import ContactSolution, Scene
 
 # Rows of a load series up to which `check` asks the finite elements too: 10,000 take them a second
@@ -140,6 +141,28 @@ def example(bodies: bool = False, profile: Literal["hertz", "flat_rounded"] = "h
 
 
 # -------------------------------------------------------------------------------------------- check
+class _CheckedScene(NamedTuple):
+    """What `check` computes of a scene without solving it.
+
+    Attributes
+    ----------
+    refusals
+        why theory or finite elements refuse the scene, "" each where they take it
+    nearest_instant
+        the largest |Q|/(f P) of the load path, with its time and loads
+    bulk_effects
+        what bulk stress and tilt do to the contact; None without them
+    contact
+        half-width, pressure and sizes at the largest load by half-plane theory; None where theory
+        does not take the scene
+    """
+
+    refusals: EngineRefusals
+    nearest_instant: NearestToSliding
+    bulk_effects: BulkAndTilt | None
+    contact: LargestContact | None
+
+
 def check(source: str, options: Options) -> Answer:
     """The command `check`: validate the scene that `source` names, without solving it. It prints
     half-width and pressure at the largest load, how near the loads come to gross sliding, and
@@ -150,20 +173,8 @@ def check(source: str, options: Options) -> Answer:
 
     An `Answer` holds the exit code, lines and tables for the terminal, and the content for --json.
     """
-    from reports.checking import (
-        bulk_and_tilt,
-        bulk_in_words,
-        engine_refusals,
-        largest_contact,
-        nearest_to_sliding,
-        remarks_on_input,
-        rows_of_contact,
-        rows_of_sliding,
-    )
-    from reports.input_words import stated_content
+    from reports.checking import bulk_in_words
     from reports.measured import read_as_by_key
-    from reports.profile_fit import content as fit_content
-    from scenes import InputError, TimeSeriesLoad
 
     scene = read(source, may_prescribe_displacements=True)
     if options.picture is not None:
@@ -172,61 +183,119 @@ def check(source: str, options: Options) -> Answer:
         return _check_rig(scene, source, options)
     # how the table of a measured loop was read; empty without --loop
     columns_of_loop = _columns_of_loop(scene, options)
-    n_rows = 0  # of a measured table of loads
-    if isinstance(scene.load, TimeSeriesLoad):
-        n_rows = len(scene.load.kept_rows())
-    load_engines(Stages(quiet=True), ["semi_analytic.solution"])
-    # Why theory or finite elements refuse the scene. Elements are not asked above 10,000 rows.
-    refusals = engine_refusals(scene, source, finite_elements=n_rows <= _MOST_ROWS)
-    # the largest |Q|/(f P) of the path, with its time and loads
-    nearest_instant = nearest_to_sliding(scene)
-    # what bulk stress and tilt do to the contact; None without them
-    bulk_effects = bulk_and_tilt(scene)
-    # by half-plane theory; None where it does not take the scene
-    contact = None
-    remarks_on_scene: list[str] = []
-    with suppress(InputError):  # theory's refusal, where finite elements alone take the scene
-        contact = largest_contact(scene, source)
-        remarks_on_scene += remarks_on_input(scene, contact)
-    if refusals_in_words := refusals.in_words(source):
-        remarks_on_scene.append(f"{refusals_in_words}.")
-    elif n_rows > _MOST_ROWS:
-        remarks_on_scene.append(
-            f"The record has {n_rows} rows, and finite elements take at least two increments a row."
-            " Solve it by half-plane theory alone: `halfplane exact`."
-        )
+    checked = _checked_scene(scene, source)
     # table -> pairs of a quantity and words on the column that it was read from
     columns_of_table = read_as_by_key(scene) | columns_of_loop
-    half_width = contact.half_width if contact else 0.0
+    half_width = checked.contact.half_width if checked.contact else 0.0
     notes, further_remarks = _notes_and_remarks(scene, columns_of_table, half_width)
-    remarks_on_scene += further_remarks
+    remarks = [*_remarks_on_solving(scene, source, checked), *further_remarks]
     verdict = (
         f"{source}: the scene is well formed and its load path admissible. |Q|/(f P) is at most"
-        f" {nearest_instant.ratio:.4g}; gross sliding starts at 1."
+        f" {checked.nearest_instant.ratio:.4g}; gross sliding starts at 1."
     )
-    rows = rows_of_contact(scene, contact) if contact else []
-    rows += rows_of_sliding(scene, nearest_instant)
-    sheet = Sheet("By half-plane theory", ("", "value"), rows, (1,))
-    bulk_sentences = bulk_in_words(bulk_effects) if bulk_effects else ""
+    bulk_sentences = bulk_in_words(checked.bulk_effects) if checked.bulk_effects else ""
     # how it was found out that the bodies have room for the contact, and on bulk stress and tilt
-    sentences = filter(None, [refusals.size_in_words, bulk_sentences])
+    sentences = filter(None, [checked.refusals.size_in_words, bulk_sentences])
     content = {
         "passed": True,
         "sentence": verdict,
         "notes": notes,
-        "remarks": remarks_on_scene,
+        "remarks": remarks,
         "read_as": columns_of_table,
-        "engines": refusals.reasons,
-        "largest_contact": vars(contact) if contact else None,
-        "nearest_to_sliding": vars(nearest_instant),
+        **_content_of_check(scene, checked),
+    }
+    marked_remarks = [f"Remark: {remark}" for remark in remarks]
+    sheet = _sheet_of_check(scene, checked)
+    parts: list[Part] = [verdict, sheet, *marked_remarks, *sentences, *notes]
+    return Answer(EXIT_WITHIN, parts, lambda: content, scene.name)
+
+
+def _rows_of_record(scene: Scene) -> int:
+    """How many rows of a measured table of loads are solved; 0 for other loads."""
+    from scenes import TimeSeriesLoad
+
+    if isinstance(scene.load, TimeSeriesLoad):
+        return len(scene.load.kept_rows())
+    return 0
+
+
+def _checked_scene(scene: Scene, source: str) -> _CheckedScene:
+    """Ask which engines take a scene, and compute the contact at its largest load and the instant
+    nearest to gross sliding. Finite elements are not asked about a record of more than 10,000 rows.
+    `source` names the scene in messages.
+    """
+    from reports.checking import (
+        bulk_and_tilt,
+        engine_refusals,
+        largest_contact,
+        nearest_to_sliding,
+    )
+    from scenes import InputError
+
+    load_engines(Stages(quiet=True), ["semi_analytic.solution"])
+    # _MOST_ROWS: 10,000
+    refusals = engine_refusals(scene, source, finite_elements=_rows_of_record(scene) <= _MOST_ROWS)
+    nearest_instant = nearest_to_sliding(scene)
+    bulk_effects = bulk_and_tilt(scene)
+    contact = None
+    with suppress(InputError):  # theory's refusal, where finite elements alone take the scene
+        contact = largest_contact(scene, source)
+    return _CheckedScene(refusals, nearest_instant, bulk_effects, contact)
+
+
+def _remarks_on_solving(scene: Scene, source: str, checked: _CheckedScene) -> list[str]:
+    """Sentences that warn: of doubtful input, of an engine that refuses the scene, and of a record
+    so long that finite elements take hours.
+    """
+    from reports.checking import remarks_on_input
+    from scenes import InputError
+
+    remarks: list[str] = []
+    if checked.contact is not None:
+        with suppress(InputError):
+            remarks += remarks_on_input(scene, checked.contact)
+    n_rows = _rows_of_record(scene)
+    if refusals_in_words := checked.refusals.in_words(source):
+        remarks.append(f"{refusals_in_words}.")
+    elif n_rows > _MOST_ROWS:
+        remarks.append(
+            f"The record has {n_rows} rows, and finite elements take at least two increments a row."
+            " Solve it by half-plane theory alone: `halfplane exact`."
+        )
+    return remarks
+
+
+def _sheet_of_check(scene: Scene, checked: _CheckedScene) -> Sheet:
+    """The table that `check` prints: the contact at the largest load by half-plane theory, where it
+    is known, and how near the loads come to gross sliding.
+    """
+    from reports.checking import rows_of_contact, rows_of_sliding
+
+    rows = rows_of_contact(scene, checked.contact) if checked.contact else []
+    rows += rows_of_sliding(scene, checked.nearest_instant)
+    # Sheet: title, heads, rows, and the columns that are flush right
+    return Sheet("By half-plane theory", ("", "value"), rows, (1,))
+
+
+def _content_of_check(scene: Scene, checked: _CheckedScene) -> dict[str, Any]:
+    """Entries of --json with what `check` computed: why engines refuse the scene, the contact at
+    the largest load (None where it is not known), the instant nearest to gross sliding, the fit of
+    a measured profile, the stated uncertainties, and the effects of bulk stress and tilt where
+    there are any.
+    """
+    from reports.input_words import stated_content
+    from reports.profile_fit import content as fit_content
+
+    content = {
+        "engines": checked.refusals.reasons,
+        "largest_contact": vars(checked.contact) if checked.contact else None,
+        "nearest_to_sliding": vars(checked.nearest_instant),
         "profile_fit": fit_content(scene),
         "uncertainty_of_inputs": stated_content(scene),
     }
-    if bulk_effects:
-        content["bulk_and_tilt"] = vars(bulk_effects)
-    marked_remarks = [f"Remark: {remark}" for remark in remarks_on_scene]
-    parts: list[Part] = [verdict, sheet, *marked_remarks, *sentences, *notes]
-    return Answer(EXIT_WITHIN, parts, lambda: content, scene.name)
+    if checked.bulk_effects:
+        content["bulk_and_tilt"] = vars(checked.bulk_effects)
+    return content
 
 
 def _notes_and_remarks(

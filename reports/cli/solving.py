@@ -29,10 +29,17 @@ if TYPE_CHECKING:
     from reports.checking import EngineRefusals
     from reports.comparison import Comparison
     from reports.comparison.budget import ErrorBudget
-    from reports.comparison.laws import ExpectedNumber
+    from reports.comparison.laws import Certificate, ExpectedNumber
     from reports.inputs import InputEffects
     from reports.report import Report
-    from scenes import BodyEffects, ContactSolution, Scene
+    from scenes import (
+        BodyEffects,
+        ContactSolution,
+        ConvergenceError,
+        InputError,
+        Interrupted,
+        Scene,
+    )
 
 _STYLES = {"within": "bold green", "outside": "bold red", "undecided": "bold yellow"}
 
@@ -90,7 +97,6 @@ def solving_command(solve_job: Callable[[Job], Answer]) -> Callable[[str, Option
         """Solve the scene that `source` names, with the command-line options `options`; keep what
         was solved if it fails.
         """
-        from reports.comparison.words import summary_rows
         from reports.folder import default_folder, usable_folder
         from scenes import ConvergenceError, InputError, Interrupted
 
@@ -99,46 +105,75 @@ def solving_command(solve_job: Callable[[Job], Answer]) -> Callable[[str, Option
         folder = usable_folder(
             options.out or default_folder(scene.name), _file_names_of(name, scene)
         )
+        job = Job(source, scene, options, folder, Stages(options.quiet))
         try:
-            return solve_job(Job(source, scene, options, folder, Stages(options.quiet)))
+            return solve_job(job)
         except InputError as fault:
             # An error about an option or the file names it already, an error of an engine does not.
             if str(fault).startswith((source, "--")):
                 raise
-            error_with_source = InputError(f"{source}: {fault}")
-            for note in getattr(fault, "__notes__", ()):  # which file was saved
-                error_with_source.add_note(note)
-            raise error_with_source from fault
+            raise _error_with_source(fault, source) from fault
         except Interrupted as stop:
-            partial_solution = stop.partial  # the steps solved so far, or None
-            if partial_solution is None or len(partial_solution.time) < 2:
+            if stop.partial is None or len(stop.partial.time) < 2:
                 raise KeyboardInterrupt from stop
-            # a solution that converged gets the file name of its engine, which "" stands for
-            stem = "" if partial_solution.record.converged else "partial"
-            path = write_solution(partial_solution, folder, name=stem)
-            # `complain` prints a line on stderr
-            complain(
-                f"halfplane: {stop}; what was solved is kept in {path}"
-                f" ({len(partial_solution.time) - 1} steps)"
-            )
-            return Answer(EXIT_INTERRUPTED)
+            return _answer_of_interruption(stop, stop.partial, folder)
         except ConvergenceError as failure:
-            complain(f"halfplane: {scene.name}: not converged: {failure}")
-            json_content = {"passed": False, "error": str(failure), "file": None}
-            parts: list[Part] = []
-            if failure.partial is not None:
-                path = write_solution(failure.partial, folder, name="partial")
-                json_content["file"] = str(path)
-                rows = summary_rows(failure.partial)
-                parts = [
-                    Sheet("Steps solved before it failed", ("quantity", "value"), rows),
-                    str(path),
-                ]
-            elif not options.json:
-                complain("halfplane: no step was solved, so nothing was written")
-            return Answer(EXIT_NOT_CONVERGED, parts, lambda: json_content, scene.name)
+            return _answer_without_convergence(failure, job)
 
     return command
+
+
+def _error_with_source(fault: InputError, source: str) -> InputError:
+    """The error with the name of the scene, as the user gave it, before its message; and with its
+    notes, such as which file was saved.
+    """
+    from scenes import InputError
+
+    error_with_source = InputError(f"{source}: {fault}")
+    for note in getattr(fault, "__notes__", ()):
+        error_with_source.add_note(note)
+    return error_with_source
+
+
+def _answer_of_interruption(
+    stop: Interrupted, partial_solution: ContactSolution, folder: Path
+) -> Answer:
+    """Save the steps that were solved before an interruption (Ctrl-C) in the folder; the answer has
+    the exit code 130 alone. A line on stderr names the file.
+    """
+    # a solution that converged gets the file name of its engine, which "" stands for
+    stem = "" if partial_solution.record.converged else "partial"
+    path = write_solution(partial_solution, folder, name=stem)
+    # `complain` prints a line on stderr
+    complain(
+        f"halfplane: {stop}; what was solved is kept in {path}"
+        f" ({len(partial_solution.time) - 1} steps)"
+    )
+    return Answer(EXIT_INTERRUPTED)
+
+
+def _answer_without_convergence(failure: ConvergenceError, job: Job) -> Answer:
+    """The answer of a command whose solver did not converge, with exit code 3: the steps solved
+    before, which are saved in the job's folder, in a table and for --json. A line on stderr has the
+    reason. Without a solved step nothing is saved.
+    """
+    from reports.comparison.words import summary_rows
+
+    # `complain` prints a line on stderr
+    complain(f"halfplane: {job.scene.name}: not converged: {failure}")
+    json_content = {"passed": False, "error": str(failure), "file": None}
+    parts: list[Part] = []
+    if failure.partial is not None:
+        path = write_solution(failure.partial, job.folder, name="partial")
+        json_content["file"] = str(path)
+        rows = summary_rows(failure.partial)
+        parts = [
+            Sheet("Steps solved before it failed", ("quantity", "value"), rows),
+            str(path),
+        ]
+    elif not job.options.json:
+        complain("halfplane: no step was solved, so nothing was written")
+    return Answer(EXIT_NOT_CONVERGED, parts, lambda: json_content, job.scene.name)
 
 
 def _file_names_of(command: str, scene: Scene) -> tuple[str, ...]:
@@ -565,83 +600,100 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
     --json. Where the code is not 0 for a third solver, an undecided metric or one without a value,
     a line on stderr says so.
 
-    Of `report` are used: the comparison, the error budget and the results of a third solver (None
-    where there is none), and what the uncertainties of the inputs do. `job` has the options and the
-    seconds of each stage.
+    `job` has the options, the seconds of each stage and the output folder.
     """
     from reports.comparison import laws
+
+    comparison = report.comparison
+    scene = comparison.scene
+    # numbers that the scene expects, each with whether it is met
+    findings = list(laws.expected_numbers(scene, (comparison.reference, comparison.result)))
+    return Answer(
+        _code_of_both(report, findings),
+        _parts_of_both(job, report, findings),
+        lambda: _json_of_both(job, report),
+        scene.name,
+    )
+
+
+def _code_of_both(report: Report, findings: Sequence[ExpectedNumber]) -> int:
+    """The exit code of `run`: 3 where a third solver failed, with a line on stderr; 0 where the
+    comparison passed and all numbers that the scene expects (`findings`) are met; else 1.
+    """
+    if report.third is not None and report.third.failure:
+        # `complain` prints a line on stderr
+        complain(f"halfplane: {report.comparison.scene.name}: {report.third.failure}")
+        return EXIT_NOT_CONVERGED
+    code = exit_code(report.comparison)
+    if not all(finding.is_met for finding in findings):
+        code = EXIT_OUTSIDE
+    return code
+
+
+def _parts_of_both(job: Job, report: Report, findings: Sequence[ExpectedNumber]) -> Iterator[Part]:
+    """What the terminal shows of a report, from the headline to the path of the page: verdict,
+    effect of uncertain inputs, error budget, a third solver (None where none ran). With --verbose
+    also notes, numbers that the scene expects (`findings`) and seconds of the stages; else what was
+    left out. A `Sheet` is a table: title, heads, rows, and the columns that are flush right.
+    """
+    comparison = report.comparison
+    verbose = job.options.verbose
+    third_results = report.third
+    yield from verdict_shown(report, verbose)
+    yield from _inputs_shown(report.inputs, comparison.scene, comparison)
+    if verbose:
+        yield from _notes_shown(report)
+    if report.budget is not None and (verbose or job.options.budget):
+        yield from _budget_shown(report, report.budget)
+    if third_results is not None:
+        yield Sheet(
+            "A third solver", third_results.heads, third_results.rows(comparison), (1, 2, 3)
+        )
+        yield from third_results.sentences
+    if verbose:
+        yield from _expected_shown(findings)
+        times = [(stage, f"{seconds:.2f}") for stage, seconds in job.stages.seconds.items()]
+        yield Sheet("Time", ("stage", "seconds"), times, (1,))
+    else:
+        yield from _topics_left_out(report, findings)
+    yield str(_page_of(job))
+
+
+def _page_of(job: Job) -> Path:
+    """The path of the page of a job that compares both engines."""
+    return job.folder / "report.html"
+
+
+def _json_of_both(job: Job, report: Report) -> dict[str, Any]:
+    """The object "result" of --json for `run`, from the content of the report: headline, table,
+    verdict in full and in a few words, values of each metric, causes of the difference, effects of
+    uncertain inputs, dissipation of the finite elements, expected numbers, fit of the profile,
+    notes, seconds of each stage, path of the page.
+    """
     from reports.comparison.words import verdict_in_few_words
     from reports.page.content import whole_content
 
-    comparison = report.comparison
-    third_results = report.third
-    scene = comparison.scene
-    stages = job.stages
-    verbose = job.options.verbose
-    page = job.folder / "report.html"
-    # numbers that the scene expects, each with whether it is met
-    findings = list(laws.expected_numbers(scene, (comparison.reference, comparison.result)))
-    if third_results is not None and third_results.failure:
-        complain(f"halfplane: {scene.name}: {third_results.failure}")
-        code = EXIT_NOT_CONVERGED  # 3
-    else:
-        code = exit_code(comparison)  # 0 if it passed, else 1
-        if not all(finding.is_met for finding in findings):
-            code = EXIT_OUTSIDE  # 1
-
-    def parts() -> Iterator[Part]:
-        """What the terminal shows of a report, from the headline to the path of the page: verdict,
-        effect of uncertain inputs, error budget, a third solver. With `verbose` also notes, numbers
-        that the scene expects (`findings`) and seconds of the stages; else what was left out.
-        """
-        yield from verdict_shown(report, verbose)
-        yield from _inputs_shown(report.inputs, scene, comparison)
-        if verbose:
-            yield from _notes_shown(report)
-        if report.budget is not None and (verbose or job.options.budget):
-            yield from _budget_shown(report, report.budget)
-        if third_results is not None:
-            yield Sheet(
-                "A third solver", third_results.heads, third_results.rows(comparison), (1, 2, 3)
-            )
-            yield from third_results.sentences
-        if verbose:
-            yield from _expected_shown(findings)
-            times = [(stage, f"{seconds:.2f}") for stage, seconds in stages.seconds.items()]
-            yield Sheet("Time", ("stage", "seconds"), times, (1,))
-        else:
-            yield from _topics_left_out(report, findings)
-        yield str(page)
-
-    def json_content() -> dict[str, Any]:
-        """The object "result" of --json, from the content of the report: headline, table, verdict
-        in full and in a few words, values of each metric, causes of the difference, effects of
-        uncertain inputs, dissipation of the finite elements, expected numbers, fit of the profile,
-        notes, seconds of each stage, path of the page.
-        """
-        # that of comparison.json; "": its command, which is not used here
-        report_content = whole_content(report, "", stages.seconds)
-        solution_of_elements = report_content["result"]
-        metrics: dict[str, Any] = {}
-        for key, metric in report_content["metrics"].items():
-            # _METRIC_KEYS: the entries of a metric that --json states
-            metrics[key] = {name: metric[name] for name in _METRIC_KEYS}
-        work_keys = ("dissipation", "dissipation_uncertainty", "dissipation_drift")
-        last_keys = ("expected", "profile_fit", "notes", "seconds")
-        return {
-            "headline": report_content["headline"],
-            "table": report_content["table"],
-            **report_content["verdict"],
-            "lead": verdict_in_few_words(comparison),
-            "metrics": metrics,
-            "why": report_content["why"],
-            "inputs": report_content["inputs"],
-            **{name: solution_of_elements[name] for name in work_keys},
-            **{name: report_content[name] for name in last_keys},
-            "page": str(page),
-        }
-
-    return Answer(code, parts(), json_content, scene.name)
+    # that of comparison.json; "": its command, which is not used here
+    report_content = whole_content(report, "", job.stages.seconds)
+    solution_of_elements = report_content["result"]
+    metrics: dict[str, Any] = {}
+    for key, metric in report_content["metrics"].items():
+        # _METRIC_KEYS: the entries of a metric that --json states
+        metrics[key] = {name: metric[name] for name in _METRIC_KEYS}
+    work_keys = ("dissipation", "dissipation_uncertainty", "dissipation_drift")
+    last_keys = ("expected", "profile_fit", "notes", "seconds")
+    return {
+        "headline": report_content["headline"],
+        "table": report_content["table"],
+        **report_content["verdict"],
+        "lead": verdict_in_few_words(report.comparison),
+        "metrics": metrics,
+        "why": report_content["why"],
+        "inputs": report_content["inputs"],
+        **{name: solution_of_elements[name] for name in work_keys},
+        **{name: report_content[name] for name in last_keys},
+        "page": str(_page_of(job)),
+    }
 
 
 def verdict_shown(report: Report, verbose: bool = True) -> Iterator[Part]:
@@ -861,6 +913,41 @@ _SOLUTION_KEYS = (
 )
 
 
+@dataclass(frozen=True)
+class _EngineAnswer:
+    """What one engine alone answers to a scene, with the checks of it.
+
+    Attributes
+    ----------
+    solution
+        its solution, with the notes of the command
+    law_checks
+        one check for each law of contact: the largest violation, and whether the law holds
+    findings
+        numbers that the scene expects, each with whether the solution meets it
+    inputs
+        what the uncertainties of the scene's inputs do to theory; None where none is stated
+    file
+        path of the file of the solution
+    """
+
+    solution: ContactSolution
+    law_checks: tuple[Certificate, ...]
+    findings: Sequence[ExpectedNumber]
+    inputs: InputEffects | None
+    file: str
+
+    @property
+    def is_admissible(self) -> bool:
+        """Whether the run converged and every law of contact holds."""
+        return self.solution.record.converged and all(check.holds for check in self.law_checks)
+
+    @property
+    def is_passed(self) -> bool:
+        """Whether the solution is admissible and meets all numbers that the scene expects."""
+        return self.is_admissible and all(finding.is_met for finding in self.findings)
+
+
 def _answer_of_one_engine(
     job: Job, solution: ContactSolution, note: str = "", inputs: InputEffects | None = None
 ) -> Answer:
@@ -870,16 +957,7 @@ def _answer_of_one_engine(
     inputs do to theory; None: it is computed here. Exit code 0: the run converged, every law of
     contact holds, and all numbers that the scene expects are met. Else 1.
     """
-    from reports import profile_fit
-    from reports.comparison.json_values import solution_content
-    from reports.comparison.laws import (
-        certificates,
-        expected_content,
-        expected_numbers,
-        largest_load_ratio,
-    )
-    from reports.comparison.words import summary_rows
-    from reports.input_words import content as input_content
+    from reports.comparison.laws import certificates, expected_numbers
 
     if note:
         record = replace(solution.record, notes=(*solution.record.notes, note))
@@ -889,47 +967,62 @@ def _answer_of_one_engine(
     findings = list(expected_numbers(scene, (solution,)))
     if inputs is None:
         inputs = _effects_of_inputs(job)
-    # one check for each law of contact: the largest violation, and whether the law holds
-    law_checks = certificates(solution)
-    is_admissible = solution.record.converged and all(check.holds for check in law_checks)
-    is_passed = is_admissible and all(finding.is_met for finding in findings)
-    code = EXIT_WITHIN if is_passed else EXIT_OUTSIDE  # 0 or 1
-    values_of_rig = {}  # of a scene that prescribes displacements
+    answer = _EngineAnswer(solution, certificates(solution), findings, inputs, path)
+    return Answer(
+        EXIT_WITHIN if answer.is_passed else EXIT_OUTSIDE,
+        _parts_of_one_engine(job, answer),
+        lambda: _json_of_one_engine(job, answer),
+        scene.name,
+    )
+
+
+def _parts_of_one_engine(job: Job, answer: _EngineAnswer) -> Iterator[Part]:
+    """What the terminal shows of the answer of one engine: the summary of its solution, the effect
+    of uncertain inputs, the fit of a measured profile, numbers that the scene expects, and the path
+    of the file. A `Sheet` is a table: title, heads, rows.
+    """
+    from reports import profile_fit
+    from reports.comparison.words import summary_rows
+
+    scene = answer.solution.scene
+    rows = summary_rows(answer.solution, loads_are_found=job.scene.load.is_driven)
+    yield Sheet(scene.title or scene.name, ("quantity", "value"), rows)
+    yield from _inputs_shown(answer.inputs, job.scene)
+    yield from profile_fit.findings_on_fit(scene)[0]
+    yield from _expected_shown(answer.findings)
+    yield answer.file
+
+
+def _json_of_one_engine(job: Job, answer: _EngineAnswer) -> dict[str, Any]:
+    """The object "result" of --json for one engine: whether the exit code is 0 (`passed`), whether
+    the solution converged and obeys the laws of contact (`admissible`), values of the solution,
+    numbers that the scene expects, effect of uncertain inputs, path of its file. Where the scene
+    prescribes displacements, also the largest |Q|/(f P) of the loads that follow.
+    """
+    from reports import profile_fit
+    from reports.comparison.json_values import solution_content
+    from reports.comparison.laws import expected_content, largest_load_ratio
+    from reports.input_words import content as input_content
+
+    values_of_rig = {}
     if job.scene.load.is_driven:
-        values_of_rig["largest_sliding_ratio"] = largest_load_ratio(solution)
-
-    def parts() -> Iterator[Part]:
-        """What the terminal shows, from the summary to the path of the solution's file."""
-        rows = summary_rows(solution, loads_are_found=job.scene.load.is_driven)
-        yield Sheet(scene.title or scene.name, ("quantity", "value"), rows)
-        yield from _inputs_shown(inputs, job.scene)
-        yield from profile_fit.findings_on_fit(scene)[0]
-        yield from _expected_shown(findings)
-        yield path
-
-    def json_content() -> dict[str, Any]:
-        """The object "result" of --json: whether the exit code is 0 (`passed`), whether the
-        solution converged and obeys the laws of contact (`admissible`), values of the solution,
-        numbers that the scene expects (`findings`), effect of uncertain inputs, path of its file.
-        """
-        content_of_solution = solution_content(solution, law_checks)
-        return {
-            "passed": code == EXIT_WITHIN,
-            "admissible": is_admissible,
-            **{
-                name: content_of_solution[name]
-                for name in _SOLUTION_KEYS
-                if name in content_of_solution
-            },
-            "expected": expected_content(findings),
-            "file": path,
-            "seconds": job.stages.seconds,
-            "profile_fit": profile_fit.content(scene),
-            "inputs": input_content(inputs, job.scene),
-            **values_of_rig,
-        }
-
-    return Answer(code, parts(), json_content, scene.name)
+        values_of_rig["largest_sliding_ratio"] = largest_load_ratio(answer.solution)
+    content_of_solution = solution_content(answer.solution, answer.law_checks)
+    # _SOLUTION_KEYS: the values that --json states of a solution
+    values_of_solution = {
+        name: content_of_solution[name] for name in _SOLUTION_KEYS if name in content_of_solution
+    }
+    return {
+        "passed": answer.is_passed,
+        "admissible": answer.is_admissible,
+        **values_of_solution,
+        "expected": expected_content(answer.findings),
+        "file": answer.file,
+        "seconds": job.stages.seconds,
+        "profile_fit": profile_fit.content(answer.solution.scene),
+        "inputs": input_content(answer.inputs, job.scene),
+        **values_of_rig,
+    }
 
 
 def _answer_of_rig(job: Job, refusals: EngineRefusals, no_comparison: str) -> Answer:
