@@ -187,6 +187,44 @@ class Advice:
         return verdict
 
 
+class _SolvedTheory(NamedTuple):
+    """Half-plane theory of a scene, and theory corrected with the curvatures of the bodies' faces.
+
+    Attributes
+    ----------
+    theory, corrected
+        both solutions, at the same points and instants
+    largest_pressure, half_width
+        largest values by theory over all x and instants [stress], [length]
+    uncertain_fraction_by_curvature
+        "curvature under P" or "curvature under Q" -> relative uncertainty of the change by it
+    """
+
+    theory: ContactSolution
+    corrected: ContactSolution
+    largest_pressure: float
+    half_width: float
+    uncertain_fraction_by_curvature: Mapping[str, float]
+
+
+class _PartsOfWork(NamedTuple):
+    """The relative change of the dissipation by its causes, as far as they are known.
+
+    Attributes
+    ----------
+    by_cause
+        cause -> its part of the change, with its uncertainty
+    neglected_part
+        size of the change by causes that were not followed
+    size_of_odd_part
+        about the change by tilt and bulk strain, followed or not
+    """
+
+    by_cause: dict[str, Estimate]
+    neglected_part: float
+    size_of_odd_part: float
+
+
 def advise_by_numbers(
     scene: Scene | str | Path, limit: float = 0.05, effects: BodyEffects | None = None
 ) -> Advice:
@@ -213,26 +251,31 @@ def advise_by_numbers(
         that are not symmetric; where theory dissipates nothing.
     """
     import halfplane_fe
-    import semi_analytic
-    from semi_analytic.next_order import (
-        LEAST_UNCERTAIN_FRACTION,
-        ratio_of_next_order,
-        uncertain_fraction_of_curvatures,
-    )
 
     scene = scene_of(scene)
     # Unlike materials: pressure and shear depend on each other.
-    is_coupled = has_coupled_tractions(scene)
-    if is_coupled and scene.bodies.half_planes:
+    if has_coupled_tractions(scene) and scene.bodies.half_planes:
         raise InputError(
             f"{scene.name}: the bodies are half-planes of unlike materials (Dundurs' beta is not"
             " 0), to which no body adds anything; solve the scene with finite elements"
             " (`halfplane run`)"
         )
-
-    # Theory of half-planes, and theory with the curvatures of the bodies' faces.
     if effects is None:
         effects = halfplane_fe.body_effects(scene)
+    solved_theory = _theory_and_corrected(scene, effects)
+    parts = _parts_of_work(scene, effects, solved_theory)
+    changes = _changes_of_values(scene, effects, solved_theory, parts)
+    return Advice(scene, effects, changes, parts.by_cause, parts.neglected_part, limit)
+
+
+def _theory_and_corrected(scene: Scene, effects: BodyEffects) -> _SolvedTheory:
+    """Solve a scene by half-plane theory, and by theory with the curvatures that the bodies' faces
+    take under load (`effects`). Tilt and bulk strain are left out. InputError where theory
+    dissipates nothing, so that no change is relative to it.
+    """
+    import semi_analytic
+    from semi_analytic.next_order import uncertain_fraction_of_curvatures
+
     # WORK: "dissipation"
     theory = semi_analytic.solve(scene, fields=(WORK, "pressure"))
     if not theory.dissipation:
@@ -246,57 +289,104 @@ def advise_by_numbers(
         effects=_without_tilt_and_strain(effects),
         fields=(WORK, "pressure"),
     )
-    # Largest pressure, half-width and more of theory over all x and instants.
+    # over all x and instants, not only on the points of the solution
     largest_values = semi_analytic.extremes(theory)
     half_width = largest_values.half_width
+    return _SolvedTheory(
+        theory,
+        corrected_solution,
+        largest_values.pressure,
+        half_width,
+        uncertain_fraction_of_curvatures(effects, half_width),
+    )
 
-    # The change of W by each curvature; then by tilt and bulk strain, the odd part.
-    uncertain_fraction_by_curvature = uncertain_fraction_of_curvatures(effects, half_width)
-    # Fourth order over curvature in the bodies' responses.
-    next_order_ratio = ratio_of_next_order(effects, half_width)
-    # Cause -> relative change of W with its uncertainty.
-    parts = _parts_by_curvatures(
-        effects, theory, corrected_solution, uncertain_fraction_by_curvature
+
+def _parts_of_work(
+    scene: Scene, effects: BodyEffects, solved_theory: _SolvedTheory
+) -> _PartsOfWork:
+    """The relative change of the dissipation by each curvature of the bodies' faces, by both
+    together, and by tilt and bulk strain (the odd part).
+
+    The odd part is neglected where it is below 1e-4, where theory cannot follow it in this scene,
+    and for unlike materials. There the coupling of pressure and shear is neglected too. What is
+    neglected is stated by its size.
+    """
+    from semi_analytic.next_order import ratio_of_next_order
+
+    half_width = solved_theory.half_width
+    by_cause = _parts_by_curvatures(
+        effects,
+        solved_theory.theory,
+        solved_theory.corrected,
+        solved_theory.uncertain_fraction_by_curvature,
     )
     size_of_odd_part = _size_of_odd_part(effects, scene, half_width)
     neglected_part = size_of_odd_part  # unless the odd part is followed below
-    if is_coupled:
+    if has_coupled_tractions(scene):
         neglected_part += _size_of_coupling(effects, scene, half_width)
-    # _LEAST_ODD_PART: a change of 1e-4; a smaller odd part is neglected
+    # _LEAST_ODD_PART: a change of 1e-4
     elif neglected_part > _LEAST_ODD_PART:
-        even_part = sum(part.value for part in parts.values())
+        even_part = sum(part.value for part in by_cause.values())
+        # fourth order over curvature in the bodies' responses
+        next_order_ratio = ratio_of_next_order(effects, half_width)
         odd_part = _odd_part_of_work(effects, scene, even_part, next_order_ratio)
         if odd_part is not None:
             # ODD_PART: "tilt and bulk strain"
-            parts[ODD_PART] = odd_part
+            by_cause[ODD_PART] = odd_part
             neglected_part = 0.0
+    return _PartsOfWork(by_cause, neglected_part, size_of_odd_part)
 
-    # largest values of theory over all x and time, not only on the points of the solution
-    exact_values = {"peak_pressure": largest_values.pressure, "half_width": half_width}
+
+def _changes_of_values(
+    scene: Scene, effects: BodyEffects, solved_theory: _SolvedTheory, parts: _PartsOfWork
+) -> dict[str, Change]:
+    """The changes by finite bodies of dissipation, largest pressure, largest half-width and
+    permanent stick half-width, by key.
+
+    That of the dissipation is the sum of its parts. The others are those by the curvatures of the
+    faces; to the stick half-width tilt and bulk strain are added. They are NaN for unlike
+    materials, and where tilt and bulk strain change the dissipation by more than 5 %: then these
+    move them by an amount that is not known.
+    """
+    from semi_analytic.next_order import LEAST_UNCERTAIN_FRACTION
+
+    is_unknown = has_coupled_tractions(scene) or parts.size_of_odd_part > _LARGEST_CHECKED_ODD_PART
+    uncertain_fraction = max(solved_theory.uncertain_fraction_by_curvature.values())
+    exact_values = {
+        "peak_pressure": solved_theory.largest_pressure,
+        "half_width": solved_theory.half_width,
+    }
     changes = {}
     # Key of each quantity, its name in a solution, and in words.
-    # _QUANTITIES_OF_ADVICE: of dissipation, largest pressure, half-width and stick. QUANTITIES:
-    # how the value of each is taken from a solution.
+    # QUANTITIES: how the value of each is taken from a solution
     for key, (name, words) in _QUANTITIES_OF_ADVICE.items():
-        theory_value = QUANTITIES[name].value_of(theory)
-        change = QUANTITIES[name].value_of(corrected_solution) / theory_value - 1
-        uncertainty = abs(change) * max(uncertain_fraction_by_curvature.values())
-        if key == WORK:  # the sum of its parts
-            change = sum(part.value for part in parts.values())
-            uncertainty = sum(part.uncertainty for part in parts.values()) + neglected_part
-            # LEAST_UNCERTAIN_FRACTION: 3e-5 of any value that the bodies change
-            # Estimate: a value with its uncertainty
-            estimate = Estimate(change, uncertainty + LEAST_UNCERTAIN_FRACTION)
-        # _LARGEST_CHECKED_ODD_PART: a change of 0.05
-        elif is_coupled or size_of_odd_part > _LARGEST_CHECKED_ODD_PART:
-            # coupling, or a large tilt, moves it by an amount that is not known
+        value_of = QUANTITIES[name].value_of
+        theory_value = value_of(solved_theory.theory)
+        change = value_of(solved_theory.corrected) / theory_value - 1
+        uncertainty = abs(change) * uncertain_fraction
+        # Estimate: a value with its uncertainty
+        if key == WORK:
+            estimate = _sum_of_parts(parts)
+        elif is_unknown:
             estimate = Estimate(math.nan, math.nan)
-        elif size_of_odd_part > 0 and key == "permanent_stick":
+        elif parts.size_of_odd_part > 0 and key == "permanent_stick":
             estimate = _change_of_stick(scene, effects, theory_value, uncertainty)
         else:
+            # LEAST_UNCERTAIN_FRACTION: 3e-5 of any value that the bodies change
             estimate = Estimate(change, uncertainty + LEAST_UNCERTAIN_FRACTION)
         changes[key] = Change(words, exact_values.get(key, theory_value), estimate)
-    return Advice(scene, effects, changes, parts, neglected_part, limit)
+    return changes
+
+
+def _sum_of_parts(parts: _PartsOfWork) -> Estimate:
+    """The whole relative change of the dissipation with its uncertainty, to which what is neglected
+    is added, and 3e-5 (`LEAST_UNCERTAIN_FRACTION`) of any value that the bodies change.
+    """
+    from semi_analytic.next_order import LEAST_UNCERTAIN_FRACTION
+
+    change = sum(part.value for part in parts.by_cause.values())
+    uncertainty = sum(part.uncertainty for part in parts.by_cause.values()) + parts.neglected_part
+    return Estimate(change, uncertainty + LEAST_UNCERTAIN_FRACTION)
 
 
 def _odd_part_of_work(
@@ -409,17 +499,9 @@ def split_difference_of_work(comparison: JudgedPair, budget: ErrorBudget | None)
         terms = next(row.terms for row in budget.budgets if row.metric.key == WORK)
         numerical_part = sum(term.value or 0.0 for term in terms)
     try:
-        # unlike materials: pressure and shear depend on each other
-        if has_coupled_tractions(comparison.scene):
-            parts = _parts_of_unlike_materials(comparison)
-        elif comparison.scene.bodies.faces_are_true:  # with their curvature, as of a cylinder
-            parts = _parts_of_curved_faces(comparison)
-        else:
-            advice = advise_by_numbers(comparison.scene, effects=comparison.effects)
-            parts = _parts_of_flat_faces(advice, comparison)
+        parts = _parts_of_bodies(comparison)
     except (InputError, ConvergenceError) as reason:
         return Why(total_change, reason_not_split=words_of_refusal(reason))
-
     causes_without_estimate = [
         cause for cause, part in parts.items() if math.isnan(part.uncertainty)
     ]
@@ -432,6 +514,25 @@ def split_difference_of_work(comparison: JudgedPair, budget: ErrorBudget | None)
             ),
         )
     return Why(total_change, parts, Estimate(numerical_part))
+
+
+def _parts_of_bodies(comparison: JudgedPair) -> dict[str, Estimate]:
+    """The causes of the change of the dissipation by real bodies: cause -> relative change with its
+    uncertainty. The method depends on the bodies: unlike materials, curved faces (as of a
+    cylinder), or flat faces of like materials.
+
+    Raises
+    ------
+    InputError, ConvergenceError
+        For bodies that no method takes, and where a solve does not converge.
+    """
+    # unlike materials: pressure and shear depend on each other
+    if has_coupled_tractions(comparison.scene):
+        return _parts_of_unlike_materials(comparison)
+    if comparison.scene.bodies.faces_are_true:
+        return _parts_of_curved_faces(comparison)
+    advice = advise_by_numbers(comparison.scene, effects=comparison.effects)
+    return _parts_of_flat_faces(advice, comparison)
 
 
 def _parts_of_flat_faces(advice: Advice, comparison: JudgedPair) -> dict[str, Estimate]:

@@ -1188,60 +1188,87 @@ def values_of_ellipses(
     """
     import semi_analytic
     from semi_analytic.elasticity import composite_modulus
-    from semi_analytic.profiles import contact_of
 
-    n_draws = len(next(iter(drawn_changes.values())))
-    factors_of_one = np.ones(n_draws)
-
-    def factor_of_input(key: str) -> Array:
-        """By what factor the draws change an input, (n,)."""
-        return 1 + drawn_changes[key] if key in drawn_changes else factors_of_one
-
-    # r = E*/E*_0 of each draw, and the loads over r.
-    modulus_factor = factors_of_one
+    # r = E*/E*_0 of each draw
+    modulus_factor = np.ones(len(next(iter(drawn_changes.values()))))
     if any(key.startswith("material.") for key in drawn_changes):
         modulus_factor = _composite_moduli(scene, drawn_changes) / composite_modulus(scene.material)
-    load_ellipse = scene.load
-    assert isinstance(load_ellipse, EllipseLoad)  # for the type checker: others take no batch
-    normal_factor = factor_of_input("normal_load") / modulus_factor
-    tangential_factor = factor_of_input("tangential_load") / modulus_factor
 
     # A changed profile as its numbers by name, each uncertain one an array (n,).
     profile: Any = scene.profile
     if any(key.startswith("profile.") or key.endswith(".radius") for key in drawn_changes):
         profile = _numbers_of_drawn_profiles(scene, drawn_changes)
 
-    # W of a cycle for all draws; `permanent_stick_load` is the load whose contact is the permanent
-    # stick zone.
+    # W of a cycle for all draws, from W at the stated E*_0 to W at the modulus of the draw;
+    # `permanent_stick_load` is the load whose contact is the permanent stick zone.
     batch = semi_analytic.dissipation(
         profile=profile,
         material=scene.material,
-        friction_coefficient=scene.friction.coefficient * factor_of_input("friction"),
-        mean_normal_load=load_ellipse.mean_normal_load * normal_factor,
-        normal_amplitude=load_ellipse.normal_amplitude * normal_factor,
-        mean_tangential_load=load_ellipse.mean_tangential_load * tangential_factor,
-        tangential_amplitude=load_ellipse.tangential_amplitude * tangential_factor,
-        phase_degrees=load_ellipse.phase_degrees + drawn_changes.get("phase_degrees", 0.0),
+        **_drawn_friction_and_ellipses(scene, drawn_changes, modulus_factor),
     )
-    # from W at the stated E*_0 to W at the modulus of the draw
     # WORK, STICK: "dissipation" and "permanent_stick"
     values = {WORK: batch.value * modulus_factor}
+    stick_half_width = _stick_half_widths(scene, profile, batch.permanent_stick_load)
+    if stick_half_width is not None:
+        values[STICK] = stick_half_width
+    # `reason`: why a draw has no W
+    return values, batch.reason == semi_analytic.Reason.SLIDING
 
-    stick_load = batch.permanent_stick_load
+
+def _drawn_friction_and_ellipses(
+    scene: Scene, drawn_changes: Mapping[str, Array], modulus_factor: Array
+) -> dict[str, Any]:
+    """Friction coefficient and load ellipses of n random draws, (n,) each, by their names as
+    arguments of `semi_analytic.dissipation`. The loads are over r = E*/E*_0, `modulus_factor` (n,),
+    since one modulus E*_0 serves all draws.
+
+    `drawn_changes` holds the change of each input, (n,) by its key: relative, of a phase in
+    degrees.
+    """
+    load_ellipse = scene.load
+    assert isinstance(load_ellipse, EllipseLoad)  # for the type checker: others take no batch
+    unchanged = np.ones_like(modulus_factor)
+
+    def factor_of_input(key: str) -> Array:
+        """By what factor the draws change an input, (n,)."""
+        return 1 + drawn_changes[key] if key in drawn_changes else unchanged
+
+    normal_factor = factor_of_input("normal_load") / modulus_factor
+    tangential_factor = factor_of_input("tangential_load") / modulus_factor
+    return {
+        "friction_coefficient": scene.friction.coefficient * factor_of_input("friction"),
+        "mean_normal_load": load_ellipse.mean_normal_load * normal_factor,
+        "normal_amplitude": load_ellipse.normal_amplitude * normal_factor,
+        "mean_tangential_load": load_ellipse.mean_tangential_load * tangential_factor,
+        "tangential_amplitude": load_ellipse.tangential_amplitude * tangential_factor,
+        "phase_degrees": load_ellipse.phase_degrees + drawn_changes.get("phase_degrees", 0.0),
+    }
+
+
+def _stick_half_widths(scene: Scene, profile: Any, stick_load: Array) -> Array | None:
+    """Permanent stick half-width of n random draws, (n,) [length]: the half-width of contact under
+    the load `stick_load` (n,), NaN where that is NaN. None where the profile is changed and no
+    parabola.
+
+    `profile` is that of the scene, or its numbers by name where the draws change it. The loads are
+    those that go with the stated modulus E*_0.
+    """
+    from semi_analytic.elasticity import composite_modulus
+    from semi_analytic.profiles import contact_of
+
     if profile is scene.profile:
-        # Half-width of contact under that load, by the profile's law.
+        # by the law of the profile
         contact = contact_of(scene.profile, scene.material)
         has_value = np.isfinite(stick_load)
         stick_half_width = contact.half_width(np.where(has_value, stick_load, 0.0))
-        values[STICK] = np.where(has_value, stick_half_width, np.nan)
-    elif isinstance(scene.profile, Hertz):
+        return np.where(has_value, stick_half_width, np.nan)
+    if isinstance(scene.profile, Hertz):
         # Hertz: a^2 = 4 R P/(pi E*).
         half_width_squared_per_load = (
             4 * profile["radius"] / (math.pi * composite_modulus(scene.material))
         )
-        values[STICK] = np.sqrt(half_width_squared_per_load * stick_load)
-    # `reason`: why a draw has no W
-    return values, batch.reason == semi_analytic.Reason.SLIDING
+        return np.asarray(np.sqrt(half_width_squared_per_load * stick_load))
+    return None
 
 
 def _composite_moduli(scene: Scene, drawn_changes: Mapping[str, Array]) -> Array:
@@ -1383,6 +1410,25 @@ def input_effects(scene: Scene, effects: BodyEffects | None = None) -> InputEffe
         )
 
 
+class _TheoryUnderInputs(NamedTuple):
+    """Values of half-plane theory with the uncertainty that the inputs give them.
+
+    Attributes
+    ----------
+    values
+        by name, each with its standard uncertainty by all inputs
+    nearness
+        how near the loads come to gross sliding: the largest |Q|/(f P) with its standard
+        uncertainty; None where it is not known
+    reason_for_draws
+        why no derivative by the inputs is known, so that random draws are needed; "" where they are
+    """
+
+    values: dict[str, UncertainValue]
+    nearness: NearSliding | None
+    reason_for_draws: str
+
+
 def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
     """The uncertainties that the inputs give to theory's values and, where it can be computed, to
     the difference of finite bodies from half-planes.
@@ -1393,7 +1439,7 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
     Parameters
     ----------
     scene
-        with uncertain `inputs`; `load.is_driven`: a displacement is prescribed instead of Q
+        with uncertain `inputs`
     effects
         elastic responses that the scene's bodies add to half-planes; None where they are not
         computed yet
@@ -1405,7 +1451,39 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
     """
     assert scene.uncertainty is not None
     correlation = scene.uncertainty.correlation_matrix()
-    notes: list[str] = []
+    theory = _theory_under_inputs(scene, effects, correlation)
+    draws, notes_on_draws = _draws_where_needed(scene, theory)
+    # The difference of finite bodies from half-planes, or why it is not known.
+    difference, reason_without_difference = _difference_or_reason(scene, effects, correlation)
+    return InputEffects(
+        inputs=scene.inputs,
+        correlations=scene.uncertainty.correlations,
+        values=theory.values,
+        difference=difference,
+        reason_without_difference=reason_without_difference,
+        draws=draws,
+        sliding=theory.nearness,
+        # first those on values that are left out since they take too long
+        notes=(*_notes_on_values(scene), *notes_on_draws),
+    )
+
+
+def _theory_under_inputs(
+    scene: Scene, effects: BodyEffects | None, correlation: Array
+) -> _TheoryUnderInputs:
+    """The values of half-plane theory with the uncertainty that the inputs give them, by
+    derivatives.
+
+    Parameters
+    ----------
+    scene
+        with n uncertain `inputs`; `load.is_driven`: a displacement is prescribed instead of Q
+    effects
+        elastic responses that the scene's bodies add to half-planes; None where they are not
+        computed yet
+    correlation
+        (n, n) correlation matrix of the inputs
+    """
     # QUANTITIES_UNDER_DISPLACEMENT, QUANTITIES_OF_THEORY: names and units of theory's values by key
     quantities = QUANTITIES_UNDER_DISPLACEMENT if scene.load.is_driven else QUANTITIES_OF_THEORY
 
@@ -1429,11 +1507,7 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
         key: uncertain_value(quantities[key], value, changes_by_inputs, key, correlation)
         for key, value in values_at_inputs.items()
     }
-    # Notes on values that are left out since they take too long.
-    notes += _notes_on_values(scene)
-
-    # How near the loads come to gross sliding: the largest |Q|/(f P), RATIO where it is one of the
-    # values.
+    # RATIO: the largest |Q|/(f P), one of the values under a prescribed displacement
     nearness = None if scene.load.is_driven else nearness_to_sliding(scene)
     if RATIO in uncertain_values:
         # Near sliding the larger of the changes up and down counts.
@@ -1444,30 +1518,24 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
         uncertain_values[RATIO] = uncertain_ratio
         # NearSliding: the ratio with its standard uncertainty
         nearness = NearSliding(uncertain_ratio.value, uncertain_ratio.uncertainty)
+    return _TheoryUnderInputs(uncertain_values, nearness, reason_for_draws)
 
-    # Random draws where derivatives are not enough; "" for no reason.
-    reason_by_sliding = reason_for_draws or _reason_by_sliding(nearness)
-    reason_by_second_order = _reason_by_second_order(uncertain_values)
-    draws = None
-    if reason_by_sliding or reason_by_second_order:
-        draws = draws_of_work(scene, reason_by_sliding or reason_by_second_order)
-        if draws is None:
-            notes.append(
-                _note_on_missing_draws(reason_by_sliding, reason_by_second_order, nearness)
-            )
 
-    # The difference of finite bodies from half-planes, or why it is not known.
-    difference, reason_without_difference = _difference_or_reason(scene, effects, correlation)
-    return InputEffects(
-        inputs=scene.inputs,
-        correlations=scene.uncertainty.correlations,
-        values=uncertain_values,
-        difference=difference,
-        reason_without_difference=reason_without_difference,
-        draws=draws,
-        sliding=nearness,
-        notes=tuple(notes),
-    )
+def _draws_where_needed(scene: Scene, theory: _TheoryUnderInputs) -> tuple[Draws | None, list[str]]:
+    """Random draws of the inputs where derivatives are not enough for the uncertainty of the
+    dissipation, and notes: near gross sliding, or where the second order is large. Where the draws
+    take too long they are None, and a note says so. Without a reason they are None too.
+    """
+    reason_by_sliding = theory.reason_for_draws or _reason_by_sliding(theory.nearness)
+    reason_by_second_order = _reason_by_second_order(theory.values)
+    if not (reason_by_sliding or reason_by_second_order):
+        return None, []
+    draws = draws_of_work(scene, reason_by_sliding or reason_by_second_order)
+    if draws is not None:
+        return draws, []
+    return None, [
+        _note_on_missing_draws(reason_by_sliding, reason_by_second_order, theory.nearness)
+    ]
 
 
 def _note_on_missing_draws(

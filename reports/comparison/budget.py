@@ -32,7 +32,7 @@ from reports.comparison.metrics import Metric
 from reports.comparison.pairs import are_half_planes
 from reports.comparison.work_of_loads import solution_on_straight_steps
 from reports.python_numbers import PythonNumbers
-from scenes import ContactSolution, ConvergenceError, InputError
+from scenes import ContactSolution, ConvergenceError, InputError, Scene
 from scenes.array_types import Array
 
 if TYPE_CHECKING:
@@ -272,15 +272,7 @@ def solve_refinements(
     """
     start_seconds = time.process_time()
     ratio = mesh_ratio(mesh)
-    # the run whose errors are measured, without the error of its load increments
-    base_run = Run(
-        label="h",
-        size=1.0,
-        values=values_without_step_error(comparison),
-        failure="",
-        n_instants=len(comparison.result.time),
-        n_contact_nodes=len(comparison.result.x),
-    )
+    base_run = _base_run(comparison)
     if ratio is None:
         return _no_refinements(base_run, comparison)
 
@@ -298,16 +290,11 @@ def solve_refinements(
     coarse_mesh, coarse_settings = coarser_mesh_and_settings(mesh, settings, ratio**2)
     far_field_runs: tuple[Run, ...] = ()
     reasons_not_measured: dict[str, str] = {}
-    bodies = comparison.scene.bodies
-    if "half_plane" in (bodies.lower.kind, bodies.upper.kind):
-        # 4 to 500 a: half and twice of the radius can be meshed
-        if _RANGE_OF_FAR_RADIUS[0] <= mesh.far_radius <= _RANGE_OF_FAR_RADIUS[1]:
-            far_field_runs = _far_field_runs(solver, coarse_run, coarse_mesh, coarse_settings)
+    if _has_far_field(comparison.scene):
+        if reason := _reason_without_far_field(mesh):
+            reasons_not_measured["far field"] = reason
         else:
-            reasons_not_measured["far field"] = (
-                f"a half-disc of radius {mesh.far_radius:g} a leaves no room for one of half and"
-                " one of twice"
-            )
+            far_field_runs = _far_field_runs(solver, coarse_run, coarse_mesh, coarse_settings)
     step_runs: tuple[Run, ...] | None = None
     # Where theory has no solution on the increments of a run, their error is measured by halving
     # them.
@@ -324,6 +311,37 @@ def solve_refinements(
         reasons_not_measured=reasons_not_measured,
         cpu_seconds=time.process_time() - start_seconds,
         step_runs=step_runs,
+    )
+
+
+def _base_run(comparison: Comparison) -> Run:
+    """The run whose errors are measured, as the first of a refinement study: size h, and the value
+    of each metric without the error of its load increments.
+    """
+    return Run(
+        label="h",
+        size=1.0,
+        values=values_without_step_error(comparison),
+        failure="",
+        n_instants=len(comparison.result.time),
+        n_contact_nodes=len(comparison.result.x),
+    )
+
+
+def _has_far_field(scene: Scene) -> bool:
+    """Whether a body of the scene is a half-plane, which the mesh cuts off at a half-disc."""
+    return "half_plane" in (scene.bodies.lower.kind, scene.bodies.upper.kind)
+
+
+def _reason_without_far_field(mesh: MeshSettings) -> str:
+    """Why the error of the far field is not measured: half and twice of the radius of the half-disc
+    cannot both be meshed, since it is not between 4 and 500 half-widths a. "" where they can.
+    """
+    if _RANGE_OF_FAR_RADIUS[0] <= mesh.far_radius <= _RANGE_OF_FAR_RADIUS[1]:
+        return ""
+    return (
+        f"a half-disc of radius {mesh.far_radius:g} a leaves no room for one of half and"
+        " one of twice"
     )
 
 

@@ -154,12 +154,10 @@ def judged_metrics(pair: Pair, tolerances: Mapping[str, float]) -> tuple[Metric,
     """Every metric that a comparison has, in the order of the table, with its value and the
     tolerance that judges it. `tolerances`: key -> largest size of the value admitted.
 
-    A metric that needs a field which a solution lacks has no value, and the reason as its note. It
-    keeps its tolerance, unless it is one of shear or slip and the contact carries no shear. Other
-    metrics without a value, and those of friction in a frictionless scene, have no tolerance.
+    A metric that needs a field which a solution lacks has no value, and the reason as its note.
+    Metrics of friction in a frictionless scene have neither value nor tolerance.
 
-    A row of the table `METRICS` states by `exists` which pairs have the metric (None: all), by
-    `needs` the fields of a solution that it takes, and by `measure` the function that computes it.
+    A row of the table `METRICS` states by `exists` which pairs have the metric (None: all).
     """
     # name of the engine -> name of a field that its solution lacks -> why
     reasons_by_engine = {
@@ -179,18 +177,32 @@ def judged_metrics(pair: Pair, tolerances: Mapping[str, float]) -> tuple[Metric,
             note = "frictionless: nothing sticks and nothing resists slip"
             metrics.append(replace(metric, note=note, tolerance=None))
         elif reason:
-            # Where the contact carries no shear, a metric of shear, slip, state or dissipation has
-            # nothing to judge.
-            needs_shear = not set(metric.needs).isdisjoint(FIELDS_OF_FRICTION)
-            tolerance_of_metric = tolerance if carries_shear or not needs_shear else None
-            metrics.append(
-                replace(metric, note=reason, tolerance=tolerance_of_metric, lacks_field=True)
-            )
+            metrics.append(_metric_without_field(metric, reason, tolerance, carries_shear))
         else:
-            measurement = metric.measure(pair)
-            tolerance_of_value = None if measurement.value is None else tolerance
-            metrics.append(metric.with_value(measurement, tolerance_of_value))
+            metrics.append(_measured_metric(metric, pair, tolerance))
     return tuple(metrics)
+
+
+def _metric_without_field(
+    metric: Metric, reason: str, tolerance: float | None, carries_shear: bool
+) -> Metric:
+    """A metric without a value, since a solution lacks a field that it needs, with the reason as
+    its note. It keeps its `tolerance`, unless it is one of shear, slip, state or dissipation and
+    the contact carries no shear: then there is nothing to judge.
+    """
+    # `needs`: the fields of a solution that the metric takes
+    needs_shear = not set(metric.needs).isdisjoint(FIELDS_OF_FRICTION)
+    tolerance_of_metric = tolerance if carries_shear or not needs_shear else None
+    return replace(metric, note=reason, tolerance=tolerance_of_metric, lacks_field=True)
+
+
+def _measured_metric(metric: Metric, pair: Pair, tolerance: float | None) -> Metric:
+    """A metric with its value for a pair of solutions, as its function `measure` computes it. It
+    keeps its `tolerance` where there is a value.
+    """
+    measurement = metric.measure(pair)
+    tolerance_of_value = None if measurement.value is None else tolerance
+    return metric.with_value(measurement, tolerance_of_value)
 
 
 def _reason_for_none(metric: Metric, reasons_by_engine: Mapping[str, Mapping[str, str]]) -> str:
