@@ -726,12 +726,12 @@ def _size_of_odd_part(effects: BodyEffects, scene: Scene, half_width: float) -> 
     `half_width` is the largest of the contact [length].
     """
     tilt, strain = _tilt_and_strain(effects, scene, half_width)
-    friction = scene.friction.coefficient
+    friction_coefficient = scene.friction.coefficient
     # _STRAIN_SQUARED, _STRAIN_BY_TILT, _TILT_SQUARED: factors 1.4, 4.4 and 3.5
     return (
-        _STRAIN_SQUARED * (strain / friction) ** 2
+        _STRAIN_SQUARED * (strain / friction_coefficient) ** 2
         + _STRAIN_BY_TILT * strain * tilt
-        + _TILT_SQUARED * (tilt * friction) ** 2
+        + _TILT_SQUARED * (tilt * friction_coefficient) ** 2
     )
 
 
@@ -757,11 +757,11 @@ def _size_of_coupling(effects: BodyEffects, scene: Scene, half_width: float) -> 
 
     tilt, strain = _tilt_and_strain(effects, scene, half_width)
     beta = abs(dundurs(scene.material).beta)
-    friction = scene.friction.coefficient
+    friction_coefficient = scene.friction.coefficient
     # _COUPLING_SQUARED, _STRAIN_BY_COUPLING, _TILT_BY_COUPLING: c_1 = 1.6, c_2 = 7 and c_3 = 5
     return (
-        _COUPLING_SQUARED * (beta / friction) ** 2
-        + _STRAIN_BY_COUPLING * beta * strain / friction**2
+        _COUPLING_SQUARED * (beta / friction_coefficient) ** 2
+        + _STRAIN_BY_COUPLING * beta * strain / friction_coefficient**2
         + _TILT_BY_COUPLING * beta * tilt
     )
 

@@ -5,9 +5,10 @@ the size of the contact.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -91,12 +92,12 @@ def nearest_to_sliding(scene: Scene) -> NearestToSliding:
     """
     # Load segments among which the ratio can be largest, each with its part of the path.
     named_segments = _deciding_segments(scene)
-    friction = scene.friction.coefficient
+    friction_coefficient = scene.friction.coefficient
 
     def highest_ratio_and_time(segment: LoadSegment) -> tuple[float, float]:
         """Largest |Q|/(f P) on a segment, and its time."""
         return _highest_value_and_time(
-            segment, lambda time: _load_ratio(*segment.loads(time), friction)
+            segment, lambda time: _load_ratio(*segment.loads(time), friction_coefficient)
         )
 
     ratios_and_times = [highest_ratio_and_time(segment) for segment, _ in named_segments]
@@ -111,29 +112,38 @@ def _deciding_segments(scene: Scene) -> list[tuple[LoadSegment, str]]:
     """The load segments among which |Q|/(f P) can be largest, each with the part of the path that
     it belongs to: "initial loading", "cycle", or "path" where nothing repeats.
 
-    Of a load path these are all segments. A record of loads (`TimeSeriesLoad`) may have millions of
-    rows: of each block of 100,000 rows two lines between neighbouring rows are taken, that with the
-    largest ratio and that with the largest P.
+    Of a load path these are all segments; of a record of loads (`TimeSeriesLoad`), which may have
+    millions of rows, a few lines between neighbouring rows.
     """
     load_history = scene.load
-    if not isinstance(load_history, TimeSeriesLoad):
-        path = load_history.path()
-        part_of_loading = "initial loading" if path.cycle else "path"
-        segments_before_cycle = [(segment, part_of_loading) for segment in path.initial_loading]
-        return segments_before_cycle + [(segment, "cycle") for segment in path.cycle]
-    part_of_loading = "initial loading" if load_history.repeats else "path"
-    part_after_first_line = "cycle" if load_history.repeats else "path"
-    rows = load_history.series()  # (n, 3) time, P, Q
-    segments: list[tuple[LoadSegment, str]] = []
+    if isinstance(load_history, TimeSeriesLoad):
+        return list(_deciding_lines_of_record(load_history, scene.friction.coefficient))
+    path = load_history.path()
+    part_of_loading = "initial loading" if path.cycle else "path"
+    segments_before_cycle = [(segment, part_of_loading) for segment in path.initial_loading]
+    return segments_before_cycle + [(segment, "cycle") for segment in path.cycle]
+
+
+def _deciding_lines_of_record(
+    load_record: TimeSeriesLoad, friction_coefficient: float
+) -> Iterator[tuple[LoadSegment, str]]:
+    """Lines between neighbouring rows of a record of loads, among which |Q|/(f P) can be largest,
+    each with its part of the path. Of each block of 100,000 rows these are the line with the
+    largest ratio and that with the largest P.
+
+    The first line is "initial loading" and all others are "cycle" where the record repeats; else
+    each is "path".
+    """
+    part_of_first_line = "initial loading" if load_record.repeats else "path"
+    part_after_first_line = "cycle" if load_record.repeats else "path"
+    rows = load_record.series()  # (n, 3) time, P, Q
     for first_row in range(0, len(rows) - 1, _ROWS_PER_BLOCK):
         block = rows[first_row : first_row + _ROWS_PER_BLOCK + 1]
         # loads at the start and at the end of the line between two rows, (n, 2)
         normal_load = np.stack([block[:-1, 1], block[1:, 1]], axis=1)
         tangential_load = np.stack([block[:-1, 2], block[1:, 2]], axis=1)
         # The larger |Q|/(f P) of both ends.
-        ratio = np.max(
-            _load_ratio(normal_load, tangential_load, scene.friction.coefficient), axis=1
-        )
+        ratio = np.max(_load_ratio(normal_load, tangential_load, friction_coefficient), axis=1)
         line_of_highest_ratio = np.argmax(ratio)
         line_of_highest_p = np.argmax(np.max(normal_load, axis=1))
         for line in np.unique([line_of_highest_ratio, line_of_highest_p]).tolist():
@@ -141,8 +151,7 @@ def _deciding_segments(scene: Scene) -> list[tuple[LoadSegment, str]]:
             end_time, end_p, end_q = block[line + 1].tolist()
             segment = StraightSegment(start_time, end_time, (start_p, start_q), (end_p, end_q))
             is_first_line = first_row + line == 0
-            segments.append((segment, part_of_loading if is_first_line else part_after_first_line))
-    return segments
+            yield segment, part_of_first_line if is_first_line else part_after_first_line
 
 
 def require_admissible(scene: Scene, source: str) -> None:
@@ -198,7 +207,9 @@ def _has_only_tension(scene: Scene) -> bool:
     )
 
 
-def _hint_on_rows_to_leave_out(load_record: TimeSeriesLoad, friction: float, time: float) -> str:
+def _hint_on_rows_to_leave_out(
+    load_record: TimeSeriesLoad, friction_coefficient: float, time: float
+) -> str:
     """The end of an error message on a record of loads that slides or lifts off at `time`: the
     number of that row, and the keys of the scene that leave such rows out.
 
@@ -212,7 +223,7 @@ def _hint_on_rows_to_leave_out(load_record: TimeSeriesLoad, friction: float, tim
         a record of loads: `rows` holds time, P and Q; `repeats`: the rows are one cycle;
         `has_bulk_or_tilt`: it has bulk stress, tilt or moment too; `least_normal_load`: the P below
         which rows are noise, None where it is not stated
-    friction
+    friction_coefficient
         coefficient f
     time
         of the row at fault
@@ -225,7 +236,7 @@ def _hint_on_rows_to_leave_out(load_record: TimeSeriesLoad, friction: float, tim
 
     # Rows that slide, with |Q| > f P, and the largest P of these.
     used_rows = rows[first_row:row_beyond]
-    is_sliding = np.abs(used_rows[:, 2]) > friction * used_rows[:, 1]
+    is_sliding = np.abs(used_rows[:, 2]) > friction_coefficient * used_rows[:, 1]
     row_in_words = f"; that is row {row + 1:,} of {len(rows):,}"
     largest_sliding_load = float(np.max(used_rows[is_sliding, 1], initial=0.0))
     largest_load = float(np.max(used_rows[:, 1]))
@@ -248,7 +259,7 @@ def _hint_on_rows_to_leave_out(load_record: TimeSeriesLoad, friction: float, tim
         )
 
     # A sentence on the keys that leave out rows that slide; "" where none helps.
-    if advice_on_sliding := sliding_rows_in_words(load_record, friction):
+    if advice_on_sliding := sliding_rows_in_words(load_record, friction_coefficient):
         return f"{row_in_words}. {advice_on_sliding}"
     return (
         f"{row_in_words}. To leave rows out, write load.start or load.end: a time, or"
@@ -283,7 +294,7 @@ def _largest_load_and_time(scene: Scene) -> tuple[float, float]:
     return max(largest_of(segment) for segment, _ in _deciding_segments(scene))
 
 
-def _load_ratio(normal_load: Array, tangential_load: Array, friction: float) -> Array:
+def _load_ratio(normal_load: Array, tangential_load: Array, friction_coefficient: float) -> Array:
     """|Q|/(f P) at the samples of load segments, all (..., n): infinite at P < 0, and where f P is
     0 but Q is not; 0 elsewhere at Q = 0.
 
@@ -293,19 +304,21 @@ def _load_ratio(normal_load: Array, tangential_load: Array, friction: float) -> 
     ----------
     normal_load, tangential_load
         P and Q (..., n), a row for each segment [force per thickness]
-    friction
+    friction_coefficient
         coefficient f
     """
     magnitude_of_q = np.abs(tangential_load)
     # Q that is zero but for the round-off error of its own segment is zero.
     magnitude_of_q = np.where(
         magnitude_of_q
-        <= _ROUND_OFF_SHARE * friction * np.max(np.abs(normal_load), axis=-1, keepdims=True),
+        <= _ROUND_OFF_SHARE
+        * friction_coefficient
+        * np.max(np.abs(normal_load), axis=-1, keepdims=True),
         0.0,
         magnitude_of_q,
     )
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        ratio = magnitude_of_q / (friction * normal_load)
+        ratio = magnitude_of_q / (friction_coefficient * normal_load)
     return np.asarray(np.where(normal_load < 0, np.inf, np.where(magnitude_of_q == 0, 0.0, ratio)))
 
 
@@ -769,23 +782,34 @@ def bulk_and_tilt(scene: Scene) -> BulkAndTilt | None:
     return BulkAndTilt(largest_strain, eccentricity, share_of_limit, largest_shift)
 
 
+class _BulkSamples(NamedTuple):
+    """Loads and bulk strain at n samples of a load path, (n,) each."""
+
+    normal_load: Array  # P
+    strain: Array  # bulk strain of the lower body minus that of the upper
+    tilt: Array
+    moment: Array
+
+
 def _strain_and_shift(scene: Scene) -> tuple[Array, float | None]:
     """Bulk strain of the lower body minus that of the upper at samples of the load path, (n,); and
     for a parabola x of the contact's middle over the half-width, where that is largest, with its
-    sign.
-
-    The middle lies at M/P under a moment M, and at -tilt R under a tilt, R the parabola's radius.
-    The second value is None for other profiles.
+    sign. The second value is None for other profiles.
     """
-    from semi_analytic.elasticity import composite_modulus
+    samples = _bulk_samples(scene)
+    if not isinstance(scene.profile, Hertz):
+        return samples.strain, None
+    return samples.strain, _largest_shift_of_parabola(scene, scene.profile.radius, samples)
 
+
+def _bulk_samples(scene: Scene) -> _BulkSamples:
+    """P, bulk strain, tilt and moment at 129 times or more of each load segment of initial loading
+    and cycle; of a straight one at its two ends.
+    """
     path = scene.load.path()
     # of the lower body positive, of the upper body negative
     strain_per_stress = bulk_strains_per_stress(scene.material)
-
-    # P, strain, tilt and moment at 129 times or more of each segment; of a straight one at its two
-    # ends.
-    samples = []
+    samples_of_segments = []
     for segment in (*path.initial_loading, *path.cycle):
         times = sampled_times(segment, 129)
         zeros = np.zeros((2, len(times)))
@@ -798,24 +822,30 @@ def _strain_and_shift(scene: Scene) -> tuple[Array, float | None]:
         minus_strain_of_upper = strain_per_stress[1] * np.asarray(bulk_stress[1])
         strain = strain_of_lower + minus_strain_of_upper
         normal_load = segment.loads(times)[0]
-        samples.append(np.array([normal_load, strain, *tilt_and_moment]))
+        samples_of_segments.append(np.array([normal_load, strain, *tilt_and_moment]))
+    return _BulkSamples(*np.concatenate(samples_of_segments, axis=1))
 
-    normal_load, strain, tilt, moment = np.concatenate(samples, axis=1)
-    if not isinstance(scene.profile, Hertz):
-        return strain, None
-    is_pressed = normal_load > 0
-    radius = scene.profile.radius
+
+def _largest_shift_of_parabola(scene: Scene, radius: float, samples: _BulkSamples) -> float:
+    """x of the middle of a parabola's contact over the half-width a, at the sample where its size
+    is largest, with its sign. `radius` R is that of the parabola [length].
+
+    The middle lies at M/P under a moment M, and at -tilt R under a tilt. By Hertz
+    a = sqrt(4 R P/(pi E*)). Samples without load do not count.
+    """
+    from semi_analytic.elasticity import composite_modulus
+
+    is_pressed = samples.normal_load > 0
+    normal_load = samples.normal_load[is_pressed]
     modulus = composite_modulus(scene.material)
-
-    # Hertz: a = sqrt(4 R P/(pi E*)).
-    half_width = np.sqrt(4 * radius * normal_load[is_pressed] / (np.pi * modulus))
+    half_width = np.sqrt(4 * radius * normal_load / (np.pi * modulus))
     # `moment_is_given`: the load states a moment, not a tilt
-    if path.moment_is_given:
-        middle_x = moment[is_pressed] / normal_load[is_pressed]
+    if scene.load.path().moment_is_given:
+        middle_x = samples.moment[is_pressed] / normal_load
     else:
-        middle_x = -radius * tilt[is_pressed]
+        middle_x = -radius * samples.tilt[is_pressed]
     shift = middle_x / half_width
-    return strain, float(shift[np.argmax(np.abs(shift))])
+    return float(shift[np.argmax(np.abs(shift))])
 
 
 def bulk_in_words(effect: BulkAndTilt) -> str:

@@ -18,6 +18,7 @@ import time
 from collections.abc import Generator, Iterable
 from contextlib import ExitStack, contextmanager, suppress
 from contextvars import ContextVar
+from dataclasses import dataclass
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
@@ -489,6 +490,50 @@ def _lies_inside(folder: Path, name: str) -> bool:
         return False
 
 
+@dataclass(frozen=True)
+class _NamesOfFiles:
+    """Names of the files of a folder that a run fills, as paths relative to the folder.
+
+    Attributes
+    ----------
+    new
+        files that the run wrote
+    earlier
+        files that earlier runs of this program wrote, and this run does not write again
+    stale
+        those of `earlier` that are removed
+    replaced
+        files in the folder that are moved away, `new` or `stale` by their names; the page first
+    """
+
+    new: list[str]
+    earlier: set[str]
+    stale: set[str]
+    replaced: list[str]
+
+
+def _names_of_exchange(
+    folder: Path, new_names: list[str], stale_prefixes: tuple[str, ...]
+) -> _NamesOfFiles:
+    """Which files of a folder stay, go and are replaced when a run moves its files there. Files of
+    earlier runs are known by the manifest of the folder; those whose names begin with one of
+    `stale_prefixes` go.
+    """
+    # MANIFEST: "manifest.json"
+    earlier_names = set(_files_in_manifest(folder)) - {*new_names, MANIFEST}
+    stale_names = {name for name in earlier_names if name.startswith(stale_prefixes)}
+    replaced_names = sorted(
+        (name for name in {*new_names, *stale_names} if os.path.lexists(folder / name)),
+        key=_page_first,
+    )
+    return _NamesOfFiles(new_names, earlier_names, stale_names, replaced_names)
+
+
+def _page_first(name: str) -> tuple[bool, str]:
+    """Key that sorts names of files: the page, report.html, then the others by their letters."""
+    return name != _PAGE_NAME, name
+
+
 def _move_results(
     staging_folder: Path, folder: Path, stale_prefixes: tuple[str, ...], out: str | Path
 ) -> None:
@@ -517,11 +562,7 @@ def _move_results(
     FilledBefore
         For a Ctrl-C that came while files were moved: all of them have been moved.
     """
-    new_results_folder = staging_folder / "results"
-    # Where replaced files go, to be put back after an error.
-    old_results_folder = staging_folder / "before"
-    # Names of files as paths relative to the folder.
-    new_names = _names_of_files(new_results_folder)
+    new_names = _names_of_files(staging_folder / "results")
     # The folder exists and is locked against other runs; `inner_folders` makes folders in it.
     with (
         _existing_folder(folder),
@@ -529,50 +570,51 @@ def _move_results(
         ExitStack() as inner_folders,
     ):
         _refuse_foreign_files(folder, new_names, out)
-        # Earlier files of this program; those of them that go; all that are moved away.
-        # MANIFEST: "manifest.json"
-        other_names = set(_files_in_manifest(folder)) - {*new_names, MANIFEST}
-        stale_names = {name for name in other_names if name.startswith(stale_prefixes)}
-        # _PAGE_NAME: "report.html"
-        replaced_names = sorted(
-            (name for name in {*new_names, *stale_names} if os.path.lexists(folder / name)),
-            key=lambda name: (name != _PAGE_NAME, name),
-        )
-
-        # Both manifests, and folders for what is moved away or arrives.
-        first_manifest = _write_manifest(staging_folder / "begun.json", {*new_names, *other_names})
-        last_manifest = _write_manifest(
-            staging_folder / "ended.json", {*new_names, *(other_names - stale_names)}
-        )
-        for name in replaced_names:
-            (old_results_folder / name).parent.mkdir(parents=True, exist_ok=True)
-        for parent in {(folder / name).parent for name in new_names} - {folder}:
+        names = _names_of_exchange(folder, new_names, stale_prefixes)
+        for parent in {(folder / name).parent for name in names.new} - {folder}:
             inner_folders.enter_context(_existing_folder(parent))
         try:
-            # undo_steps: what is called, last first, if one of the moves fails
-            with interrupts_wait(), ExitStack() as undo_steps:
-                if os.path.lexists(folder / MANIFEST):
-                    old_manifest = staging_folder / MANIFEST
-                    shutil.copyfile(folder / MANIFEST, old_manifest)
-                    undo_steps.callback(os.replace, old_manifest, folder / MANIFEST)
-                else:
-                    undo_steps.callback((folder / MANIFEST).unlink, missing_ok=True)
-                os.replace(first_manifest, folder / MANIFEST)
-                for name in replaced_names:
-                    os.rename(folder / name, old_results_folder / name)
-                    undo_steps.callback(os.rename, old_results_folder / name, folder / name)
-                for name in sorted(new_names, key=lambda name: (name == _PAGE_NAME, name)):
-                    os.replace(new_results_folder / name, folder / name)
-                    undo_steps.callback(os.replace, folder / name, new_results_folder / name)
-                os.replace(last_manifest, folder / MANIFEST)
-                undo_steps.pop_all()
+            with interrupts_wait():
+                _exchange_files(staging_folder, folder, names)
         except KeyboardInterrupt as stop:
             raise FilledBefore(f"the results in {out} are whole") from stop
 
         # Folders that hold nothing any more.
-        for parent_folder in {(folder / name).parent for name in stale_names} - {folder}:
+        for parent_folder in {(folder / name).parent for name in names.stale} - {folder}:
             with suppress(OSError):  # the folder is not empty
                 parent_folder.rmdir()
+
+
+def _exchange_files(staging_folder: Path, folder: Path, names: _NamesOfFiles) -> None:
+    """Move the replaced files of a folder to `staging_folder`/"before", and the new ones from
+    `staging_folder`/"results" to the folder, manifests around them. If a move fails, all those
+    before it are undone, the last first.
+    """
+    new_results_folder = staging_folder / "results"
+    old_results_folder = staging_folder / "before"
+    first_manifest = _write_manifest(staging_folder / "begun.json", {*names.new, *names.earlier})
+    last_manifest = _write_manifest(
+        staging_folder / "ended.json", {*names.new, *(names.earlier - names.stale)}
+    )
+    for name in names.replaced:
+        (old_results_folder / name).parent.mkdir(parents=True, exist_ok=True)
+    # undo_steps: what is called if one of the moves fails
+    with ExitStack() as undo_steps:
+        if os.path.lexists(folder / MANIFEST):
+            old_manifest = staging_folder / MANIFEST
+            shutil.copyfile(folder / MANIFEST, old_manifest)
+            undo_steps.callback(os.replace, old_manifest, folder / MANIFEST)
+        else:
+            undo_steps.callback((folder / MANIFEST).unlink, missing_ok=True)
+        os.replace(first_manifest, folder / MANIFEST)
+        for name in names.replaced:
+            os.rename(folder / name, old_results_folder / name)
+            undo_steps.callback(os.rename, old_results_folder / name, folder / name)
+        for name in sorted(names.new, key=lambda name: (name == _PAGE_NAME, name)):
+            os.replace(new_results_folder / name, folder / name)
+            undo_steps.callback(os.replace, folder / name, new_results_folder / name)
+        os.replace(last_manifest, folder / MANIFEST)
+        undo_steps.pop_all()
 
 
 @contextmanager

@@ -400,8 +400,11 @@ def values_of_theory(scene: Scene, effects: BodyEffects | None = None) -> _Value
 
 def _is_long_record(scene: Scene) -> bool:
     """Whether the load is a record of more than 500 rows."""
-    load = scene.load
-    return isinstance(load, TimeSeriesLoad) and len(load.kept_rows()) > _MOST_ROWS_FOR_SEARCH
+    load_record = scene.load
+    return (
+        isinstance(load_record, TimeSeriesLoad)
+        and len(load_record.kept_rows()) > _MOST_ROWS_FOR_SEARCH
+    )
 
 
 def _needs_grids(scene: Scene) -> bool:
@@ -1140,9 +1143,9 @@ def _statistics_of(values: Array) -> DrawStatistics:
     )
 
 
-def drawn_changes_of(scene: Scene, count: int) -> dict[str, Array]:
-    """Random changes of each uncertain input in `count` draws, (count,) by its key: relative to its
-    value, those of a phase in degrees. They have normal distributions with the stated standard
+def drawn_changes_of(scene: Scene, n_draws: int) -> dict[str, Array]:
+    """Random changes of each uncertain input in `n_draws` draws, (n_draws,) by its key: relative to
+    its value, those of a phase in degrees. They have normal distributions with the stated standard
     uncertainties and correlations.
 
     The correlation matrix is R = V D V^T, with its eigenvectors in V and its eigenvalues in the
@@ -1153,7 +1156,7 @@ def drawn_changes_of(scene: Scene, count: int) -> dict[str, Array]:
     eigenvalues, eigenvectors = np.linalg.eigh(scene.uncertainty.correlation_matrix())
     # round-off can make an eigenvalue of 0 negative
     root_of_correlation = eigenvectors * np.sqrt(np.maximum(eigenvalues, 0.0))
-    shape = (len(scene.inputs), count)
+    shape = (len(scene.inputs), n_draws)
     # _SEED: of the random numbers, the same in each run
     independent_normals = np.random.default_rng(_SEED).standard_normal(shape)
     correlated_normals = root_of_correlation @ independent_normals
@@ -1195,20 +1198,20 @@ def values_of_ellipses(
         modulus_factor = _composite_moduli(scene, drawn_changes) / composite_modulus(scene.material)
 
     # A changed profile as its numbers by name, each uncertain one an array (n,).
-    profile: Any = scene.profile
+    drawn_profile: Any = scene.profile
     if any(key.startswith("profile.") or key.endswith(".radius") for key in drawn_changes):
-        profile = _numbers_of_drawn_profiles(scene, drawn_changes)
+        drawn_profile = _numbers_of_drawn_profiles(scene, drawn_changes)
 
     # W of a cycle for all draws, from W at the stated E*_0 to W at the modulus of the draw;
     # `permanent_stick_load` is the load whose contact is the permanent stick zone.
     batch = semi_analytic.dissipation(
-        profile=profile,
+        profile=drawn_profile,
         material=scene.material,
         **_drawn_friction_and_ellipses(scene, drawn_changes, modulus_factor),
     )
     # WORK, STICK: "dissipation" and "permanent_stick"
     values = {WORK: batch.value * modulus_factor}
-    stick_half_width = _stick_half_widths(scene, profile, batch.permanent_stick_load)
+    stick_half_width = _stick_half_widths(scene, drawn_profile, batch.permanent_stick_load)
     if stick_half_width is not None:
         values[STICK] = stick_half_width
     # `reason`: why a draw has no W
@@ -1245,18 +1248,18 @@ def _drawn_friction_and_ellipses(
     }
 
 
-def _stick_half_widths(scene: Scene, profile: Any, stick_load: Array) -> Array | None:
+def _stick_half_widths(scene: Scene, drawn_profile: Any, stick_load: Array) -> Array | None:
     """Permanent stick half-width of n random draws, (n,) [length]: the half-width of contact under
     the load `stick_load` (n,), NaN where that is NaN. None where the profile is changed and no
     parabola.
 
-    `profile` is that of the scene, or its numbers by name where the draws change it. The loads are
-    those that go with the stated modulus E*_0.
+    `drawn_profile` is that of the scene, or its numbers by name where the draws change it. The
+    loads are those that go with the stated modulus E*_0.
     """
     from semi_analytic.elasticity import composite_modulus
     from semi_analytic.profiles import contact_of
 
-    if profile is scene.profile:
+    if drawn_profile is scene.profile:
         # by the law of the profile
         contact = contact_of(scene.profile, scene.material)
         has_value = np.isfinite(stick_load)
@@ -1265,7 +1268,7 @@ def _stick_half_widths(scene: Scene, profile: Any, stick_load: Array) -> Array |
     if isinstance(scene.profile, Hertz):
         # Hertz: a^2 = 4 R P/(pi E*).
         half_width_squared_per_load = (
-            4 * profile["radius"] / (math.pi * composite_modulus(scene.material))
+            4 * drawn_profile["radius"] / (math.pi * composite_modulus(scene.material))
         )
         return np.asarray(np.sqrt(half_width_squared_per_load * stick_load))
     return None

@@ -688,33 +688,18 @@ def _times_and_work_of_steps(
     """Times of the rows (n, 3: time, P, Q) and of the ends of their load cycles, (m,), and the
     dissipation in the step that ends at each, (m,), by half-plane theory; 0 at the first time.
 
-    A step leads from one of these times to the next. An end beyond the last row counts a period
-    earlier. A cycle may end between two rows. A row is added there, on the straight line between
-    them: the load path stays the same, and the work needs no interpolation. The work is that at
-    times later by `shift_of_time`: in the last period of rows that repeat.
+    A step leads from one of these times to the next. A cycle may end between two rows. A row is
+    added there, on the straight line between them: the load path stays the same, and the work needs
+    no interpolation. The work is that at times later by `shift_of_time`: in the last period of rows
+    that repeat.
     """
     import semi_analytic
 
-    # Ends of the load cycles of Q, a period earlier where they lie beyond the rows.
-    # _TIME: column of the times
-    row_times = rows[:, _TIME]
-    period_duration = np.ptp(row_times)
     repeats = scene.load.repeats  # type: ignore[union-attr]
-    cycle_ends = np.array([cycle.end for cycle in _cycles_of_rows(rows, repeats=repeats)])
-    is_in_next_period = cycle_ends > row_times[-1]
-    cycle_ends = np.unique(np.where(is_in_next_period, cycle_ends - period_duration, cycle_ends))
-
-    # Those that do not fall on a row.
-    row_after = np.clip(np.searchsorted(row_times, cycle_ends), 1, len(rows) - 1)
-    time_to_row_after = np.abs(row_times[row_after] - cycle_ends)
-    time_from_row_before = np.abs(cycle_ends - row_times[row_after - 1])
-    spacing = row_times[row_after] - row_times[row_after - 1]
-    time_to_nearest_row = np.minimum(time_to_row_after, time_from_row_before)
-    ends_between_rows = cycle_ends[time_to_nearest_row > 1e-9 * spacing]
-
-    # Loads at rows and ends, and their solution.
+    # _TIME, _NORMAL, _TANGENTIAL: columns of time, P and Q
+    row_times = rows[:, _TIME]
+    ends_between_rows = _cycle_ends_between_rows(rows, repeats=repeats)
     time = np.sort(np.concatenate([row_times, ends_between_rows]))
-    # _NORMAL, _TANGENTIAL: columns of P and of Q
     normal_load = np.interp(time, row_times, rows[:, _NORMAL])
     tangential_load = np.interp(time, row_times, rows[:, _TANGENTIAL])
     loads_at_times = np.column_stack([time, normal_load, tangential_load])
@@ -723,6 +708,27 @@ def _times_and_work_of_steps(
         scene_with_ends, x=[0.0], time=time + shift_of_time, fields=("dissipation",)
     )
     return time, solution.record.energy["dissipation"]
+
+
+def _cycle_ends_between_rows(rows: Array, *, repeats: bool) -> Array:
+    """Times at which load cycles of Q end between two rows of a record, (k,), ascending. An end
+    within 1e-9 of the spacing of a row counts as on it, and is left out. Where the rows repeat, an
+    end beyond the last row counts a period earlier.
+
+    `rows` (n, 3) are time, P and Q.
+    """
+    row_times = rows[:, _TIME]
+    period_duration = np.ptp(row_times)
+    cycle_ends = np.array([cycle.end for cycle in _cycles_of_rows(rows, repeats=repeats)])
+    is_in_next_period = cycle_ends > row_times[-1]
+    cycle_ends = np.unique(np.where(is_in_next_period, cycle_ends - period_duration, cycle_ends))
+
+    row_after = np.clip(np.searchsorted(row_times, cycle_ends), 1, len(rows) - 1)
+    time_to_row_after = np.abs(row_times[row_after] - cycle_ends)
+    time_from_row_before = np.abs(cycle_ends - row_times[row_after - 1])
+    spacing = row_times[row_after] - row_times[row_after - 1]
+    time_to_nearest_row = np.minimum(time_to_row_after, time_from_row_before)
+    return np.asarray(cycle_ends[time_to_nearest_row > 1e-9 * spacing])
 
 
 def rainflow_cycles(time: Array, force: Array) -> list[LoadCycle]:

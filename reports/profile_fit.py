@@ -114,13 +114,11 @@ def fit_uncertainty(scene: Scene, resamples: int = _N_RESAMPLES, seed: int = 0) 
         For a scene whose profile is not fitted, and where too few of the other fits, or no
         smoothing spline that is needed, carry the load.
     """
-    fit = profile_fit_of(scene)  # measured rows, kind of the fit, noise
-    if fit is None:
+    fit_record = profile_fit_of(scene)  # measured rows, kind of the fit, noise
+    if fit_record is None:
         raise InputError(
             f"{scene.name}: its profile is not fitted to rows, so that there is no noise to follow"
         )
-    from scenes.fitting import fitted_again, fitted_by_spline
-
     # How W is computed, number of simulated measurements, and pattern of the residuals (None:
     # noise).
     work_method = _work_method_of(scene)
@@ -133,38 +131,16 @@ def fit_uncertainty(scene: Scene, resamples: int = _N_RESAMPLES, seed: int = 0) 
     # W, a and p0 under the fitted profile, (3,), and under each simulated one, (n, 3).
     values_of_fit = _values_under_fit(scene, work_method)
     values_of_resamples = _values_with_other_noise(
-        scene, fit, pattern, work_method, n_resamples, seed
+        scene, fit_record, pattern, work_method, n_resamples, seed
     )
     changes = values_of_resamples - values_of_fit
-    # The mean change is the error that the fit makes by itself at this noise: a curve that may not
-    # bend down, or is smoothed, has one.
-    bias = np.abs(np.mean(changes, axis=0))
-
-    # `weight` is that of the smoothing of a spline, 0 for other kinds.
-    was_smoothed = bool(fit.weight)
-    if was_smoothed:
-        # Keys of the profile fitted again; None where there is no such fit.
-        less_smoothed_profile = fitted_again(scene.profile, smoothing=0.1)
-        values_of_less_smoothing = _values_under_other_fit(
-            scene, less_smoothed_profile, work_method
-        )
-        if values_of_less_smoothing is not None:
-            bias = np.maximum(bias, np.abs(values_of_less_smoothing - values_of_fit))
-
+    bias = _bias_of_fit(scene, values_of_fit, changes, work_method)
     uncertainty = 2 * np.std(changes, axis=0) + bias
-    if pattern is not None and fit.kind != "smoothing_spline":
-        values_of_spline = _values_under_other_fit(
-            scene, fitted_by_spline(scene.profile), work_method
-        )
-        if values_of_spline is None:
-            raise InputError(
-                f"{scene.name}: the residuals have a pattern, and no smoothing spline through these"
-                " rows carries the load: state another kind of fit, or fewer rows by its key"
-                " extent"
-            )
+    if pattern is not None and fit_record.kind != "smoothing_spline":
         # _FACTOR_ON_SPLINE_CHANGE: 1.25, since a spline follows other shapes to some per cent only
-        uncertainty += _FACTOR_ON_SPLINE_CHANGE * np.abs(values_of_spline - values_of_fit)
-
+        uncertainty += _FACTOR_ON_SPLINE_CHANGE * _change_by_spline(
+            scene, values_of_fit, work_method
+        )
     # `Spread`: a value with its uncertainty; LEFT_OUT: no W is computed for long records
     work, half_width, peak_pressure = map(Spread, values_of_fit.tolist(), uncertainty.tolist())
     return FitUncertainty(
@@ -175,6 +151,64 @@ def fit_uncertainty(scene: Scene, resamples: int = _N_RESAMPLES, seed: int = 0) 
         failed=n_resamples - len(values_of_resamples),
         seed=seed,
     )
+
+
+def _bias_of_fit(
+    scene: Scene,
+    values_of_fit: NDArray[np.float64],
+    changes: NDArray[np.float64],
+    work_method: _WorkMethod,
+) -> NDArray[np.float64]:
+    """The error that a fit makes by itself at the noise of its rows, of dissipation, half-width and
+    peak pressure, (3,), never negative: a curve that may not bend down, or is smoothed, has one.
+
+    It is the size of the mean change under other noise. For a smoothing spline it is at least the
+    change under a tenth of the smoothing.
+
+    Parameters
+    ----------
+    scene
+        whose profile was fitted
+    values_of_fit
+        (3,) the values under the fitted profile
+    changes
+        (n, 3) their changes under fits to n simulated measurements
+    work_method
+        how the dissipation is computed, or that it is left out
+    """
+    from scenes.fitting import fitted_again
+
+    bias = np.abs(np.mean(changes, axis=0))
+    fit_record = profile_fit_of(scene)
+    # `weight` is that of the smoothing of a spline, 0 for other kinds
+    if fit_record is not None and fit_record.weight:
+        # Keys of the profile fitted again; None where there is no such fit.
+        less_smoothed_profile = fitted_again(scene.profile, smoothing=0.1)
+        values_of_less_smoothing = _values_under_other_fit(
+            scene, less_smoothed_profile, work_method
+        )
+        if values_of_less_smoothing is not None:
+            bias = np.maximum(bias, np.abs(values_of_less_smoothing - values_of_fit))
+    return np.asarray(bias)
+
+
+def _change_by_spline(
+    scene: Scene, values_of_fit: NDArray[np.float64], work_method: _WorkMethod
+) -> NDArray[np.float64]:
+    """Sizes of the changes of dissipation, half-width and peak pressure, (3,), from the values of
+    the fit (3,) to those under a smoothing spline through the same rows. InputError where no such
+    spline carries the load.
+    """
+    from scenes.fitting import fitted_by_spline
+
+    values_of_spline = _values_under_other_fit(scene, fitted_by_spline(scene.profile), work_method)
+    if values_of_spline is None:
+        raise InputError(
+            f"{scene.name}: the residuals have a pattern, and no smoothing spline through these"
+            " rows carries the load: state another kind of fit, or fewer rows by its key"
+            " extent"
+        )
+    return np.abs(values_of_spline - values_of_fit)
 
 
 class _WorkMethod(Enum):
@@ -189,10 +223,10 @@ def _work_method_of(scene: Scene) -> _WorkMethod:
     """How the dissipation under another fit of a scene's profile is computed: by the quick formula
     for elliptical load paths, by marching along the path, or not at all for long records.
     """
-    load = scene.load
-    if isinstance(load, EllipseLoad) and not load.has_bulk_or_tilt:
+    load_record = scene.load
+    if isinstance(load_record, EllipseLoad) and not load_record.has_bulk_or_tilt:
         return _WorkMethod.IN_BATCH
-    if isinstance(load, TimeSeriesLoad) and len(load.rows) > _MOST_ROWS_FOR_WORK:
+    if isinstance(load_record, TimeSeriesLoad) and len(load_record.rows) > _MOST_ROWS_FOR_WORK:
         return _WorkMethod.LEFT_OUT
     return _WorkMethod.MARCHED
 
@@ -217,23 +251,23 @@ def _values_under_other_fit(
 
 def _values_with_other_noise(
     scene: Scene,
-    fit: Fitted,
+    fit_record: Fitted,
     pattern: NDArray[np.float64] | None,
     work_method: _WorkMethod,
-    count: int,
+    n_measurements: int,
     seed: int,
 ) -> NDArray[np.float64]:
-    """Dissipation, half-width and peak pressure, (n, 3), under fits to `count` simulated
+    """Dissipation, half-width and peak pressure, (n, 3), under fits to `n_measurements` simulated
     measurements: the fitted curve with other noise.
 
-    n is less than `count` where fits cannot carry the load; InputError where fewer than half of
-    them can.
+    n is less than `n_measurements` where fits cannot carry the load; InputError where fewer than
+    half of them can.
 
     Parameters
     ----------
     scene
         whose profile was fitted; its name stands in the message
-    fit
+    fit_record
         record of the fit, with the standard deviation of the noise of h
     pattern
         residuals (m,) of the m fitted rows where they have a pattern along x, which is added at
@@ -247,16 +281,16 @@ def _values_with_other_noise(
 
     random = np.random.default_rng(seed)
     values_of_resamples = []
-    for _ in range(count):
+    for _ in range(n_measurements):
         # Heights of standard deviation 1 for each row; keys of the profile fitted to them, or None.
-        simulated_noise = _simulated_noise(random, fit, pattern)
+        simulated_noise = _simulated_noise(random, fit_record, pattern)
         profile_keys = fitted_again(scene.profile, simulated_noise)
         values = _values_under_other_fit(scene, profile_keys, work_method)
         if values is not None:
             values_of_resamples.append(values)
-    if len(values_of_resamples) < max(2, count // 2):
+    if len(values_of_resamples) < max(2, n_measurements // 2):
         raise InputError(
-            f"{scene.name}: of {count} other measurements with this noise only"
+            f"{scene.name}: of {n_measurements} other measurements with this noise only"
             f" {len(values_of_resamples)} can carry the load: measure a wider stretch, or more"
             " closely"
         )
@@ -272,14 +306,14 @@ def _pattern_of_residuals(scene: Scene) -> NDArray[np.float64] | None:
     far above these that noise shows it by chance in one case of 1,000.
     """
     # Record of the fit: measured rows, and the fitted offset, tilt and middle.
-    fit = profile_fit_of(scene)
-    assert fit is not None
+    fit_record = profile_fit_of(scene)
+    assert fit_record is not None
     # Numbers of the fitted rows; residuals are row minus curve.
-    used_rows = fit.used_rows()
-    residuals = fit.residuals(scene.profile.height)[used_rows]
+    used_rows = fit_record.used_rows()
+    residuals = fit_record.residuals(scene.profile.height)[used_rows]
     residuals = residuals - np.mean(residuals)
     sum_of_squares = float(residuals @ residuals)
-    range_of_heights = float(np.ptp(fit.rows.values[used_rows, 1]))
+    range_of_heights = float(np.ptp(fit_record.rows.values[used_rows, 1]))
     # _LEAST_RELATIVE_RESIDUAL: 1e-9; smaller residuals are round-off
     if np.sqrt(sum_of_squares / len(residuals)) <= _LEAST_RELATIVE_RESIDUAL * range_of_heights:
         return None
@@ -300,18 +334,18 @@ def _pattern_of_residuals(scene: Scene) -> NDArray[np.float64] | None:
 
 
 def _simulated_noise(
-    random: np.random.Generator, fit: Fitted, pattern: NDArray[np.float64] | None
+    random: np.random.Generator, fit_record: Fitted, pattern: NDArray[np.float64] | None
 ) -> NDArray[np.float64]:
     """Noise (n,) of a simulated measurement, over the standard deviation of the measured noise.
 
     `pattern` (n,) are the residuals where they have a pattern along x, else None. It is added moved
     along x, and at random reversed in x and in sign.
     """
-    noise = random.standard_normal(len(fit.used_rows()))
+    noise = random.standard_normal(len(fit_record.used_rows()))
     if pattern is None:
         return noise
     moved_pattern = np.roll(pattern, random.integers(len(pattern)))[:: random.choice([-1, 1])]
-    return np.asarray(noise + random.choice([-1.0, 1.0]) * moved_pattern / fit.noise)
+    return np.asarray(noise + random.choice([-1.0, 1.0]) * moved_pattern / fit_record.noise)
 
 
 def _values_under_fit(scene: Scene, work_method: _WorkMethod) -> NDArray[np.float64]:
@@ -366,43 +400,48 @@ def fit_in_words(scene: Scene, half_width: float) -> list[str]:
         half-width of the largest contact [length]
     """
     # Record of the fit; None for a profile that is not fitted.
-    fit = profile_fit_of(scene)
-    if fit is None:
+    fit_record = profile_fit_of(scene)
+    if fit_record is None:
         return []
     _, unit_of_length, _ = units(scene)
 
     # Middle and tilt: stated, or fitted too.
-    centre_source = "fitted" if fit.centre_fitted else "given"
-    centre_in_words = f"Its middle, {centre_source}, is x = {number(fit.centre)} {unit_of_length}"
-    if fit.tilt_fitted:
-        centre_in_words += f", and its tilt, fitted and taken out, is {number(fit.tilt)} rad"
-    elif fit.tilt:
-        centre_in_words += f", and a tilt of {number(fit.tilt)} rad was taken out"
+    centre_source = "fitted" if fit_record.centre_fitted else "given"
+    centre_in_words = (
+        f"Its middle, {centre_source}, is x = {number(fit_record.centre)} {unit_of_length}"
+    )
+    if fit_record.tilt_fitted:
+        centre_in_words += f", and its tilt, fitted and taken out, is {number(fit_record.tilt)} rad"
+    elif fit_record.tilt:
+        centre_in_words += f", and a tilt of {number(fit_record.tilt)} rad was taken out"
 
     # Rows that were left out, and where the noise comes from.
-    omissions_in_words = f", {fit.left_out} beyond the extent left out" if fit.left_out else ""
-    omissions_in_words += _spikes_in_words(fit)
-    noise_source = "stated" if fit.noise_stated else "taken from these residuals"
-    n_fitted_rows = len(fit.used_rows())
+    omissions_in_words = (
+        f", {fit_record.left_out} beyond the extent left out" if fit_record.left_out else ""
+    )
+    omissions_in_words += _spikes_in_words(fit_record)
+    noise_source = "stated" if fit_record.noise_stated else "taken from these residuals"
+    n_fitted_rows = len(fit_record.used_rows())
     return [
         (
             f"The profile is {_shape_in_words(scene)}, fitted to {n_fitted_rows} rows of"
-            f" {fit.source}{omissions_in_words}. {centre_in_words}. Residuals are"
-            f" {fit.residual:.3g} {unit_of_length}"
-            f" (root mean square), the noise is {fit.noise:.3g} {unit_of_length} ({noise_source})."
+            f" {fit_record.source}{omissions_in_words}. {centre_in_words}. Residuals are"
+            f" {fit_record.residual:.3g} {unit_of_length}"
+            f" (root mean square), the noise is {fit_record.noise:.3g} {unit_of_length}"
+            f" ({noise_source})."
         ),
         *fit_warnings(scene, half_width),
     ]
 
 
-def _spikes_in_words(fit: Fitted) -> str:
+def _spikes_in_words(fit_record: Fitted) -> str:
     """How many rows that stand out were left out of the fit, and the numbers of the first of them;
     "" where there are none.
     """
-    if not fit.spikes:
+    if not fit_record.spikes:
         return ""
-    n_spikes = len(fit.spikes)
-    row_numbers = ", ".join(f"{row:,}" for row in fit.spikes[:_MOST_SHOWN_SPIKES])
+    n_spikes = len(fit_record.spikes)
+    row_numbers = ", ".join(f"{row:,}" for row in fit_record.spikes[:_MOST_SHOWN_SPIKES])
     ellipsis = ", ..." if n_spikes > _MOST_SHOWN_SPIKES else ""
     spikes_in_words = "one that stands out" if n_spikes == 1 else f"{n_spikes} that stand out"
     return f", {spikes_in_words} left out (row {row_numbers}{ellipsis})"
@@ -440,8 +479,8 @@ def fit_warnings(scene: Scene, half_width: float) -> list[str]:
         half-width of the largest contact [length]
     """
     # Record of the fit; None for a profile that is not fitted.
-    fit = profile_fit_of(scene)
-    if fit is None:
+    fit_record = profile_fit_of(scene)
+    if fit_record is None:
         return []
     _, unit_of_length, _ = units(scene)
     warnings = []
@@ -450,19 +489,19 @@ def fit_warnings(scene: Scene, half_width: float) -> list[str]:
     if pattern is not None:
         warnings.append(
             "The residuals are no noise: they have a pattern along x. Rows that are"
-            f" {fit.kind.replace('_', ' ')} do not leave one: take another kind of fit, or a"
+            f" {fit_record.kind.replace('_', ' ')} do not leave one: take another kind of fit, or a"
             " smaller extent. The uncertainty is widened: by this pattern moved along x, and by"
             " the change that a smoothing spline makes."
         )
 
-    n_rows = len(fit.used_rows())
+    n_rows = len(fit_record.used_rows())
     # Variance of the residuals over that of the noise. With `freedom` degrees of freedom it is 1
     # with standard deviation sqrt(2/freedom). `residual` is the root mean square of the residuals,
     # `noise` a standard deviation.
-    variance_ratio = (fit.residual / fit.noise) ** 2 * n_rows / fit.freedom
+    variance_ratio = (fit_record.residual / fit_record.noise) ** 2 * n_rows / fit_record.freedom
     # _MOST_SIGMAS_BY_CHANCE: 3.3 standard deviations
-    largest_by_chance = _MOST_SIGMAS_BY_CHANCE * np.sqrt(2 / fit.freedom)
-    if fit.noise_stated and abs(variance_ratio - 1) > largest_by_chance:
+    largest_by_chance = _MOST_SIGMAS_BY_CHANCE * np.sqrt(2 / fit_record.freedom)
+    if fit_record.noise_stated and abs(variance_ratio - 1) > largest_by_chance:
         cause = "the noise is smaller than stated, or the rows were smoothed before"
         if variance_ratio > 1:
             cause = "this kind of profile does not describe the rows, or the noise is larger"
@@ -474,11 +513,11 @@ def fit_warnings(scene: Scene, half_width: float) -> list[str]:
         )
 
     # `extent`: how far the rows reach from the middle.
-    if half_width > fit.extent:
+    if half_width > fit_record.extent:
         warnings.append(
             f"The largest contact, a = {half_width:.4g} {unit_of_length}, is wider than the rows,"
-            f" which reach {fit.extent:.4g} {unit_of_length} from the middle: beyond them the fit"
-            " is an extrapolation."
+            f" which reach {fit_record.extent:.4g} {unit_of_length} from the middle: beyond them"
+            " the fit is an extrapolation."
         )
     return warnings
 
@@ -541,10 +580,10 @@ def content(scene: Scene) -> dict[str, Any] | None:
         return None
     # None for the uncertainty where it has no value.
     sentences, uncertainty = findings_on_fit(scene)
-    fit = profile_fit.model_dump(mode="json", exclude={"rows"})
-    fit["count"] = len(profile_fit.used_rows())
+    fit_record = profile_fit.model_dump(mode="json", exclude={"rows"})
+    fit_record["count"] = len(profile_fit.used_rows())
     return {
         "sentences": sentences,
-        "fit": fit,
+        "fit": fit_record,
         "uncertainty_95": asdict(uncertainty) if uncertainty else None,
     }

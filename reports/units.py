@@ -54,20 +54,20 @@ def number(value: float) -> str:
     return minus(f"{value:.6g}")
 
 
-def significant(value: float, count: int) -> str:
-    """A number as text, rounded to `count` significant digits, among them zeros behind the point; a
-    dash for NaN and infinity.
+def significant(value: float, n_digits: int) -> str:
+    """A number as text, rounded to `n_digits` significant digits, among them zeros behind the
+    point; a dash for NaN and infinity.
 
     >>> significant(4.0, 2), significant(184.2, 2), significant(2.5e-6, 2)
     ('4.0', '180', '2.5e−06')
     """
     if not math.isfinite(value):
         return "–"
-    # Digits before the point beyond `count` become zeros.
-    if abs(value) >= 10**count:
-        return minus(f"{float(f'{value:.{count}g}'):.0f}")
-    keeps_zeros = 0 < abs(value) < 10 ** (count - 1)
-    return minus(f"{value:{'#' if keeps_zeros else ''}.{count}g}")
+    # Digits before the point beyond `n_digits` become zeros.
+    if abs(value) >= 10**n_digits:
+        return minus(f"{float(f'{value:.{n_digits}g}'):.0f}")
+    keeps_zeros = 0 < abs(value) < 10 ** (n_digits - 1)
+    return minus(f"{value:{'#' if keeps_zeros else ''}.{n_digits}g}")
 
 
 def minus(figure: str) -> str:

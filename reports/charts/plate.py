@@ -74,9 +74,11 @@ class Scale:
         return f"{self.low:.9g} {self.high:.9g} {self.start:.6g} {self.end:.6g} {int(self.log)}"
 
 
-def _ticks(lower_end: float, upper_end: float, count: int = 5, *, log: bool = False) -> list[float]:
-    """Round numbers between `lower_end` and `upper_end` of an axis, about `count` of them, for its
-    ticks. On a logarithmic axis powers of ten, and 1, 2, 5 where it is short.
+def _ticks(
+    lower_end: float, upper_end: float, n_ticks: int = 5, *, log: bool = False
+) -> list[float]:
+    """Round numbers between `lower_end` and `upper_end` of an axis, about `n_ticks` of them, for
+    its ticks. On a logarithmic axis powers of ten, and 1, 2, 5 where it is short.
 
     >>> _ticks(-1.2, 1.2), _ticks(1e-4, 1.0, log=True), _ticks(0.9, 9.0, log=True)
     ([-1.0, -0.5, 0.0, 0.5, 1.0], [0.0001, 0.001, 0.01, 0.1, 1.0], [1.0, 2.0, 5.0])
@@ -84,33 +86,33 @@ def _ticks(lower_end: float, upper_end: float, count: int = 5, *, log: bool = Fa
     [-10.0, 0.0, 10.0]
     """
     if log:
-        numbers = _ticks_of_powers(lower_end, upper_end, count)
+        numbers = _ticks_of_powers(lower_end, upper_end, n_ticks)
     else:
-        numbers = _even_ticks(lower_end, upper_end, count)
+        numbers = _even_ticks(lower_end, upper_end, n_ticks)
     return [float(f"{number:.12g}") + 0.0 for number in numbers]
 
 
-def _ticks_of_powers(lower_end: float, upper_end: float, count: int) -> list[float]:
+def _ticks_of_powers(lower_end: float, upper_end: float, n_ticks: int) -> list[float]:
     """Ticks of a logarithmic axis from `lower_end` to `upper_end`: powers of ten, at most about
-    `count` of them; where there are fewer than three, with two and five times them.
+    `n_ticks` of them; where there are fewer than three, with two and five times them.
     """
     first_exponent = np.ceil(np.log10(lower_end) - 1e-9)
     last_exponent = np.floor(np.log10(upper_end) + 1e-9)
     exponents = np.arange(first_exponent, last_exponent + 1)
     if len(exponents) >= 3:
-        stride = -(-len(exponents) // (count + 1))
+        stride = -(-len(exponents) // (n_ticks + 1))
         return [10.0**exponent for exponent in exponents[::stride]]
     exponents = np.arange(np.floor(np.log10(lower_end)), np.ceil(np.log10(upper_end)) + 1)
     numbers = [digit * 10.0**exponent for exponent in exponents for digit in (1, 2, 5)]
     return [tick for tick in numbers if lower_end * (1 - 1e-9) <= tick <= upper_end * (1 + 1e-9)]
 
 
-def _even_ticks(lower_end: float, upper_end: float, count: int) -> list[float]:
-    """Round numbers from `lower_end` to `upper_end` for the ticks of an axis, about `count` of
+def _even_ticks(lower_end: float, upper_end: float, n_ticks: int) -> list[float]:
+    """Round numbers from `lower_end` to `upper_end` for the ticks of an axis, about `n_ticks` of
     them: multiples of 1, 2, 2.5 or 5 times a power of ten.
     """
-    # the least round distance of ticks that gives no more than about `count`
-    rough_step = (upper_end - lower_end) / count
+    # the least round distance of ticks that gives no more than about `n_ticks`
+    rough_step = (upper_end - lower_end) / n_ticks
     power_of_ten = 10.0 ** np.floor(np.log10(rough_step))
     steps = [factor * power_of_ten for factor in (1, 2, 2.5, 5, 10)]
     step_index = next(index for index, step in enumerate(steps) if step >= 0.999 * rough_step)

@@ -340,12 +340,12 @@ def _causes_shown(report: Report) -> Iterator[str]:
     """
     if report.evidence:
         yield "What the rows show:"
-    for number, observation in enumerate(report.evidence, 1):
-        yield f"{number}. {observation.sentence}"
+    for position, observation in enumerate(report.evidence, 1):
+        yield f"{position}. {observation.sentence}"
     if report.diagnoses:
         yield "Likely causes:"
-    for number, diagnosis in enumerate(report.diagnoses, 1):
-        yield "\n   - ".join((f"{number}. {diagnosis.sentence}", *diagnosis.evidence))
+    for position, diagnosis in enumerate(report.diagnoses, 1):
+        yield "\n   - ".join((f"{position}. {diagnosis.sentence}", *diagnosis.evidence))
 
 
 def _inputs_shown(report: Report) -> Iterator[Part]:

@@ -426,9 +426,9 @@ class Event:
     label: str
 
 
-def events(cycle: Cycle, friction: float, first_index: int = 0) -> tuple[Event, ...]:
+def events(cycle: Cycle, friction_coefficient: float, first_index: int = 0) -> tuple[Event, ...]:
     """At most six instants of a cycle for the page to show, in the order of time, none before the
-    index `first_index`. `friction` is the coefficient f.
+    index `first_index`. `friction_coefficient` is the coefficient f.
 
     First come the largest and the least P and Q, the largest Q − f P and the least Q + f P; of
     loads that are constant the first instant. Then the instant with the largest distance in time
@@ -437,7 +437,7 @@ def events(cycle: Cycle, friction: float, first_index: int = 0) -> tuple[Event, 
     Q − f P, reverse slip at the least Q + f P.
     """
     # index of the instant in the cycle -> what happens there, such as "P largest"
-    labels = _labels_of_extremes(cycle, friction, first_index)
+    labels = _labels_of_extremes(cycle, friction_coefficient, first_index)
     if not labels:
         labels[first_index] = "the only instant" if len(cycle.time) == 1 else "between"
     for _ in range(min(_N_EVENTS, len(cycle.time) - 1) - len(labels)):
@@ -462,14 +462,16 @@ def index_of_first_row(cycle: Cycle, scene: Scene) -> int:
     return min(int(np.searchsorted(cycle.time, time)), len(cycle.time) - 1)
 
 
-def _labels_of_extremes(cycle: Cycle, friction: float, first_index: int) -> dict[int, str]:
+def _labels_of_extremes(
+    cycle: Cycle, friction_coefficient: float, first_index: int
+) -> dict[int, str]:
     """Instants of a cycle at which P or Q is largest or least, Q − f P is largest, or Q + f P is
     least: index -> label.
 
     Where several instants have the extreme value the first counts; an instant that is extreme in
     two quantities keeps the first label. Left out: instants before `first_index`, and quantities
-    that are constant. `friction` is the coefficient f. Tilt and moment of the shear of `cycle` are
-    None in a scene without bulk stress and tilt.
+    that are constant. `friction_coefficient` is the coefficient f. Tilt and moment of the shear of
+    `cycle` are None in a scene without bulk stress and tilt.
     """
     normal_load = cycle.normal_load[first_index:]
     tangential_load = cycle.tangential_load[first_index:]
@@ -483,8 +485,8 @@ def _labels_of_extremes(cycle: Cycle, friction: float, first_index: int) -> dict
         "P least": -normal_load,
         "Q largest": tangential_load,
         "Q least": -tangential_load,
-        label_of_end_of_forward_slip: tangential_load - friction * normal_load,
-        label_of_end_of_reverse_slip: -tangential_load - friction * normal_load,
+        label_of_end_of_forward_slip: tangential_load - friction_coefficient * normal_load,
+        label_of_end_of_reverse_slip: -tangential_load - friction_coefficient * normal_load,
     }
     largest_load = float(np.max(np.abs(normal_load)))
     labels: dict[int, str] = {}

@@ -11,7 +11,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -431,25 +431,11 @@ def difference_of_runs(
         raise InputError(
             f"{a.source} and {b.source} have no figure in common: {engines_of_a} and {engines_of_b}"
         )
-    for pattern in tolerances or {}:
-        if not any(fnmatchcase(key, pattern) for key in keys):
-            raise InputError(
-                f"--tolerance {pattern}: no figure is called so; there are {', '.join(keys)}"
-            )
-    # (pattern of keys, tolerance): the first pattern that fits a key counts
-    # _DEFAULT_TOLERANCES: such pairs, for values that no other pattern fits
-    patterns_and_tolerances = [
-        *(tolerances or {}).items(),
-        *b.tolerances.items(),
-        *a.tolerances.items(),
-        *_DEFAULT_TOLERANCES,
+    _refuse_unused_patterns(tolerances or {}, keys)
+    rows = [
+        _row_of_key(key, a, b, tolerance=_tolerance_of_key(key, a, b, tolerances or {}))
+        for key in keys
     ]
-    rows = []
-    for key in keys:
-        fitting_tolerances = (
-            tolerance for pattern, tolerance in patterns_and_tolerances if fnmatchcase(key, pattern)
-        )
-        rows.append(_row_of_key(key, a, b, tolerance=next(fitting_tolerances)))
     notes = []
     for letter, groups in (("A", groups_of_a), ("B", groups_of_b)):
         unmatched_groups = sorted(groups - common_groups)
@@ -458,6 +444,33 @@ def difference_of_runs(
         ]
     name = a.scene.name or b.scene.name
     return Difference(a.source, b.source, name, tuple(rows), (*notes, *_notes_on_runs(a, b)))
+
+
+def _refuse_unused_patterns(patterns: Iterable[str], keys: Sequence[str]) -> None:
+    """InputError for a pattern of --tolerance that fits none of the keys that are compared."""
+    for pattern in patterns:
+        if not any(fnmatchcase(key, pattern) for key in keys):
+            raise InputError(
+                f"--tolerance {pattern}: no figure is called so; there are {', '.join(keys)}"
+            )
+
+
+def _tolerance_of_key(
+    key: str, a: ValuesOfRun, b: ValuesOfRun, tolerances: Mapping[str, float]
+) -> float:
+    """The tolerance of the value of that key. The first pattern that fits the key counts: of
+    `tolerances`, then of those stored in the runs, if they are baselines, then of the defaults.
+    """
+    # _DEFAULT_TOLERANCES: (pattern, tolerance), for values that no other pattern fits
+    patterns_and_tolerances = (
+        *tolerances.items(),
+        *b.tolerances.items(),
+        *a.tolerances.items(),
+        *_DEFAULT_TOLERANCES,
+    )
+    return next(
+        tolerance for pattern, tolerance in patterns_and_tolerances if fnmatchcase(key, pattern)
+    )
 
 
 def _group_of_key(key: str) -> str:

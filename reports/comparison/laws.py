@@ -153,9 +153,9 @@ def _violation_of_coulomb_limit(solution: ContactSolution) -> Array:
     exceeds the limit, over f times the largest pressure of the path; over that pressure itself
     where f = 0.
     """
-    friction = solution.scene.friction.coefficient
-    excess = np.max(np.abs(solution.shear) - friction * solution.pressure, axis=1)
-    return np.maximum(excess, 0.0) / ((friction or 1.0) * _largest_pressure(solution))
+    friction_coefficient = solution.scene.friction.coefficient
+    excess = np.max(np.abs(solution.shear) - friction_coefficient * solution.pressure, axis=1)
+    return np.maximum(excess, 0.0) / ((friction_coefficient or 1.0) * _largest_pressure(solution))
 
 
 def _violation_in_slip(solution: ContactSolution) -> Array:
@@ -163,16 +163,18 @@ def _violation_in_slip(solution: ContactSolution) -> Array:
     slip, and |q + f p| in reverse slip, over f times the largest pressure of the path; over that
     pressure itself where f = 0. 0 at an instant at which no point slips.
     """
-    friction = solution.scene.friction.coefficient
+    friction_coefficient = solution.scene.friction.coefficient
     # 1 forward, -1 reverse, 0 no slip
     slip_direction = (solution.state == SLIP_FORWARD) * 1.0 - (solution.state == SLIP_REVERSE)
     largest_excess = np.max(
-        np.abs(slip_direction * solution.shear - friction * solution.pressure),
+        np.abs(slip_direction * solution.shear - friction_coefficient * solution.pressure),
         axis=1,
         where=slip_direction != 0,
         initial=0.0,
     )
-    return np.asarray(largest_excess / ((friction or 1.0) * _largest_pressure(solution)))
+    return np.asarray(
+        largest_excess / ((friction_coefficient or 1.0) * _largest_pressure(solution))
+    )
 
 
 def _difference_of_loads(solution: ContactSolution) -> Array:
@@ -363,14 +365,14 @@ def largest_load_ratio(solution: ContactSolution) -> float:
     """Largest |Q|/(f P) of the last cycle of a solution, 1 at gross sliding; NaN without friction.
     The loads are those of the solution, which under a prescribed displacement are found by solving.
     """
-    friction = solution.scene.friction.coefficient
-    if not friction:
+    friction_coefficient = solution.scene.friction.coefficient
+    if not friction_coefficient:
         return math.nan
     indices = solution.last_cycle  # of the instants
     largest_ratio = largest_ratio_of(
         solution.normal_load[indices], solution.tangential_load[indices]
     )
-    return largest_ratio / friction
+    return largest_ratio / friction_coefficient
 
 
 def expected_numbers(

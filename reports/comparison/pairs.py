@@ -141,8 +141,10 @@ class Pair:
     @cached_property
     def has_bulk_stress(self) -> bool:
         """Whether the scene states a bulk stress."""
-        load = self.result.scene.load
-        return load.bulk_stress_lower is not None or load.bulk_stress_upper is not None
+        load_record = self.result.scene.load
+        return (
+            load_record.bulk_stress_lower is not None or load_record.bulk_stress_upper is not None
+        )
 
     @cached_property
     def may_tilt(self) -> bool:

@@ -52,11 +52,11 @@ def part_of_path(scene: Scene) -> str:
     >>> [part_of_path(load_scene(name)) for name in ("hertz-paper", "time-series", "hertz-normal")]
     ['last cycle', 'whole record', 'whole path']
     """
-    load = scene.load
+    load_record = scene.load
     # a table first, since its path, with a load segment for each row, is slow to make
-    if isinstance(load, TimeSeriesLoad):
-        return "last cycle" if load.repeats else "whole record"
-    return "whole path" if load.path().period is None else "last cycle"
+    if isinstance(load_record, TimeSeriesLoad):
+        return "last cycle" if load_record.repeats else "whole record"
+    return "whole path" if load_record.path().period is None else "last cycle"
 
 
 def text_on_part_of_path(text: str, scene: Scene) -> str:

@@ -140,15 +140,15 @@ def fit_residuals(scene: Scene, half_width: float) -> Plate | None:
     """
     # the measured rows, the standard deviation of their heights (`noise`), and the root mean square
     # of row minus curve (`residual`)
-    fit = profile_fit_of(scene)
-    if fit is None:
+    fit_record = profile_fit_of(scene)
+    if fit_record is None:
         return None
     _, unit_of_length, _ = units(scene)
     # the rows, and the fitted curve at each; `spikes` are rows that the fit left out
-    trace = _trace_of(scene, fit)
+    trace = _trace_of(scene, fit_record)
     panels = (
         _panel_of_trace(trace, unit_of_length),
-        _panel_of_residuals(trace, fit.noise, half_width, unit_of_length),
+        _panel_of_residuals(trace, fit_record.noise, half_width, unit_of_length),
     )
     table = {
         f"x [{unit_of_length}]": trace.x,
@@ -165,8 +165,8 @@ def fit_residuals(scene: Scene, half_width: float) -> Plate | None:
         columns=1,
         spikes=len(trace.spikes),
         rows=trace.is_fitted.sum(),
-        residual=f"{fit.residual:.3g}",
-        noise=f"{fit.noise:.3g}",
+        residual=f"{fit_record.residual:.3g}",
+        noise=f"{fit_record.noise:.3g}",
         length=unit_of_length,
         every=trace.drawn_rows[1] - trace.drawn_rows[0],
     )
@@ -207,23 +207,23 @@ class _Trace(NamedTuple):
         return Axis(*ends, f"x from the middle  [{unit_of_length}]")
 
 
-def _trace_of(scene: Scene, fit: Fitted) -> _Trace:
+def _trace_of(scene: Scene, fit_record: Fitted) -> _Trace:
     """The rows of a measured profile and the height of the fitted curve at each. Of the fitted rows
     at most 400 are drawn, evenly chosen.
 
-    `fit` holds the rows [x, height] (n, 2), x of the middle (`centre`), indices of the rows that
-    were fitted, and the numbers, from 1 on, of those left out as spikes.
+    `fit_record` holds the rows [x, height] (n, 2), x of the middle (`centre`), indices of the rows
+    that were fitted, and the numbers, from 1 on, of those left out as spikes.
     """
-    x = fit.rows.values[:, 0] - fit.centre
-    is_fitted = np.isin(np.arange(len(x)), fit.used_rows())
+    x = fit_record.rows.values[:, 0] - fit_record.centre
+    is_fitted = np.isin(np.arange(len(x)), fit_record.used_rows())
     stride = -(-int(is_fitted.sum()) // _MOST_DOTS)
     return _Trace(
         x=x,
         fitted_height=scene.profile.height(x),
-        residuals=fit.residuals(scene.profile.height),
+        residuals=fit_record.residuals(scene.profile.height),
         is_fitted=is_fitted,
         drawn_rows=np.flatnonzero(is_fitted)[::stride],
-        spikes=np.array(fit.spikes, dtype=np.int64) - 1,
+        spikes=np.array(fit_record.spikes, dtype=np.int64) - 1,
     )
 
 
@@ -515,10 +515,10 @@ def _marks_of_loads(frame: Frame, scene: Scene, outlines: dict[str, Array]) -> I
     outlines
         (n, 2) outline of each body, by "lower" and "upper" [length]
     """
-    load = scene.load
+    load_name = scene.load
     y_of_top = float(frame.y.pixels_of(outlines["upper"][:, 1].max())) - 8  # [pixels, downwards]
     y_of_contact = float(frame.y.pixels_of(0.0))
-    line_of_action = load.line_of_action
+    line_of_action = load_name.line_of_action
     x_of_action = frame.x.pixels_of(line_of_action.x if line_of_action else 0.0)
     # within the drawing; the caption says where the line of action is
     x_of_arrow = float(np.clip(x_of_action, 80.0, frame.width - 80.0))
@@ -535,11 +535,14 @@ def _marks_of_loads(frame: Frame, scene: Scene, outlines: dict[str, Array]) -> I
         yield Note(x_of_arrow + 63, y_of_top - 3, "Q", "load")
     # A positive tilt opens the gap at x > 0; a positive moment presses there, and so turns the
     # other way.
-    if load.tilt is not None:
+    if load_name.tilt is not None:
         yield from _turning_arrow((x_of_arrow - 48.0, y_of_top - 17.0), 1.0, "α")
-    elif load.moment is not None:
+    elif load_name.moment is not None:
         yield from _turning_arrow((x_of_arrow - 48.0, y_of_top - 17.0), -1.0, "M")
-    for name, stress in (("lower", load.bulk_stress_lower), ("upper", load.bulk_stress_upper)):
+    for name, stress in (
+        ("lower", load_name.bulk_stress_lower),
+        ("upper", load_name.bulk_stress_upper),
+    ):
         if stress is not None:
             yield from _bulk_arrows(frame, outlines[name])
 

@@ -109,9 +109,9 @@ class CycleView:
         )
         return min(1.12 * outer_distance, float(np.abs(self.result_cycle.x).max()))
 
-    def over_time(self, count: int = 5) -> Axis:
+    def over_time(self, n_ticks: int = 5) -> Axis:
         """The axis of time."""
-        return Axis(*axis_limits(self.time, margin=0), self.time_words, count=count)
+        return Axis(*axis_limits(self.time, margin=0), self.time_words, count=n_ticks)
 
     def over_x(self, words: str = X_OVER_A) -> Axis:
         """The axis of x."""
@@ -198,8 +198,8 @@ def permanent_edges(solution: ContactSolution) -> Array:
     return solution.permanent_stick_half_width * np.array([-1.0, 1.0])
 
 
-def slip_points(comparison: Comparison, count: int = 4) -> list[int]:
-    """Indices of up to `count` points of the result at which the page shows slip over time. They
+def slip_points(comparison: Comparison, n_points: int = 4) -> list[int]:
+    """Indices of up to `n_points` points of the result at which the page shows slip over time. They
     lie evenly from the right edge of the permanent stick zone (or the middle) to just inside the
     right edge of the largest contact. `may_tilt`: whether tilt, moment or unequal sides make the
     contact unsymmetric. `contact_edges` are (k instants, 2) [length].
@@ -215,7 +215,7 @@ def slip_points(comparison: Comparison, count: int = 4) -> list[int]:
     stick_edge = float(permanent_edges(comparison.reference)[1])
     if not np.isfinite(stick_edge) or stick_edge >= outer_edge:
         stick_edge = min(0.0, outer_edge)
-    x_wanted = stick_edge + np.linspace(0.12, 0.97, count) * (outer_edge - stick_edge)
+    x_wanted = stick_edge + np.linspace(0.12, 0.97, n_points) * (outer_edge - stick_edge)
     return sorted({int(np.abs(x - x_of_point).argmin()) for x_of_point in x_wanted})
 
 

@@ -72,14 +72,14 @@ def tractions(view: CycleView) -> Plate:
     """
     instant_indices = [event.index for event in view.chosen_events]
     cells = []
-    for number, event in enumerate(view.chosen_events, start=1):
+    for event_number, event in enumerate(view.chosen_events, start=1):
         panels = traction_panels(
             view,
             event.index,
             instant_indices,
-            f"event-{number}",
+            f"event-{event_number}",
             (320.0, 220.0),
-            f"{number}  {event.label}",
+            f"{event_number}  {event.label}",
         )
         cells.append(Cell(panels, event.index))  # a click on it shows that instant
     table = {

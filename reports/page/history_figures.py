@@ -839,11 +839,11 @@ def _loop_panel(
     # rings that the page's slider moves along the loops: "U0" over "Q0" of the reference, "U1" over
     # "Q" of the result
     shown_instant = view.shown_instant
-    for number, (y_series, css) in enumerate((("Q0", "now pale"), ("Q", "now"))):
-        shown_displacement = displacements[number][shown_instant]
-        shown_load = loads[number][shown_instant]
+    for engine_number, (y_series, css) in enumerate((("Q0", "now pale"), ("Q", "now"))):
+        shown_displacement = displacements[engine_number][shown_instant]
+        shown_load = loads[engine_number][shown_instant]
         marks.append(
-            _slider_ring(f"{letter}{number}", shown_displacement, y_series, shown_load, css)
+            _slider_ring(f"{letter}{engine_number}", shown_displacement, y_series, shown_load, css)
         )
     return panel
 

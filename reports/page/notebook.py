@@ -154,7 +154,7 @@ def _draw_states(axes: Axes, solution: ContactSolution) -> None:
         rasterized=True,
     )
     # SurfaceState: the four states with their names
-    state_names = [state.name.lower().replace("_", " ") for state in SurfaceState]
+    state_names = [state_code.name.lower().replace("_", " ") for state_code in SurfaceState]
     patches = [
         Patch(facecolor=colour, edgecolor="0.5", label=name)
         for colour, name in zip(_STATE_COLOURS, state_names, strict=True)

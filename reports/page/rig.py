@@ -163,12 +163,12 @@ class RigMotion:
         # slides where it does so at both.
         index_before = np.maximum(np.arange(len(normal_load)) - 1, 0)
         direction_before = slide_direction[index_before]
-        motions = np.full(len(normal_load), Motion.PARTIAL, dtype=np.int64)
-        motions[is_sticking & (direction_before == 0)] = Motion.STICK
-        motions[(slide_direction > 0) & (direction_before > 0)] = Motion.FORWARD
-        motions[(slide_direction < 0) & (direction_before < 0)] = Motion.BACK
-        motions[is_apart | is_apart[index_before]] = Motion.APART
-        return motions
+        motion_codes = np.full(len(normal_load), Motion.PARTIAL, dtype=np.int64)
+        motion_codes[is_sticking & (direction_before == 0)] = Motion.STICK
+        motion_codes[(slide_direction > 0) & (direction_before > 0)] = Motion.FORWARD
+        motion_codes[(slide_direction < 0) & (direction_before < 0)] = Motion.BACK
+        motion_codes[is_apart | is_apart[index_before]] = Motion.APART
+        return motion_codes
 
     @cached_property
     def slip_of_middle(self) -> Array:
@@ -179,26 +179,26 @@ class RigMotion:
         slip = self.solution.slip[self.instants, middle_point]
         return np.asarray(slip - slip[0])
 
-    def time_fraction(self, motion: Motion) -> float:
+    def time_fraction(self, kind_of_motion: Motion) -> float:
         """Time with that motion over the whole time."""
         duration = np.diff(self.time)
-        return float(np.sum(duration[self.motions[1:] == motion]) / np.sum(duration))
+        return float(np.sum(duration[self.motions[1:] == kind_of_motion]) / np.sum(duration))
 
-    def slide_distance(self, motion: Motion) -> float:
+    def slide_distance(self, kind_of_motion: Motion) -> float:
         """Distance that the middle of the contact slips in that motion [length], never negative."""
         slips_in_steps = np.abs(np.diff(self.slip_of_middle))
-        return float(np.sum(slips_in_steps[self.motions[1:] == motion]))
+        return float(np.sum(slips_in_steps[self.motions[1:] == kind_of_motion]))
 
     def intervals(self) -> Iterator[tuple[Motion, float, float]]:
         """Each motion with the times at which it begins and ends."""
-        motions = self.motions[1:]
+        motion_codes = self.motions[1:]
         # indices of the instants at which a motion begins and ends
-        changes = np.flatnonzero(np.diff(motions)) + 1
+        changes = np.flatnonzero(np.diff(motion_codes)) + 1
         first_indices = [0, *changes.tolist()]
-        last_indices = [*changes.tolist(), len(motions)]
+        last_indices = [*changes.tolist(), len(motion_codes)]
         for first_index, last_index in zip(first_indices, last_indices, strict=True):
             yield (
-                Motion(int(motions[first_index])),
+                Motion(int(motion_codes[first_index])),
                 float(self.time[first_index]),
                 float(self.time[last_index]),
             )
@@ -256,9 +256,11 @@ def _keys_of_loops(rig_motions: Sequence[RigMotion]) -> tuple[Key, ...]:
     """Entries of the legend for the loops of these rigs: those of the contact, of the actuator
     where a rig has a spring, and by finite elements where they were solved beside theory.
     """
-    have_spring = any(motion.scene.rig.tangential_stiffness is not None for motion in rig_motions)
+    have_spring = any(
+        rig_motion.scene.rig.tangential_stiffness is not None for rig_motion in rig_motions
+    )
     keys = _KEYS_OF_LOOP if have_spring else _KEYS_OF_LOOP[:1]
-    if any(motion.motion_by_elements is not None for motion in rig_motions):
+    if any(rig_motion.motion_by_elements is not None for rig_motion in rig_motions):
         keys = (*keys, _KEY_OF_ELEMENTS)
     return keys
 
