@@ -42,11 +42,11 @@ class TimeLeft:
     def __init__(self, clock: Callable[[], float] = time.perf_counter) -> None:
         self._clock = clock
         self._start = clock()
-        self._count = 0
+        self._n_done = 0
         self._total = 0
 
-    def words(self, count: int, total: int | None) -> str:
-        """Time that the remaining steps take, in words ("9 s left"), after `count` of `total`
+    def words(self, n_done: int, total: int | None) -> str:
+        """Time that the remaining steps take, in words ("9 s left"), after `n_done` of `total`
         steps. Empty while too few steps are done for an estimate, or where `total` is None.
 
         >>> clock = iter([0.0, 0.0, 3.0]).__next__
@@ -55,19 +55,19 @@ class TimeLeft:
         ('', '9 s left')
         """
         present_time = self._clock()  # seconds
-        # another count has begun
-        if total is None or count < self._count or total != self._total or not count:
+        # another series of steps has begun
+        if total is None or n_done < self._n_done or total != self._total or not n_done:
             self._start = present_time
-        self._count = count
+        self._n_done = n_done
         self._total = total or 0
         elapsed_seconds = present_time - self._start
-        if not count or not total or elapsed_seconds <= 0:
+        if not n_done or not total or elapsed_seconds <= 0:
             return ""
         # The first steps are slower: in a stage of one minute they gave an estimate of 23 minutes.
         # _SECONDS_OF_SLOW_START: 60 s
-        if 20 * count < total and elapsed_seconds < _SECONDS_OF_SLOW_START:
+        if 20 * n_done < total and elapsed_seconds < _SECONDS_OF_SLOW_START:
             return ""
-        seconds_left = elapsed_seconds / count * (total - count)
+        seconds_left = elapsed_seconds / n_done * (total - n_done)
         if seconds_left < 100:
             return f"{seconds_left:.0f} s left"
         return f"{seconds_left / 60:.0f} min left"
@@ -87,7 +87,7 @@ class Stages:
     def stage(self, name: str, steps_noun: str = "stretches") -> Generator[_Report, None, None]:
         """A context for one stage of a job: its time is measured, its progress shown and logged.
 
-        Yields report(count, total or None, text), to be called with the number of steps that are
+        Yields report(n_done, total or None, text), to be called with the number of steps that are
         done.
 
         Parameters
@@ -109,13 +109,13 @@ class Stages:
 
         with progress_display as show_step:
 
-            def report(count: int, total: int | None, text: str) -> None:
+            def report(n_done: int, total: int | None, text: str) -> None:
                 """Show a step; the last step of a total goes into the log too."""
                 nonlocal last_text
-                if total and count == total and text != last_text:
+                if total and n_done == total and text != last_text:
                     last_text = text
                     self.note(f"  {text}")
-                show_step(count, total, text)
+                show_step(n_done, total, text)
 
             yield report
         self.seconds[name] = time.perf_counter() - start
@@ -134,8 +134,8 @@ class Stages:
     @contextmanager
     def _progress_bar(self, name: str) -> Generator[_Report, None, None]:
         """A context that shows the progress of a stage called `name` on a terminal, as a bar that
-        vanishes at the end. Yields report(count, total or None, text): steps done, number of steps,
-        present step.
+        vanishes at the end. Yields report(n_done, total or None, text): steps done, number of
+        steps, present step.
         """
         from rich.progress import (
             BarColumn,
@@ -155,16 +155,16 @@ class Stages:
         with Progress(*columns, console=self.console, transient=True) as progress:
             task = progress.add_task(name, total=None)
 
-            def report(count: int, total: int | None, text: str) -> None:
+            def report(n_done: int, total: int | None, text: str) -> None:
                 """Show a step: how many are done, of how many (None: unknown), and the present one
                 in words.
                 """
                 from rich.markup import escape
 
-                progress_in_words = ", ".join(filter(None, (text, time_left.words(count, total))))
+                progress_in_words = ", ".join(filter(None, (text, time_left.words(n_done, total))))
                 progress.update(
                     task,
-                    completed=count,
+                    completed=n_done,
                     total=total,
                     description=escape(f"{name}: {progress_in_words}"),
                 )
@@ -174,23 +174,23 @@ class Stages:
     @contextmanager
     def _progress_lines(self, name: str, steps_noun: str) -> Generator[_Report, None, None]:
         """A context that shows the progress of a stage called `name` where output goes to a file or
-        a pipe: a line every two seconds with steps done and time left. Yields report(count, total
+        a pipe: a line every two seconds with steps done and time left. Yields report(n_done, total
         or None, text), to be called after each step. `steps_noun` says what the steps are.
         """
         time_of_last_line = time.perf_counter()
         time_left = TimeLeft()
         self.console.print(Text(f"{name} ..."))
 
-        def report(count: int, total: int | None, text: str) -> None:
+        def report(n_done: int, total: int | None, text: str) -> None:
             """Print a line, unless the last one is less than two seconds old: how many steps are
             done, of how many (None: unknown), and the present one in words.
             """
             nonlocal time_of_last_line
-            words_on_time_left = time_left.words(count, total)
+            words_on_time_left = time_left.words(n_done, total)
             # _SECONDS_BETWEEN_LINES: 2 s
             if time.perf_counter() - time_of_last_line >= _SECONDS_BETWEEN_LINES:
                 time_of_last_line = time.perf_counter()
-                steps_in_words = f"{count} of {total} {steps_noun}" if total else ""
+                steps_in_words = f"{n_done} of {total} {steps_noun}" if total else ""
                 phrases = ", ".join(filter(None, (text, steps_in_words, words_on_time_left)))
                 self.console.print(Text(f"  {name}: {phrases}"))
 

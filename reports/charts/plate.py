@@ -195,7 +195,7 @@ class Axis:
     high: float
     words: str
     log: bool = False
-    count: int = 5
+    n_ticks: int = 5
     ticks: tuple[tuple[float, str], ...] = ()
 
 
@@ -473,21 +473,21 @@ class Plate:
     title: str
     caption: str
     alt: str  # what it shows, for who can't see it
-    panels: tuple[Panel | Cell, ...]  # set side by side where there is room, at most `columns`
+    panels: tuple[Panel | Cell, ...]  # set side by side where there is room, at most `n_columns`
     table: Table  # column heading (with unit) -> values, all of one length; what the figure draws
     keys: tuple[Key, ...] = ()  # the legend, above the panels
-    columns: int = 2
+    n_columns: int = 2
 
     def svg(self) -> str:
         """The whole figure as the text of an SVG document that needs no style sheet: its legend,
         and beneath it its panels in columns.
 
         Panels that belong together form a stack, one under the other. Stacks fill the columns
-        (at most `self.columns`) row by row; a row is as high as its highest stack.
+        (at most `self.n_columns`) row by row; a row is as high as its highest stack.
         """
         # tuples of panels, by column; a column is as wide as its widest stack [units of a drawing]
         panel_stacks = panel_stacks_of(self)
-        n_columns = min(self.columns, len(panel_stacks))
+        n_columns = min(self.n_columns, len(panel_stacks))
         stacks_by_column = [panel_stacks[column::n_columns] for column in range(n_columns)]
         widths = [_width_of_stacks(stacks_of_column) for stacks_of_column in stacks_by_column]
         width = sum(widths)
@@ -568,7 +568,7 @@ def figure_with_texts(
     table: Table,
     keys: Sequence[Key] = (),
     *,
-    columns: int = 2,
+    n_columns: int = 2,
     words: str = "",
     **numbers: object,
 ) -> Plate:
@@ -583,7 +583,7 @@ def figure_with_texts(
         values drawn, by column, for the CSV file
     keys
         entries of the legend
-    columns
+    n_columns
         how many panels stand side by side
     words
         name of the macro in templates/figures.txt that has the texts; `name` by default
@@ -594,7 +594,7 @@ def figure_with_texts(
     texts = getattr(template("figures.txt").module, words or name)(**numbers)
     title, caption, description = str(texts).strip().split("\n")
     # Plate: a figure with its texts, panels, CSV table and legend
-    return Plate(name, title, caption, description, tuple(panels), table, tuple(keys), columns)
+    return Plate(name, title, caption, description, tuple(panels), table, tuple(keys), n_columns)
 
 
 def _width_of_stacks(column: Sequence[tuple[Panel, ...]]) -> float:
@@ -654,7 +654,7 @@ def colour_scale(
     return Panel(
         name,
         Axis(low_end, high_end, words, log, ticks=ticks),
-        Axis(0.0, 1.0, "", count=0),
+        Axis(0.0, 1.0, "", n_ticks=0),
         [strip],
         f"Colours: {words}",
         width,
@@ -1257,9 +1257,9 @@ class _Pen:
 
 def _tick_pairs(axis: Axis, scale: Scale) -> tuple[tuple[float, str], ...]:
     """Each tick of an axis with its text: the axis' own, or round numbers."""
-    if axis.ticks or not axis.count:
+    if axis.ticks or not axis.n_ticks:
         return axis.ticks
-    numbers = _ticks(scale.low, scale.high, axis.count, log=axis.log)
+    numbers = _ticks(scale.low, scale.high, axis.n_ticks, log=axis.log)
     return tuple(zip(numbers, tick_labels(numbers), strict=True))
 
 
@@ -1351,8 +1351,8 @@ def _script_attributes(panel: Panel, frame: Frame) -> dict[str, object]:
     time ("x", "y" or "").
 
     `frame` is the panel's area with its scales, whose `words` are their ends as text. Of an axis,
-    `words` is the title, `count` about how many ticks it has (5 by default), `ticks` those that are
-    given, each with its text.
+    `words` is the title, `n_ticks` about how many ticks it has (5 by default), `ticks` those that
+    are given, each with its text.
     """
     attributes: dict[str, object] = {}
     if not _is_sketch(panel):
@@ -1363,8 +1363,8 @@ def _script_attributes(panel: Panel, frame: Frame) -> dict[str, object]:
         "data_time": panel.time,
         "data_x_ticks": " ".join(f"{number:g}={text}" for number, text in panel.x.ticks),
     }
-    if (panel.x.count, panel.y.count) != (5, 5):
-        attributes["data_counts"] = f"{panel.x.count} {panel.y.count}"
+    if (panel.x.n_ticks, panel.y.n_ticks) != (5, 5):
+        attributes["data_counts"] = f"{panel.x.n_ticks} {panel.y.n_ticks}"
     return attributes
 
 

@@ -319,7 +319,7 @@ def mesh(
         tuple(panels),
         {"quantity": list(quality), "value": list(quality.values())},
         tuple(legend_entries),
-        columns=3,
+        n_columns=3,
     )
 
 

@@ -73,14 +73,14 @@ def sketch(scene: Scene, half_width: float) -> Plate:
         f"y [{unit_of_length}]": np.concatenate([points[:, 1] for points in outlines.values()]),
     }
     shapes = (scene.bodies.lower, scene.bodies.upper)
-    # The arguments after `columns` fill the caption: whether a half-plane is cut off, width of the
-    # contact, ranges of P and Q in words, what acts beside P and Q, units.
-    # `number`: as text, to six digits
+    # The arguments after `n_columns` fill the caption: whether a half-plane is cut off, width of
+    # the contact, ranges of P and Q in words, what acts beside P and Q, units. `number`: as text,
+    # to six digits
     return figure_with_texts(
         "bodies",
         [_panel_of_bodies(scene, outlines, half_width)],
         table,
-        columns=1,
+        n_columns=1,
         cut=any(isinstance(shape, HalfPlane) for shape in shapes),
         width=number(2 * half_width),
         length=unit_of_length,
@@ -157,12 +157,13 @@ def fit_residuals(scene: Scene, half_width: float) -> Plate | None:
         f"row - fit [{unit_of_length}]": trace.residuals,
         "fitted": trace.is_fitted.astype(float),
     }
-    # The arguments after `columns` fill the caption; `every`: one in so many fitted rows is drawn.
+    # The arguments after `n_columns` fill the caption; `every`: one in so many fitted rows is
+    # drawn.
     return figure_with_texts(
         "profile_fit",
         panels,
         table,
-        columns=1,
+        n_columns=1,
         spikes=len(trace.spikes),
         rows=trace.is_fitted.sum(),
         residual=f"{fit_record.residual:.3g}",

@@ -86,7 +86,7 @@ def budget_bars(budget: ErrorBudget) -> Plate | None:
     numbers_by_column = _budget_table(budgets, term_names, rest_name)
     panel = _panel_of_bars(stacks, block_names, is_judged)
     return figure_with_texts(
-        "budget", [panel], numbers_by_column, keys, columns=1, judged=is_judged
+        "budget", [panel], numbers_by_column, keys, n_columns=1, judged=is_judged
     )
 
 
@@ -117,7 +117,7 @@ def _panel_of_bars(stacks: Sequence[_Stack], block_names: Sequence[str], is_judg
         marks.append(_label_of_row(-axis_end, lower_edge, label))
     return _panel_of_rows(
         "budget",
-        Axis(-axis_end, axis_end, _axis_of_bars(is_judged), count=8),
+        Axis(-axis_end, axis_end, _axis_of_bars(is_judged), n_ticks=8),
         len(stacks),
         marks,
         "Error budget as stacked bars",
@@ -139,7 +139,7 @@ def _panel_of_rows(name: str, axis: Axis, n_rows: int, marks: Sequence[Mark], al
     return broad_panel(
         name,
         axis,
-        Axis(0.0, float(n_rows), "", count=0),
+        Axis(0.0, float(n_rows), "", n_ticks=0),
         marks,
         alt,
         _BAR_HEIGHT * n_rows + 60,
@@ -192,7 +192,7 @@ def waterfall(why: Why) -> Plate | None:
         "change of W": [part.change.value for part in parts],
         "u": [part.change.uncertainty for part in parts],
     }
-    return figure_with_texts("waterfall", [panel], table, columns=1)
+    return figure_with_texts("waterfall", [panel], table, n_columns=1)
 
 
 def _axis_of_waterfall(why: Why, total_change: float, uncertainty: float) -> Axis:
@@ -204,7 +204,7 @@ def _axis_of_waterfall(why: Why, total_change: float, uncertainty: float) -> Axi
     least_value = min(0.0, *ends_of_bars, total_change - uncertainty)
     largest_value = max(0.0, *ends_of_bars, total_change + uncertainty)
     margin = 0.08 * (largest_value - least_value) or 1.0
-    return Axis(least_value - margin, largest_value + margin, "change of W, per cent", count=8)
+    return Axis(least_value - margin, largest_value + margin, "change of W, per cent", n_ticks=8)
 
 
 def _bar_of_cause(
@@ -508,7 +508,7 @@ def _figure_of_convergence(
     # LINE_LOOKS: classes of lines in the style sheet, one for each metric
     keys = [Key(css, label) for label, css in zip(points_by_label, LINE_LOOKS, strict=False)]
     keys += [Key(curve.css, curve.label) for curve in curves_of_orders]
-    return figure_with_texts(name, [panel], table, keys, columns=1)
+    return figure_with_texts(name, [panel], table, keys, n_columns=1)
 
 
 def _axes_of_convergence(

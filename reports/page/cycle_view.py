@@ -111,7 +111,7 @@ class CycleView:
 
     def over_time(self, n_ticks: int = 5) -> Axis:
         """The axis of time."""
-        return Axis(*axis_limits(self.time, margin=0), self.time_words, count=n_ticks)
+        return Axis(*axis_limits(self.time, margin=0), self.time_words, n_ticks=n_ticks)
 
     def over_x(self, words: str = X_OVER_A) -> Axis:
         """The axis of x."""

@@ -93,7 +93,7 @@ def tractions(view: CycleView) -> Plate:
         for role, cycle in (("reference", view.reference_cycle), ("result", view.result_cycle)):
             column_name = f"{letter}_{role}/{name_of_scale[letter]}"
             table[column_name] = (getattr(cycle, field)[instant_indices] / scale).ravel()
-    return figure_with_texts("tractions", cells, table, traction_keys(view), columns=3)
+    return figure_with_texts("tractions", cells, table, traction_keys(view), n_columns=3)
 
 
 def _traction_fields(view: CycleView) -> dict[str, tuple[str, float]]:
@@ -171,7 +171,7 @@ def traction_panels(
         Axis(
             *axis_limits(*difference_by_letter.values(), with_zero=True, least_range=1e-9),
             "difference, %",
-            count=3,
+            n_ticks=3,
         ),
         _difference_curves(drawn.x, difference_by_letter, moves_with_slider=moves_with_slider),
         f"Result less reference over x. {title}".strip(),
@@ -309,7 +309,7 @@ def moving_instant(view: CycleView) -> Plate:
         "points_where_states_differ": states_differ.sum(axis=1).astype(np.int64),
     }
     panels = (traction_panel, state_panel, difference_panel)
-    return figure_with_texts("cycle", panels, table, traction_keys(view), columns=1)
+    return figure_with_texts("cycle", panels, table, traction_keys(view), n_columns=1)
 
 
 def _strip_of_states(view: CycleView, engine: EngineView, strip_number: int) -> Iterator[Mark]:
@@ -360,13 +360,13 @@ def state_map(view: CycleView) -> Plate:
     point_indices = np.flatnonzero(np.abs(view.x) <= view.largest_x)
     n_instants = min(len(view.time), max(_MOST_STATES // len(point_indices), 2))
     instant_indices = np.linspace(0, len(view.time) - 1, n_instants).round().astype(int)
-    # with the legend of the four states; the arguments after `columns` fill the caption
+    # with the legend of the four states; the arguments after `n_columns` fill the caption
     return figure_with_texts(
         "state_map",
         _maps_of_states(view, f"they differ: {share_in_words}".rstrip(": ")),
         _table_of_states(view, instant_indices, point_indices),
         STATE_KEYS,
-        columns=3,
+        n_columns=3,
         share=share_in_words,
         written=len(instant_indices),
         instants=len(view.time),

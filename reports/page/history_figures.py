@@ -204,13 +204,13 @@ def discrepancies(view: CycleView) -> Plate:
     legend_entries = _legend_of_discrepancies(view, drawn_ratios, "" if has_tolerances else " %")
     table = {"time": view.result_cycle.time}
     table |= {metric.key: np.asarray(metric.series) for metric in drawn_metrics}
-    # the values behind `columns` fill the caption; `stretch` is the part of the path in words
+    # the values behind `n_columns` fill the caption; `stretch` is the part of the path in words
     return figure_with_texts(
         "errors",
         [panel],
         table,
         legend_entries,
-        columns=1,
+        n_columns=1,
         judged=has_tolerances,
         cut=has_tolerances and largest_ratio > _LARGEST_DRAWN_RATIO,
         stretch=view.part_of_path,
@@ -321,7 +321,7 @@ def slip_histories(view: CycleView) -> Plate:
         [_panel_of_slip(view, slip)],
         _table_of_slip(view, slip),
         keys,
-        columns=1,
+        n_columns=1,
         stretch=view.part_of_path,
     )
 
@@ -413,7 +413,7 @@ def cumulative_work(view: CycleView) -> Plate | None:
         [panel],
         table,
         [key for key, *_ in series],
-        columns=1,
+        n_columns=1,
         repeats=view.scene.load.path().period is not None,
     )
 
@@ -448,13 +448,13 @@ def load_path(view: CycleView) -> Plate:
         "Q": np.concatenate([part.tangential_load for part in parts]),
     }
     has_bulk_or_tilt = len(panels) > 1
-    # the values behind `columns` fill the caption; `stretch` is the part of the path in words
+    # the values behind `n_columns` fill the caption; `stretch` is the part of the path in words
     return figure_with_texts(
         "load_path",
         panels,
         table,
         keys,
-        columns=1,
+        n_columns=1,
         beside=has_bulk_or_tilt,
         stretch=view.part_of_path,
     )
@@ -519,7 +519,7 @@ def _panel_beneath_path(view: CycleView, name: str, title: str, lines: Sequence[
     return Panel(
         name,
         view.over_time(),
-        Axis(*axis_limits(*values_of_lines, with_zero=True, margin=0.12), title, count=3),
+        Axis(*axis_limits(*values_of_lines, with_zero=True, margin=0.12), title, n_ticks=3),
         marks,
         f"{title} over time",
         height=190.0,
@@ -828,7 +828,7 @@ def _loop_panel(
     # _LOOP_HEIGHT: 220 pixels
     panel = Panel(
         name,
-        Axis(*axis_limits(*displacements, margin=0.12), title, count=4),
+        Axis(*axis_limits(*displacements, margin=0.12), title, n_ticks=4),
         Axis(*axis_limits(*loads, margin=0.12), f"tangential load Q  [{load_unit(view.scene)}]"),
         marks,
         f"Tangential load over {title}",
@@ -912,7 +912,7 @@ def _bulk_loop_panel(view: CycleView) -> Panel:
         marks.append(Curve(strain, moment, key.css, key.text))
     return Panel(
         "bulk-loop",
-        Axis(*axis_limits(*strains, margin=0.12), "bulk strain ε = σ/E′, lower − upper", count=4),
+        Axis(*axis_limits(*strains, margin=0.12), "bulk strain ε = σ/E′, lower − upper", n_ticks=4),
         Axis(*axis_limits(*moments, margin=0.12), f"moment of the shear m_q  [{unit_of_force}]"),
         marks,
         "Moment of the shear over bulk strain",

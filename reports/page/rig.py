@@ -240,7 +240,7 @@ def _loop(rig_motion: RigMotion) -> Plate:
         [panel],
         table,
         _keys_of_loops([rig_motion]),
-        columns=1,
+        n_columns=1,
         noun=rig_motion.part_of_path,
         has_spring=rig_motion.scene.rig.tangential_stiffness is not None,
     )
@@ -360,7 +360,7 @@ def _over_time(rig_motion: RigMotion) -> Plate:
         panels,
         _table_over_time(rig_motion),
         keys,
-        columns=1,
+        n_columns=1,
         noun=rig_motion.part_of_path,
     )
 

@@ -141,7 +141,7 @@ def write_page(store: Store) -> Path:
         uncertainty=uncertainty_words,
         state=state,
         pictures=figures,
-        wide=any(figure.columns > 1 for figure in figures),
+        wide=any(figure.n_columns > 1 for figure in figures),
         script=page_script,
         script_hash=script_hash,
         columns=heads,
