@@ -543,16 +543,12 @@ def load_cycles(solution: ContactSolution) -> LoadCycles | None:
         return None
     rows = load_record.series()  # (n, 3) time, P, Q
 
-    # Rows of the first period, its duration, and the time from it to the last period solved.
-    period_duration = 0.0
-    shift_to_last_period = (
-        0.0  # of time, from the first to the last period of a record that repeats
-    )
+    # Rows of the first period, and the time from it to the last period solved.
+    shift_to_last_period = 0.0
     if load_record.repeats:
         rows = rows[1:]  # without the unloaded row before the first period
-        # _TIME: column of the times
-        period_duration = float(rows[-1, _TIME] - rows[0, _TIME])
-        shift_to_last_period = period_duration * (len(solution.cycle_dissipation) - 1)
+        n_periods_between = len(solution.cycle_dissipation) - 1
+        shift_to_last_period = _duration_of_rows(rows) * n_periods_between
 
     # Instants within the rows, and the dissipation since the first of them, (m,) each.
     times_and_work = _times_and_work_since_first_row(solution, rows, shift_to_last_period)
@@ -561,26 +557,55 @@ def load_cycles(solution: ContactSolution) -> LoadCycles | None:
     time, work_so_far = times_and_work
 
     # Cycles of Q counted in the rows that were solved, still without their work.
+    # _TIME: column of the times
     solved_rows = rows[rows[:, _TIME] <= time[-1] + _time_tolerance(rows)]
     row_cycles = _cycles_of_rows(solved_rows, repeats=load_record.repeats)
-    if not load_record.repeats:
-        cycles = cycles_with_work(row_cycles, time, work_so_far)
-        last_whole_cycle = _last_whole_cycle(solved_rows, time, work_so_far)
-        return LoadCycles(tuple(cycles), time, work_so_far, last_whole_cycle)
+    if load_record.repeats:
+        cycles = _cycles_of_last_period(
+            row_cycles, time, work_so_far, _duration_of_rows(rows), shift_to_last_period
+        )
+        return LoadCycles(cycles, time + shift_to_last_period, work_so_far)
+    cycles = tuple(cycles_with_work(row_cycles, time, work_so_far))
+    return LoadCycles(cycles, time, work_so_far, _last_whole_cycle(solved_rows, time, work_so_far))
 
-    # A cycle may end in the period after that in which it starts: both have the same work.
+
+def _duration_of_rows(rows: Array) -> float:
+    """Time from the first to the last of the rows (n, 3: time, P, Q)."""
+    return float(rows[-1, _TIME] - rows[0, _TIME])
+
+
+def _cycles_of_last_period(
+    row_cycles: Sequence[LoadCycle],
+    time: Array,
+    work_so_far: Array,
+    period_duration: float,
+    shift_to_last_period: float,
+) -> tuple[LoadCycle, ...]:
+    """Load cycles of a record that repeats, with their work, at the times of the last two periods
+    solved. A cycle may end in the period after that in which it starts: both have the same work.
+
+    Parameters
+    ----------
+    row_cycles
+        cycles at the times of the first period and the one after it, without their work
+    time, work_so_far
+        (m,) instants of the first period, and the dissipation from the first of them to each
+    period_duration
+        duration of a period
+    shift_to_last_period
+        time from the first period to the last one solved
+    """
     time_of_two_periods = np.concatenate([time, time[1:] + period_duration])
     work_of_two_periods = np.concatenate([work_so_far, work_so_far[1:] + work_so_far[-1]])
     shift_to_last_period_but_one = max(shift_to_last_period - period_duration, 0.0)
-    shifted_cycles = [
+    return tuple(
         replace(
             cycle,
             start=cycle.start + shift_to_last_period_but_one,
             end=cycle.end + shift_to_last_period_but_one,
         )
         for cycle in cycles_with_work(row_cycles, time_of_two_periods, work_of_two_periods)
-    ]
-    return LoadCycles(tuple(shifted_cycles), time + shift_to_last_period, work_so_far)
+    )
 
 
 def _time_tolerance(rows: Array) -> float:

@@ -114,34 +114,43 @@ def record_parts(scene: Scene) -> tuple[RecordPart, ...]:
     rows = load_record.rows.values[first_row:row_beyond]
     if len(rows) > _MOST_ROWS_LOOKED_THROUGH:
         return ()
-    unit = load_unit(scene)
 
     # P below 5 % of its largest; swings of Q between turning points, None for too few.
     # _LEAST_SHARE_OF_LOAD, _NORMAL: 0.05 of the largest P, and the column of P
     has_no_load = rows[:, _NORMAL] < _LEAST_SHARE_OF_LOAD * float(np.max(rows[:, _NORMAL]))
     swings = _swings_of(rows, ~has_no_load)
-
-    # Runs of rows without load, at rest, and of cycles.
-    # RecordPart: kind, numbers of the first and the last row, words
-    parts: list[RecordPart] = []
-    words_of_no_load = f"no load: P is below {100 * _LEAST_SHARE_OF_LOAD:g} % of its largest"
-    # Indices begin at 0, numbers of rows at 1: `index_beyond` is the number of the last row.
-    for first_index, index_beyond in _bounds_of_runs(has_no_load):
-        if index_beyond - first_index > 2:
-            parts.append(RecordPart("no load", first_index + 1, index_beyond, words_of_no_load))
+    parts = list(_parts_without_load(has_no_load))
     if swings is not None:
-        is_at_rest = _is_at_rest(rows, swings.n_rows_of_cycle) & ~has_no_load
-        words_of_rest = "at rest: neither P nor Q moves"
-        for first_index, index_beyond in _bounds_of_runs(is_at_rest):
-            parts.append(RecordPart("rest", first_index + 1, index_beyond, words_of_rest))
-        parts += _parts_of_swings(swings, unit)
+        parts += _parts_at_rest(_is_at_rest(rows, swings.n_rows_of_cycle) & ~has_no_load)
+        parts += _parts_of_swings(swings, load_unit(scene))
 
     # In the order of the first rows, numbered in the record as a whole.
+    # RecordPart: kind, numbers of the first and the last row, words
     ordered_parts = sorted(parts, key=lambda part: (part.first_row, part.last_row))
     return tuple(
         RecordPart(part.kind, part.first_row + first_row, part.last_row + first_row, part.words)
         for part in ordered_parts
     )
+
+
+def _parts_without_load(has_no_load: Mask) -> Iterator[RecordPart]:
+    """Parts of a record in which P is below 5 % of its largest: runs of more than two rows for
+    which `has_no_load` (n,) is True. Their rows are numbered from 1 on.
+    """
+    words = f"no load: P is below {100 * _LEAST_SHARE_OF_LOAD:g} % of its largest"
+    # Indices begin at 0, numbers of rows at 1: `index_beyond` is the number of the last row.
+    for first_index, index_beyond in _bounds_of_runs(has_no_load):
+        if index_beyond - first_index > 2:
+            yield RecordPart("no load", first_index + 1, index_beyond, words)
+
+
+def _parts_at_rest(is_at_rest: Mask) -> Iterator[RecordPart]:
+    """Parts of a record in which neither P nor Q moves: runs of rows for which `is_at_rest` (n,) is
+    True. Their rows are numbered from 1 on.
+    """
+    words = "at rest: neither P nor Q moves"
+    for first_index, index_beyond in _bounds_of_runs(is_at_rest):
+        yield RecordPart("rest", first_index + 1, index_beyond, words)
 
 
 def _swings_of(rows: Array, is_loaded: Mask) -> _Swings | None:

@@ -1035,27 +1035,15 @@ def _sentence_on_command_line(fault: CycloptsError) -> str:
     """One sentence on what is wrong with a command line that can't be read: the unknown word, the
     nearest known word, and which help lists them. `fault` is the exception of the command-line
     library: its tokens are the words of the command line, its command chain the command with its
-    subcommands. `app` holds all commands and options by name.
+    subcommands.
     """
     if isinstance(fault, UnknownCommandError):
-        unknown_word = next(iter(fault.unused_tokens or [""]))
-        is_option = unknown_word.startswith("-")
-        kind = "option" if is_option else "command"
-        known_words = [word for word in app if word.startswith("-") is is_option]
-        suggestion = _nearest_word(unknown_word, known_words)
-        return f"there is no {kind} {unknown_word!r}; {suggestion}`halfplane --help` lists them"
+        return _sentence_on_unknown_command(fault)
     chain = list(fault.command_chain or ())
     command = " ".join(chain) or "halfplane"
     help_of_command = f"`{' '.join(['halfplane', *chain])} --help`"
     if isinstance(fault, UnknownOptionError):
-        unknown_word = (fault.token.keyword or fault.token.value).split("=", 1)[0]
-        known_options = {
-            name
-            for argument in fault.argument_collection
-            for name in argument.names
-            if name.startswith("--")
-        }
-        suggestion = _nearest_word(unknown_word, known_options)
+        unknown_word, suggestion = _unknown_option_and_suggestion(fault)
         return f"{command} has no option {unknown_word}; {suggestion}{help_of_command} lists them"
     if isinstance(fault, UnusedCliTokensError):
         words_left_over = " ".join(fault.unused_tokens or [])
@@ -1076,6 +1064,33 @@ def _sentence_on_command_line(fault: CycloptsError) -> str:
             name = name.removeprefix("--").upper()
         return f"{command}: {name} is missing; {help_of_command} shows what it takes"
     return f"{' '.join(str(fault).split()).rstrip('.')}; {help_of_command} shows what it takes"
+
+
+def _sentence_on_unknown_command(fault: UnknownCommandError) -> str:
+    """A sentence that the first word of a command line is no command or no option of the whole
+    program, with the nearest known word. `app` holds all commands and such options by name.
+    """
+    unknown_word = next(iter(fault.unused_tokens or [""]))
+    is_option = unknown_word.startswith("-")
+    kind = "option" if is_option else "command"
+    known_words = [word for word in app if word.startswith("-") is is_option]
+    suggestion = _nearest_word(unknown_word, known_words)
+    return f"there is no {kind} {unknown_word!r}; {suggestion}`halfplane --help` lists them"
+
+
+def _unknown_option_and_suggestion(fault: UnknownOptionError) -> tuple[str, str]:
+    """The option of a command line that its command does not have, and a suggestion for the error
+    message, "did you mean ...? " with a blank at its end; "" where no option of the command is
+    near.
+    """
+    unknown_word = (fault.token.keyword or fault.token.value).split("=", 1)[0]
+    known_options = {
+        name
+        for argument in fault.argument_collection
+        for name in argument.names
+        if name.startswith("--")
+    }
+    return unknown_word, _nearest_word(unknown_word, known_options)
 
 
 def _suggestion_for_unused_words(fault: UnusedCliTokensError, chain: Sequence[str]) -> str:

@@ -277,35 +277,20 @@ def _notes_on_pair(pair: Pair) -> Iterator[str]:
     """
     from reports.charts.templating import in_template
 
-    scene = pair.result.scene
     # field -> estimated largest error
     interpolation_errors = pair.reference_cycle.interpolation_errors
     if interpolation_errors:
         # `in_template`: the text of that name in a template, filled with these values
         yield in_template("interpolated", interpolation_errors)
     # instants in contact whose load is too light to be judged
-    light_count = int((pair.is_in_contact & ~pair.is_judged).sum())
-    if light_count:
+    n_light_instants = int((pair.is_in_contact & ~pair.is_judged).sum())
+    if n_light_instants:
         # LEAST_JUDGED_SHARE_OF_LOAD: 0.1 of the reference load
         yield in_template(
-            "light", light_count, int(pair.is_in_contact.sum()), LEAST_JUDGED_SHARE_OF_LOAD
+            "light", n_light_instants, int(pair.is_in_contact.sum()), LEAST_JUDGED_SHARE_OF_LOAD
         )
     for solution in (pair.reference, pair.result):
-        name = engine_in_words(solution.engine)
-        if not solution.record.converged:
-            yield f"{name}: not converged: {solution.record.message}"
-        # Our finite elements note it themselves, with the change of the dissipation. An external
-        # result, which has a source, holds one cycle: nothing shows whether that repeats. Theory at
-        # the instants of a result that are no whole cycle has none either.
-        is_noted_here = (
-            solution.engine != "halfplane_fe"
-            and "source" not in solution.settings
-            and WHOLE_CYCLE not in solution.work.skipped
-        )
-        # steady_from: the first cycle that ends as it started; None if none does
-        if pair.is_periodic and solution.steady_from is None and is_noted_here:
-            yield in_template("not_steady", name)
-        yield from (f"{name}: {note}" for note in solution.record.notes)
+        yield from _notes_on_solution(solution, is_periodic=pair.is_periodic)
     has_other_datum = pair.effects is not None or pair.lacks_common_datum
     # _DISPLACEMENT: name of the field, "tangential_displacement"
     if has_other_datum and _DISPLACEMENT not in reason_by_missing_field(pair.result):
@@ -316,5 +301,28 @@ def _notes_on_pair(pair: Pair) -> Iterator[str]:
         and pair.polygon_reference is None
     ):
         yield in_template("steps_not_apart")
-    if not scene.friction.coefficient:
+    if not pair.result.scene.friction.coefficient:
         yield in_template("frictionless")
+
+
+def _notes_on_solution(solution: ContactSolution, *, is_periodic: bool) -> Iterator[str]:
+    """Sentences on one solution of a comparison: that it did not converge; that it did not reach a
+    steady cycle, where the loads repeat (`is_periodic`); and its own notes, with its name.
+    """
+    from reports.charts.templating import in_template
+
+    name = engine_in_words(solution.engine)
+    if not solution.record.converged:
+        yield f"{name}: not converged: {solution.record.message}"
+    # Our finite elements note it themselves, with the change of the dissipation. An external
+    # result, which has a source, holds one cycle: nothing shows whether that repeats. Theory at
+    # the instants of a result that are no whole cycle has none either.
+    is_noted_here = (
+        solution.engine != "halfplane_fe"
+        and "source" not in solution.settings
+        and WHOLE_CYCLE not in solution.work.skipped
+    )
+    # steady_from: the first cycle that ends as it started; None if none does
+    if is_periodic and solution.steady_from is None and is_noted_here:
+        yield in_template("not_steady", name)
+    yield from (f"{name}: {note}" for note in solution.record.notes)

@@ -736,48 +736,51 @@ def first_table(comparison: JudgedPair) -> tuple[tuple[str, ...], list[dict[str,
 
     Keys of a row: key, label, short (label), reference, result, place (of the result's value),
     difference, verdict, tolerance, note.
-
-    A metric with a quantity of its own, such as the largest pressure, is a `headline`: it has
-    `amounts` in reference and result, and `stated`, their uncertainties by the solutions
-    themselves. `place` is that of the result's amount, x over the half-width at the reference load.
     """
     solution_names = [
         {"semi_analytic": "theory"}.get(solution.engine, engine_in_words(solution.engine))
         for solution in (comparison.reference, comparison.result)
     ]
-    rows = []
-    for metric in _metrics_of_first_table(comparison):
-        label = metric.label
-        short_label = metric.short or metric.label
-        factor = 1.0  # from units of the scene to the unit shown
-        # a quantity with a unit; the other metrics are shares
-        if metric.headline:
-            factor, unit = factor_and_unit_shown(comparison.scene, metric.quantity)
-            label = f"{label} [{unit}]"
-            short_label = f"{short_label} [{unit}]"
-        reference_amount, result_amount = metric.amounts or (math.nan, math.nan)
-        stated_of_reference, stated_of_result = metric.stated
-        place = ""
-        if metric.place is not None and metric.value is not None:
-            # `signed`: as text, to four digits
-            place = f"x = {signed(float(f'{metric.place:.2g}'))} a"
-        rows.append(
-            {
-                "key": metric.key,
-                "label": label,
-                "short": short_label,
-                "reference": _value_with_stated_uncertainty(
-                    reference_amount, stated_of_reference, factor
-                ),
-                "result": _value_with_stated_uncertainty(result_amount, stated_of_result, factor),
-                "place": place,
-                "difference": _difference_in_words(metric),
-                "verdict": metric.verdict or "–",
-                "tolerance": tolerance_in_words(metric),
-                "note": metric.note,
-            }
-        )
+    rows = [
+        _row_of_first_table(metric, comparison.scene)
+        for metric in _metrics_of_first_table(comparison)
+    ]
     return ("", *solution_names, "difference", "verdict"), rows
+
+
+def _row_of_first_table(metric: Metric, scene: Scene) -> dict[str, str]:
+    """The row of a metric in the first table, as texts by key; "–" or "" for what it does not have.
+
+    A metric with a quantity of its own, such as the largest pressure, is a `headline`: it has
+    `amounts` in reference and result, and `stated`, their uncertainties by the solutions
+    themselves. `place` is that of the result's amount, x over the half-width at the reference load.
+    """
+    label = metric.label
+    short_label = metric.short or metric.label
+    factor = 1.0  # from units of the scene to the unit shown
+    # a quantity with a unit; the other metrics are shares
+    if metric.headline:
+        factor, unit = factor_and_unit_shown(scene, metric.quantity)
+        label = f"{label} [{unit}]"
+        short_label = f"{short_label} [{unit}]"
+    reference_amount, result_amount = metric.amounts or (math.nan, math.nan)
+    stated_of_reference, stated_of_result = metric.stated
+    place_in_words = ""
+    if metric.place is not None and metric.value is not None:
+        # `signed`: as text, to four digits
+        place_in_words = f"x = {signed(float(f'{metric.place:.2g}'))} a"
+    return {
+        "key": metric.key,
+        "label": label,
+        "short": short_label,
+        "reference": _value_with_stated_uncertainty(reference_amount, stated_of_reference, factor),
+        "result": _value_with_stated_uncertainty(result_amount, stated_of_result, factor),
+        "place": place_in_words,
+        "difference": _difference_in_words(metric),
+        "verdict": metric.verdict or "–",
+        "tolerance": tolerance_in_words(metric),
+        "note": metric.note,
+    }
 
 
 def _metrics_of_first_table(comparison: JudgedPair) -> list[Metric]:
@@ -1013,22 +1016,18 @@ def first_summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
     """The first rows (label with unit, value) of the summary of a solution: engine, termination,
     numbers of instants and points, last loads, largest pressure and half-widths, dissipation.
 
-    Behind a value stands the uncertainty that the solution states of it. Permanent stick is the
-    zone that sticks through the whole last cycle.
+    Behind a value stands the uncertainty that the solution states of it.
     """
     scene = solution.scene
     _, unit_of_length, unit_of_stress = units(scene)
-    # values as texts, each with its uncertainty
-    dissipation = _digits_or_none(solution.dissipation) + _uncertainty_of_work(solution)
     last_loads = (
         f"P {solution.normal_load[-1]:.6g}, Q {solution.tangential_load[-1]:.6g} {load_unit(scene)}"
     )
+    # values as texts, each with its uncertainty
     half_width = f"{np.nanmax(solution.contact_half_width):.8g}"
     half_width += _stated_uncertainty(solution, "largest_half_width")
-    stick_half_width = _digits_or_none(solution.permanent_stick_half_width)
-    if math.isfinite(solution.permanent_stick_half_width):
-        stick_half_width += _stated_uncertainty(solution, "permanent_stick_half_width")
-    rows = [
+    dissipation = _digits_or_none(solution.dissipation) + _uncertainty_of_work(solution)
+    return [
         ("engine", engine_in_words(solution.engine)),
         ("how it ended", solution.record.message),
         ("instants, surface points", f"{len(solution.time)}, {len(solution.x)}"),
@@ -1038,19 +1037,26 @@ def first_summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
             f"{np.max(solution.pressure):.8g}{_stated_uncertainty(solution, 'largest_pressure')}",
         ),
         (f"largest contact half-width [{unit_of_length}]", half_width),
-        (f"permanent stick half-width [{unit_of_length}]", stick_half_width),
+        *_rows_of_permanent_stick(solution),
+        (f"dissipation of the {part_of_path(scene)} [{energy_unit(scene)}]", dissipation),
     ]
-    # only an unsymmetric contact has two different ends of permanent stick
+
+
+def _rows_of_permanent_stick(solution: ContactSolution) -> Iterator[tuple[str, str]]:
+    """Rows (label with unit, value) on the zone that sticks through the whole last cycle of a
+    solution: its half-width with the uncertainty that the solution states, "none" without such a
+    zone; and both its ends where the contact is unsymmetric.
+    """
+    _, unit_of_length, _ = units(solution.scene)
+    stick_half_width = _digits_or_none(solution.permanent_stick_half_width)
+    if math.isfinite(solution.permanent_stick_half_width):
+        stick_half_width += _stated_uncertainty(solution, "permanent_stick_half_width")
+    yield f"permanent stick half-width [{unit_of_length}]", stick_half_width
+    # only an unsymmetric contact has two different ends
     values_of_ends = values_of_unsymmetric(solution)
     if values_of_ends:
         ends = [values_of_ends[f"permanent_stick_{side}"] for side in ("left", "right")]
-        rows.append(
-            (f"ends of permanent stick [{unit_of_length}]", ", ".join(map(_digits_or_none, ends)))
-        )
-    return [
-        *rows,
-        (f"dissipation of the {part_of_path(scene)} [{energy_unit(scene)}]", dissipation),
-    ]
+        yield f"ends of permanent stick [{unit_of_length}]", ", ".join(map(_digits_or_none, ends))
 
 
 def _uncertainty_of_work(solution: ContactSolution) -> str:

@@ -285,15 +285,6 @@ def mesh(
         whether boundaries, such as contact and base, are drawn in colours and explained in the
         legend
     """
-    # sides of the elements in the common frame, the upper body turned over, and quality
-    placed_bodies = list(zip(("lower", "upper"), (1.0, -1.0), bodies, strict=True))
-    sides_by_body: dict[str, Array] = {}  # (n, 2, 2) ends of the elements' sides over a_ref
-    quality: dict[str, float] = {}
-    for body_name, sign_of_y, body in placed_bodies:
-        ends_of_sides = np.asarray(body.mesh.p.T[body.mesh.facets.T])
-        sides_by_body[body_name] = ends_of_sides * (1.0, sign_of_y) / half_width
-        quality |= {f"{body_name} {measure}": value for measure, value in body.quality.items()}
-
     # the legend, and the boundaries
     # Key: an entry of the legend, its look and text
     legend_entries = [Key("mesh-lower", "lower body"), Key("mesh-upper", "upper body")]
@@ -303,12 +294,18 @@ def mesh(
         legend_entries += entries_of_boundaries
 
     # a panel for each view; the boundaries are drawn on the first
+    sides_by_body = _sides_of_elements(bodies, half_width)
     edge_over_a = contact_edge / half_width if np.isfinite(contact_edge) else 1.0
     views = _views_of_mesh(list(sides_by_body.values()), edge_over_a)
     panels = [
         _panel_of_mesh(view, view_number, sides_by_body, boundaries if view_number == 0 else ())
         for view_number, view in enumerate(views)
     ]
+    quality = {
+        f"{body_name} {quantity}": value
+        for body_name, body in zip(("lower", "upper"), bodies, strict=True)
+        for quantity, value in body.quality.items()
+    }
     # Plate: name, title, caption, description, panels, CSV table and legend
     return Plate(
         "mesh",
@@ -321,6 +318,18 @@ def mesh(
         tuple(legend_entries),
         n_columns=3,
     )
+
+
+def _sides_of_elements(bodies: Sequence[BodyMesh], half_width: float) -> dict[str, Array]:
+    """Ends of the element sides of the lower and the upper body over a_ref, (n, 2, 2), by "lower"
+    and "upper", in one frame: the upper body is turned over. `half_width` is a_ref [length].
+    """
+    sides_by_body: dict[str, Array] = {}
+    signs_of_y = (1.0, -1.0)
+    for body_name, sign_of_y, body in zip(("lower", "upper"), signs_of_y, bodies, strict=True):
+        ends_of_sides = np.asarray(body.mesh.p.T[body.mesh.facets.T])
+        sides_by_body[body_name] = ends_of_sides * (1.0, sign_of_y) / half_width
+    return sides_by_body
 
 
 def _views_of_mesh(sides: Sequence[Array], edge_over_a: float) -> tuple[_View, ...]:

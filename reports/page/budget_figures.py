@@ -491,24 +491,33 @@ def _figure_of_convergence(
     if len(element_sizes) < 3 or not points_by_label:
         return None
 
-    # (element size, distance) of all metrics
-    all_points = [point for points in points_by_label.values() for point in points]
     sizes = np.array(sorted(element_sizes))
-    positive_distances = [distance for _, distance in all_points if distance > 0]
+    table = _table_of_convergence(points_by_label)
+    positive_distances = [distance for distance in table["distance"] if distance > 0]
     x_axis, y_axis = _axes_of_convergence(words_of_axes, sizes, positive_distances)
     curves_of_orders = _curves_of_orders(sizes, max(positive_distances))
     marks: list[Mark] = [*curves_of_orders, *_marks_of_metrics(points_by_label)]
     alt = "Convergence with the mesh, both axes logarithmic"
     panel = broad_panel(name, x_axis, y_axis, marks, alt, 360.0)
-    table: dict[str, Any] = {
-        "metric": [label for label, points in points_by_label.items() for _ in points],
-        "size": [size for size, _ in all_points],
-        "distance": [distance for _, distance in all_points],
-    }
     # LINE_LOOKS: classes of lines in the style sheet, one for each metric
     keys = [Key(css, label) for label, css in zip(points_by_label, LINE_LOOKS, strict=False)]
     keys += [Key(curve.css, curve.label) for curve in curves_of_orders]
     return figure_with_texts(name, [panel], table, keys, n_columns=1)
+
+
+def _table_of_convergence(
+    points_by_label: Mapping[str, Sequence[tuple[float, float]]],
+) -> dict[str, list[Any]]:
+    """Columns for a CSV, a row for each mesh of each metric: label of the metric, element size, and
+    distance of the metric from its limit. `points_by_label`: label -> (element size, distance) of
+    each mesh.
+    """
+    all_points = [point for points in points_by_label.values() for point in points]
+    return {
+        "metric": [label for label, points in points_by_label.items() for _ in points],
+        "size": [size for size, _ in all_points],
+        "distance": [distance for _, distance in all_points],
+    }
 
 
 def _axes_of_convergence(
