@@ -1150,7 +1150,7 @@ def write_solution(
         }
         summary = json.dumps(strict_json_values(content), allow_nan=False, indent=1) + "\n"
         (folder / f"{stem}.json").write_text(summary, encoding="utf-8")
-        # loads, half-widths, displacements, ... at each instant, (n_steps,)
+        # loads, half-widths, displacements, ... at each instant, (n_instants,)
         columns = {key: getattr(solution, key) for key in _COLUMNS_OF_INSTANTS}
         columns["iterations"] = solution.record.iterations
         if solution.tilt is not None:  # bulk stress or tilt: the two edges of a zone differ

@@ -614,9 +614,9 @@ class ErrorBudget:
                 "cannot be checked here: the exact answer of these bodies is unknown (that of"
                 " half-planes is known)"
             )
-        covered_count = sum(bool(budget.is_covered) for budget in known_budgets)
+        n_covered = sum(bool(budget.is_covered) for budget in known_budgets)
         return (
-            f"{covered_count} of {len(known_budgets)} metrics: the stated uncertainty"
+            f"{n_covered} of {len(known_budgets)} metrics: the stated uncertainty"
             " covers what the measured terms leave unexplained"
         )
 
@@ -961,12 +961,14 @@ def _iteration_term(comparison: Comparison) -> Term:
     exceeded. Not measured where the result states no residuals.
     """
     # of the laws of contact, those by residuals that the solver recorded; `value`: the largest
-    checks = [check for check in comparison.result_certificates if check.source == "record"]
-    if not checks:
+    certificates_of_record = [
+        check for check in comparison.result_certificates if check.source == "record"
+    ]
+    if not certificates_of_record:
         return _unmeasured_term("solver", reason="the result states no residuals")
-    worst_check = max(checks, key=lambda check: check.value)
-    how_measured = f"worst residual of any step: {worst_check.name}"
-    return Term("solver", None, worst_check.value, how_measured, is_bound=True)
+    worst_certificate = max(certificates_of_record, key=lambda check: check.value)
+    how_measured = f"worst residual of any step: {worst_certificate.name}"
+    return Term("solver", None, worst_certificate.value, how_measured, is_bound=True)
 
 
 def _theory_term(metric: Metric, comparison: Comparison) -> Term:
@@ -1171,25 +1173,25 @@ def extrapolate(refinement: Refinement) -> Extrapolation:
     ('monotone', 0.9713, 0.001031)
     """
     kind = kind_of_sequence(refinement)
-    n_solutions = len(refinement.values)
+    n_meshes = len(refinement.values)
     finest_value = refinement.values[0]
     # an extrapolation: order, kind, value at size zero, its uncertainty, the rule in words
-    if n_solutions == 1:
+    if n_meshes == 1:
         return Extrapolation(None, kind, None, None, "a single solution says nothing")
     if refinement.spread <= refinement.rounding:
         rule = "all solutions agree to rounding"
         return Extrapolation(None, kind, finest_value, refinement.rounding, rule)
-    if n_solutions == 2:
+    if n_meshes == 2:
         # value at size zero minus value of the finest mesh
         correction = _richardson_correction(refinement, refinement.formal_order)
-        limit = finest_value + correction
+        value_at_zero = finest_value + correction
         uncertainty = _LARGE_SAFETY_FACTOR * abs(correction)
         rule = "formal order assumed, safety factor 3"
-        return Extrapolation(None, kind, limit, uncertainty, rule)
+        return Extrapolation(None, kind, value_at_zero, uncertainty, rule)
 
     # the observed order of every three neighbouring meshes, the finest three first
     orders = []
-    for first_mesh in range(n_solutions - 2):
+    for first_mesh in range(n_meshes - 2):
         three_meshes = slice(first_mesh, first_mesh + 3)
         orders.append(
             observed_order(refinement.sizes[three_meshes], refinement.values[three_meshes])
@@ -1201,11 +1203,11 @@ def extrapolate(refinement: Refinement) -> Extrapolation:
         lowest_order = min(plausible_orders)
         if max(plausible_orders) - lowest_order <= refinement.formal_order / 4:
             finest_order = plausible_orders[0]
-            limit = finest_value + _richardson_correction(refinement, finest_order)
+            value_at_zero = finest_value + _richardson_correction(refinement, finest_order)
             uncertainty = _SAFETY_FACTOR * abs(_richardson_correction(refinement, lowest_order))
             rule = "Roache, safety factor 1.25"
-            return Extrapolation(finest_order, kind, limit, uncertainty, rule)
-    if n_solutions == 3:
+            return Extrapolation(finest_order, kind, value_at_zero, uncertainty, rule)
+    if n_meshes == 3:
         rule = "the finest, three times the spread"
         return Extrapolation(
             orders[0], kind, finest_value, _LARGE_SAFETY_FACTOR * refinement.spread, rule
@@ -1214,7 +1216,7 @@ def extrapolate(refinement: Refinement) -> Extrapolation:
 
 
 def _richardson_correction(refinement: Refinement, order: float) -> float:
-    """Limit at size zero minus finest value, by Richardson's extrapolation with the order p from
+    """Value at size zero minus finest value, by Richardson's extrapolation with the order p from
     the two finest solutions: (phi_1 - phi_2) / ((h_2/h_1)^p - 1).
     """
     finest_value, second_value = refinement.values[:2]
@@ -1226,19 +1228,19 @@ def _richardson_correction(refinement: Refinement, order: float) -> float:
 class _FittedCurve:
     """A curve through scattered solutions."""
 
-    limit: float  # its value at size zero
+    value_at_zero: float  # at size zero
     finest_value: float  # its value at the finest size
     deviation: float  # standard deviation of the solutions from it
     order: float | None = None  # where the order was fitted too
 
 
 def _extrapolation_by_least_squares(refinement: Refinement, kind: _Kind) -> Extrapolation:
-    """Limit at size zero and its uncertainty, from a curve fitted to four or more solutions (Eca
+    """Value at size zero and its uncertainty, from a curve fitted to four or more solutions (Eca
     and Hoekstra 2014, section 3).
 
     `kind` is "monotone", "oscillating" or "diverging". The uncertainty of monotone values is at
     least the spread of the three finest, otherwise at least the spread of all. Values that are not
-    monotone have no limit: the value of the finest mesh stands for it.
+    monotone have none: the value of the finest mesh stands for it.
 
     Three terms are added: the error of the curve at the finest size times a safety factor, the
     standard deviation of the values from the curve, and the distance of the finest value from it.
@@ -1247,35 +1249,36 @@ def _extrapolation_by_least_squares(refinement: Refinement, kind: _Kind) -> Extr
     deviation is no less than it, 3 times the quotient of the two is the factor instead, on all
     three terms.
     """
-    # curve of the fitted order, if that lies between a quarter of the formal order and that order;
-    # else of the formal order, half of it or both: its `limit` at size zero, its value at the
+    # curve of the fitted order, if that lies between a quarter of the formal order and the formal;
+    # else of the formal order, half of it or both: its value at size zero, its value at the
     # finest size, and the standard `deviation` of the solutions from it
-    fit, order_in_words, order = _trusted_curve(refinement)
+    curve, order_in_words, order = _trusted_curve(refinement)
     finest_value = refinement.values[0]
     # between neighbouring meshes, of monotone values; taken for others too, which change by more
     mean_change = refinement.spread / (len(refinement.values) - 1)
-    residual_of_finest_value = abs(finest_value - fit.finest_value)
-    error_of_finest_value = abs(fit.limit - fit.finest_value)
+    residual_of_finest_value = abs(finest_value - curve.finest_value)
+    error_of_finest_value = abs(curve.value_at_zero - curve.finest_value)
     safety_factor = _SAFETY_FACTOR if refinement.is_plausible(order) else _LARGE_SAFETY_FACTOR
-    uncertainty = safety_factor * error_of_finest_value + fit.deviation + residual_of_finest_value
-    if fit.deviation >= mean_change:  # the solutions scatter more than they change
-        scatter_factor = _LARGE_SAFETY_FACTOR * fit.deviation / mean_change
+    uncertainty = safety_factor * error_of_finest_value + curve.deviation + residual_of_finest_value
+    if curve.deviation >= mean_change:  # the solutions scatter more than they change
+        scatter_factor = _LARGE_SAFETY_FACTOR * curve.deviation / mean_change
         uncertainty = scatter_factor * (
-            error_of_finest_value + fit.deviation + residual_of_finest_value
+            error_of_finest_value + curve.deviation + residual_of_finest_value
         )
     if kind == "monotone":
         spread_of_finest_three = max(refinement.values[:3]) - min(refinement.values[:3])
         uncertainty = max(uncertainty, spread_of_finest_three)
         rule = f"least squares, {order_in_words}"
-        return Extrapolation(order, kind, fit.limit, uncertainty, rule)
+        return Extrapolation(order, kind, curve.value_at_zero, uncertainty, rule)
     uncertainty = max(uncertainty, refinement.spread)
     rule = f"the finest; scatter about {order_in_words}"
     return Extrapolation(None, kind, finest_value, uncertainty, rule)
 
 
 def _trusted_curve(refinement: Refinement) -> tuple[_FittedCurve, str, float | None]:
-    """The curve of the values phi over the element size h that gives the limit of a refinement
-    study; its order in words; and the fitted order, None where no order from 0.01 to 16 fits best.
+    """The curve of the values phi over the element size h that gives the value at size zero of a
+    refinement study; its order in words; and the fitted order, None where no order from 0.01 to 16
+    fits best.
 
     It is the curve of fitted order where that lies between a quarter of the formal order and the
     formal order. Otherwise it is the best of the curves with the formal order, with half of it, or
@@ -1283,30 +1286,32 @@ def _trusted_curve(refinement: Refinement) -> tuple[_FittedCurve, str, float | N
     of the solutions from it. Each is fitted with equal weights and with weights 1/h.
     """
     formal_order = refinement.formal_order  # of the method in theory
-    free_fit = _best_curve_of_free_order(refinement)
-    order = free_fit.order
+    curve_of_free_order = _best_curve_of_free_order(refinement)
+    order = curve_of_free_order.order
     if order is not None and formal_order / 4 <= order <= formal_order:
-        return free_fit, f"order {order:.2f}", order
+        return curve_of_free_order, f"order {order:.2f}", order
     # exponents of h in each curve
-    powers_of_curves: list[tuple[float, ...]] = [(formal_order / 2,), (formal_order,)]
+    exponents_of_curves: list[tuple[float, ...]] = [(formal_order / 2,), (formal_order,)]
     if order is None or order < formal_order / 4:
-        powers_of_curves.append((formal_order / 2, formal_order))
-    fits = [
-        (_fitted_curve(refinement, powers, weights), powers)
-        for powers in powers_of_curves
+        exponents_of_curves.append((formal_order / 2, formal_order))
+    curves_and_exponents = [
+        (_fitted_curve(refinement, exponents, weights), exponents)
+        for exponents in exponents_of_curves
         for weights in _two_sets_of_weights(refinement)
     ]
-    best_fit, best_powers = min(fits, key=lambda fit_and_powers: fit_and_powers[0].deviation)
-    powers_in_words = " and ".join(f"{power:g}" for power in best_powers)
-    return best_fit, f"order {powers_in_words} assumed", order
+    best_curve, best_exponents = min(
+        curves_and_exponents, key=lambda curve_and_exponents: curve_and_exponents[0].deviation
+    )
+    exponents_in_words = " and ".join(f"{exponent:g}" for exponent in best_exponents)
+    return best_curve, f"order {exponents_in_words} assumed", order
 
 
 def _best_curve_of_free_order(refinement: Refinement) -> _FittedCurve:
     """The curve of fitted order, with the one of the two sets of weights that deviates less."""
-    fits = [
+    curves = [
         _curve_of_free_order(refinement, weights) for weights in _two_sets_of_weights(refinement)
     ]
-    return min(fits, key=lambda fit: fit.deviation)
+    return min(curves, key=lambda curve: curve.deviation)
 
 
 def _two_sets_of_weights(refinement: Refinement) -> Iterator[Array]:
@@ -1329,7 +1334,8 @@ def _curve_of_free_order(refinement: Refinement, weights: Array) -> _FittedCurve
     and 16. The order of the curve is None where the best p is an end of that range.
 
     `refinement` holds the sizes h and the values phi of the solutions, finest first. The returned
-    curve has its limit phi_0, its value at the finest size, and the deviation of the solutions.
+    curve has its value phi_0 at size zero, its value at the finest size, and the deviation of the
+    solutions.
     """
     relative_sizes = np.array(refinement.sizes) / refinement.sizes[-1]  # over the coarsest
     values = np.array(refinement.values)
@@ -1339,11 +1345,17 @@ def _curve_of_free_order(refinement: Refinement, weights: Array) -> _FittedCurve
         """For each of m orders p, the weighted sum of squared residuals with the best phi_0 and
         alpha, (m,).
         """
-        powers = relative_sizes ** np.atleast_1d(orders)[:, None]
+        powers_of_size = relative_sizes ** np.atleast_1d(orders)[:, None]
         # (m, k), minus their mean: phi_0 drops out
-        powers = powers - np.average(powers, axis=1, weights=weights)[:, None]
-        alpha = (weights * powers) @ centred_values / np.sum(weights * powers**2, axis=1)
-        residuals = centred_values - alpha[:, None] * powers
+        powers_of_size = (
+            powers_of_size - np.average(powers_of_size, axis=1, weights=weights)[:, None]
+        )
+        alpha = (
+            (weights * powers_of_size)
+            @ centred_values
+            / np.sum(weights * powers_of_size**2, axis=1)
+        )
+        residuals = centred_values - alpha[:, None] * powers_of_size
         return np.asarray(np.sum(weights * residuals**2, axis=1))
 
     # a search on 97 orders, then a closer one beside the best of them
@@ -1365,10 +1377,10 @@ def _curve_of_free_order(refinement: Refinement, weights: Array) -> _FittedCurve
 
 
 def _fitted_curve(
-    refinement: Refinement, powers: tuple[float, ...], weights: Array, order: float | None = None
+    refinement: Refinement, exponents: tuple[float, ...], weights: Array, order: float | None = None
 ) -> _FittedCurve:
     """Fit the curve phi_0 + sum_j alpha_j h^p_j to the solutions of a refinement study by weighted
-    least squares; h are their sizes, p_j the `powers`. Returns its limit phi_0 at size zero, its
+    least squares; h are their sizes, p_j the `exponents`. Returns its value phi_0 at size zero, its
     value at the finest size, and the standard deviation of the solutions from it.
 
     Parameters
@@ -1376,19 +1388,19 @@ def _fitted_curve(
     weights
         (k,) weights of the k solutions
     order
-        the single power, where it was itself fitted; it then takes one degree of freedom more
+        the single exponent, where it was itself fitted; it then takes one degree of freedom more
     """
     relative_sizes = np.array(refinement.sizes) / refinement.sizes[-1]
     values = np.array(refinement.values)
-    # (k, 1 + number of powers): one column for phi_0, then one for each power
-    columns = np.column_stack(
-        [np.ones_like(relative_sizes), *(relative_sizes**power for power in powers)]
+    # (k, 1 + number of exponents): one column for phi_0, then one for each exponent
+    design_matrix = np.column_stack(
+        [np.ones_like(relative_sizes), *(relative_sizes**exponent for exponent in exponents)]
     )
     root_of_weights = np.sqrt(weights)
     coefficients = np.linalg.lstsq(
-        columns * root_of_weights[:, None], values * root_of_weights, rcond=None
+        design_matrix * root_of_weights[:, None], values * root_of_weights, rcond=None
     )[0]
-    fitted_values = columns @ coefficients
+    fitted_values = design_matrix @ coefficients
     n_fitted = len(coefficients) + (order is not None)  # numbers that were fitted
     degrees_of_freedom = max(len(values) - n_fitted, 1)
     deviation = math.sqrt(

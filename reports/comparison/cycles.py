@@ -330,8 +330,10 @@ def _interpolate_to_points(cycle: Cycle, x: Array) -> tuple[Cycle, dict[str, flo
         sampled_values[name] = read_only_copy(_interpolate_linearly(x, cycle.x, values).T)
     is_beyond_range = (x < cycle.x[0]) | (x > cycle.x[-1])
     nearest_indices = _nearest_indices(x, cycle.x)
-    state = np.where(is_beyond_range, OPEN, cycle.state[:, nearest_indices])
-    sampled_cycle = replace(cycle, x=x, state=read_only_copy(state, np.int8), **sampled_values)
+    states_at_points = np.where(is_beyond_range, OPEN, cycle.state[:, nearest_indices])
+    sampled_cycle = replace(
+        cycle, x=x, state=read_only_copy(states_at_points, np.int8), **sampled_values
+    )
     return sampled_cycle, _interpolation_errors(cycle.x, given_values)
 
 
@@ -437,19 +439,19 @@ def events(cycle: Cycle, friction_coefficient: float, first_index: int = 0) -> t
     Q − f P, reverse slip at the least Q + f P.
     """
     # index of the instant in the cycle -> what happens there, such as "P largest"
-    labels = _labels_of_extremes(cycle, friction_coefficient, first_index)
-    if not labels:
-        labels[first_index] = "the only instant" if len(cycle.time) == 1 else "between"
-    for _ in range(min(_N_EVENTS, len(cycle.time) - 1) - len(labels)):
+    label_by_index = _labels_of_extremes(cycle, friction_coefficient, first_index)
+    if not label_by_index:
+        label_by_index[first_index] = "the only instant" if len(cycle.time) == 1 else "between"
+    for _ in range(min(_N_EVENTS, len(cycle.time) - 1) - len(label_by_index)):
         # (k,) time from each instant to the nearest chosen one
-        distance_in_time = _distance_in_time(cycle, labels)
+        distance_in_time = _distance_in_time(cycle, label_by_index)
         distance_in_time[:first_index] = 0.0
         farthest_index = int(np.argmax(distance_in_time))
         # instants may share one time, where a result was placed on the path by its loads
         if distance_in_time[farthest_index] <= 0:
             break
-        labels[farthest_index] = "between"
-    return tuple(Event(index, labels[index]) for index in sorted(labels))
+        label_by_index[farthest_index] = "between"
+    return tuple(Event(index, label_by_index[index]) for index in sorted(label_by_index))
 
 
 def index_of_first_row(cycle: Cycle, scene: Scene) -> int:
@@ -489,13 +491,13 @@ def _labels_of_extremes(
         label_of_end_of_reverse_slip: -tangential_load - friction_coefficient * normal_load,
     }
     largest_load = float(np.max(np.abs(normal_load)))
-    labels: dict[int, str] = {}
+    label_by_index: dict[int, str] = {}
     for label, quantity in quantities.items():
         if np.ptp(quantity) > 1e-9 * largest_load:
             # The first instant, to rounding: the end of a cycle repeats its start.
             is_largest_value = quantity >= np.max(quantity) - 1e-12 * largest_load
-            labels.setdefault(first_index + int(np.flatnonzero(is_largest_value)[0]), label)
-    return labels
+            label_by_index.setdefault(first_index + int(np.flatnonzero(is_largest_value)[0]), label)
+    return label_by_index
 
 
 def _distance_in_time(cycle: Cycle, indices: Iterable[int]) -> Array:

@@ -73,10 +73,11 @@ def compliance_of_materials(materials: Materials) -> float:
     )
 
 
-def energy_scale(scene: Scene, load: float) -> float:
+def energy_scale(scene: Scene, normal_load: float) -> float:
     """A f^2 P^2, f being 1 for a frictionless scene [energy / thickness]."""
     return (
-        compliance_of_materials(scene.material) * ((scene.friction.coefficient or 1.0) * load) ** 2
+        compliance_of_materials(scene.material)
+        * ((scene.friction.coefficient or 1.0) * normal_load) ** 2
     )
 
 

@@ -35,8 +35,8 @@ _SPACINGS_NEAR_EDGE = 2.0
 
 
 def spike_mask(values: Array) -> Mask:
-    """Where single values of a field are far larger than all others: (n_steps, n_points) -> mask of
-    the same shape.
+    """Where single values of a field are far larger than all others: (n_instants, n_points) -> mask
+    of the same shape.
 
     >>> field = np.full((1, 9), 2.0)
     >>> field[0, 4] = 900.0
@@ -66,15 +66,15 @@ def _is_far_larger(values: Array, factor: float) -> Mask:
 
 
 def _has_enough_points(values: Array) -> Mask:
-    """(n_steps, 1) whether more than six points have a value other than 0 at an instant."""
+    """(n_instants, 1) whether more than six points have a value other than 0 at an instant."""
     n_points = np.sum(np.nan_to_num(values) != 0, axis=1, keepdims=True)
     return np.asarray(n_points > _FEWEST_POINTS)
 
 
 def without_spikes(values: Array) -> Array:
-    """A field of values (n_steps, n_points) without its spikes, single values that are far larger
-    than all others: each is replaced by the mean of its neighbours in x that are no spikes, by 0
-    where both are spikes.
+    """A field of values (n_instants, n_points) without its spikes, single values that are far
+    larger than all others: each is replaced by the mean of its neighbours in x that are no spikes,
+    by 0 where both are spikes.
     """
     is_spike = spike_mask(values)
     if not is_spike.any():

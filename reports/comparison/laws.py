@@ -55,7 +55,7 @@ class Certificate(PythonNumbers):
     name, source
         the law; "fields" if computed from the fields of the solution, "record" if stated by it
     series
-        (n_steps,), dimensionless violation, 0 where the law holds exactly
+        (n_instants,), dimensionless violation, 0 where the law holds exactly
     value, time
         the largest violation and its instant
     limit
@@ -92,11 +92,11 @@ def certificates(solution: ContactSolution) -> tuple[Certificate, ...]:
     along the shear, loads as in the scene. From its record: the residuals that the engine reports.
     For an external result a law is left out if the fields were derived from it; loads are checked
     if it states P or Q. A certificate holds the violation of one law at every instant, the largest,
-    its instant, and the limit.
+    its instant, and the largest admitted one.
 
-    The limit is 1e-9; for loads 1e-7, for printed digits of an external result 1e-3, and for
-    straight load steps of theory corrected by responses of finite bodies 1e-6. A violation is
-    (n_steps,), dimensionless.
+    The largest admitted violation is 1e-9; for loads 1e-7, for printed digits of an external result
+    1e-3, and for straight load steps of theory corrected by responses of finite bodies 1e-6. A
+    violation is (n_instants,), dimensionless.
     """
     violations_in_fields = {"tension": _violation_by_tension(solution)}
     if not np.isnan(solution.shear).all():
@@ -109,48 +109,55 @@ def certificates(solution: ContactSolution) -> tuple[Certificate, ...]:
     if not derived_fields >= {"normal_load", "tangential_load"}:
         violations_in_fields["loads"] = _difference_of_loads(solution)
     # limits: 1e-9 for double precision, 1e-3 for printed digits, 1e-6 for straight steps
-    limit = _LIMIT_OF_DOUBLES
+    admitted_violation = _LIMIT_OF_DOUBLES
     if derived_fields:
-        limit = _LIMIT_OF_PRINTED_DIGITS
+        admitted_violation = _LIMIT_OF_PRINTED_DIGITS
     elif is_corrected(solution):
-        limit = _LIMIT_OF_STRAIGHT_STEPS
+        admitted_violation = _LIMIT_OF_STRAIGHT_STEPS
     violations_by_source = {
         "fields": violations_in_fields,
         "record": solution.record.certificates,
     }
-    checks = []
+    certificates_of_laws = []
     for source, violations in violations_by_source.items():
-        for name, series in violations.items():
-            sizes = np.abs(np.asarray(series, dtype=float))
-            limit_of_law = max(limit, _LEAST_LIMIT_OF_LOADS) if name == "loads" else limit
-            checks.append(_certificate(name, source, sizes, solution.time, limit_of_law))
-    return tuple(checks)
+        for name, violation in violations.items():
+            sizes = np.abs(np.asarray(violation, dtype=float))
+            admitted_by_law = admitted_violation
+            if name == "loads":
+                admitted_by_law = max(admitted_violation, _LEAST_LIMIT_OF_LOADS)
+            certificates_of_laws.append(
+                _certificate(name, source, sizes, solution.time, admitted_by_law)
+            )
+    return tuple(certificates_of_laws)
 
 
-def _certificate(name: str, source: str, series: Array, time: Array, limit: float) -> Certificate:
-    """The check of a law from its violation over `time`, (n_steps,) each: the largest counts, and a
-    NaN as largest. It holds if that is at most `limit`. `source` is "fields" where the violation is
-    computed from the fields of a solution, "record" where the engine states it.
+def _certificate(
+    name: str, source: str, violation: Array, time: Array, admitted_violation: float
+) -> Certificate:
+    """The check of a law from its violation over `time`, (n_instants,) each: the largest counts,
+    and a NaN as largest. It holds if that is at most `admitted_violation`. `source` is "fields"
+    where the violation is computed from the fields of a solution, "record" where the engine states
+    it.
     """
-    worst_step = int(np.argmax(np.where(np.isnan(series), np.inf, series)))
+    worst_instant = int(np.argmax(np.where(np.isnan(violation), np.inf, violation)))
     return Certificate(
         name.replace("_", " "),
         source,
-        series,
-        float(series[worst_step]),
-        float(time[worst_step]),
-        limit,
+        violation,
+        float(violation[worst_instant]),
+        float(time[worst_instant]),
+        admitted_violation,
     )
 
 
 def _violation_by_tension(solution: ContactSolution) -> Array:
-    """Largest tension −p of any point over the largest pressure of the path, (n_steps,)."""
+    """Largest tension −p of any point over the largest pressure of the path, (n_instants,)."""
     return np.maximum(-solution.pressure.min(axis=1), 0.0) / _largest_pressure(solution)
 
 
 def _violation_of_coulomb_limit(solution: ContactSolution) -> Array:
-    """Violation of the Coulomb limit, (n_steps,): the largest |q| − f p of any point, 0 where none
-    exceeds the limit, over f times the largest pressure of the path; over that pressure itself
+    """Violation of the Coulomb limit, (n_instants,): the largest |q| − f p of any point, 0 where
+    none exceeds the limit, over f times the largest pressure of the path; over that pressure itself
     where f = 0.
     """
     friction_coefficient = solution.scene.friction.coefficient
@@ -159,7 +166,7 @@ def _violation_of_coulomb_limit(solution: ContactSolution) -> Array:
 
 
 def _violation_in_slip(solution: ContactSolution) -> Array:
-    """Violation of Coulomb's law in slip, (n_steps,): the largest |q − f p| of points in forward
+    """Violation of Coulomb's law in slip, (n_instants,): the largest |q − f p| of points in forward
     slip, and |q + f p| in reverse slip, over f times the largest pressure of the path; over that
     pressure itself where f = 0. 0 at an instant at which no point slips.
     """
@@ -179,7 +186,7 @@ def _violation_in_slip(solution: ContactSolution) -> Array:
 
 def _difference_of_loads(solution: ContactSolution) -> Array:
     """Largest of |P - P(t)| and |Q - Q(t)| over the largest P, P(t) and Q(t) being the scene's,
-    (n_steps,).
+    (n_instants,).
     """
     normal_load, tangential_load = solution.scene.load.path().at(solution.time)
     largest_difference = np.maximum(

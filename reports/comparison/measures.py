@@ -1278,7 +1278,7 @@ def energy_balance(pair: Pair) -> MetricValue:
     loads minus stored energy and dissipation; no reference is needed. No value where the record
     states none.
     """
-    # (n_steps,) over the largest work of the loads
+    # (n_instants,) over the largest work of the loads
     balance = pair.result.record.certificates.get("energy_balance")
     if balance is None:
         return _metric_without_value("the result records none")

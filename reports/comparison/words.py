@@ -543,7 +543,7 @@ def verdict_in_sentences(comparison: JudgedPair) -> str:
     dissipation = comparison.metric("dissipation")
     dissipation_in_words = None if dissipation.value is None else value_in_words(dissipation)
     has_no_shear = np.isnan(comparison.result.shear).all()
-    isolated_count = sum(int(mask.sum()) for mask in comparison.masks_of_isolated.values())
+    n_isolated_values = sum(int(mask.sum()) for mask in comparison.masks_of_isolated.values())
     # the template "verdict", filled with these values
     sentences = in_template(
         "verdict",
@@ -553,7 +553,7 @@ def verdict_in_sentences(comparison: JudgedPair) -> str:
         dissipation_in_words,
         violated_laws,
         has_no_shear,
-        isolated_count,
+        n_isolated_values,
     )
     return f"{sentences} {sentence_on_unscored(comparison)}".strip()
 

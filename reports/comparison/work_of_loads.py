@@ -35,7 +35,7 @@ def bulk_strains_per_stress(materials: Materials) -> tuple[float, float]:
 
 def bulk_strain(source: ContactSolution | Cycle, materials: Materials) -> Array:
     """eps = sigma_lower/E'_lower − sigma_upper/E'_upper at every instant of a solution or a cycle,
-    (n_steps,); 0 without bulk stress.
+    (n_instants,); 0 without bulk stress.
     """
     strain = np.zeros(len(source.time))
     stresses = (source.bulk_stress_lower, source.bulk_stress_upper)
@@ -93,7 +93,7 @@ def solution_on_straight_steps(solution: ContactSolution) -> ContactSolution:
     """The solution with the dissipation that it would have if the load path were straight between
     its instants: the work that finite elements add for the curve of the path is subtracted.
     """
-    # (n_steps,) work added for the curve in the increment that ends at each instant; None where
+    # (n_instants,) work added for the curve in the increment that ends at each instant; None where
     # nothing was added
     curve_work = solution.record.energy.get("curve")
     if curve_work is None or not solution.dissipation > 0:
