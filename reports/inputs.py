@@ -293,7 +293,7 @@ def uncertain_value(
     quantity: TheoryQuantity,
     value: float,
     changes_by_inputs: Sequence[_ChangeByInput],
-    key: str,
+    name: str,
     correlation: Array,
 ) -> UncertainValue:
     """A computed value with the standard uncertainty that all n uncertain inputs together give it:
@@ -307,16 +307,16 @@ def uncertain_value(
     value
         the computed value at the stated inputs
     changes_by_inputs
-        for each input its `key`, and `changes`: an estimate for each computed value by key. Its
+        for each input its `key`, and `changes`: an estimate for each computed value by name. Its
         `value` is the change by one standard uncertainty of the input, its `uncertainty` the change
         of second order
-    key
-        key of the computed value in `changes`
+    name
+        of the computed value in `changes`
     correlation
         (n, n) correlation matrix of the inputs
     """
     estimates = {
-        change_by_input.key: change_by_input.changes[key] for change_by_input in changes_by_inputs
+        change_by_input.key: change_by_input.changes[name] for change_by_input in changes_by_inputs
     }
     changes_of_value = np.array([estimate.value for estimate in estimates.values()])
     second_order = math.hypot(*(estimate.uncertainty for estimate in estimates.values()))
@@ -501,11 +501,11 @@ def _changes_by_differences(
     (6.0, 1.0)
     """
     changes = {}
-    for key, value in values_at_inputs.items():
-        change = (values_above[key] - values_below[key]) / (2 * step)
-        second_order = abs(values_above[key] + values_below[key] - 2 * value) / (2 * step**2)
+    for name, value in values_at_inputs.items():
+        change = (values_above[name] - values_below[name]) / (2 * step)
+        second_order = abs(values_above[name] + values_below[name] - 2 * value) / (2 * step**2)
         # Estimate: a value with its uncertainty
-        changes[key] = Estimate(change, second_order)
+        changes[name] = Estimate(change, second_order)
     return changes
 
 
@@ -686,8 +686,8 @@ class _ScalingLaws:
         derivatives_by_radius = self.derivative_by_radius()
         derivatives_by_q = self.derivative_by_tangential_load()
         return {
-            key: terms_by_height[key] + derivatives_by_radius[key] - derivatives_by_q[key]
-            for key in self.values_at_inputs
+            name: terms_by_height[name] + derivatives_by_radius[name] - derivatives_by_q[name]
+            for name in self.values_at_inputs
         }
 
     def derivative_by_radius(self) -> _ValueByName:
@@ -696,13 +696,15 @@ class _ScalingLaws:
         """
         # For each value V: its exponent in the law of lengths, times V.
         terms_by_length = self._values_times_exponent("length_exponent")
-        return {key: term / 2 for key, term in terms_by_length.items()}
+        return {name: term / 2 for name, term in terms_by_length.items()}
 
     def derivative_by_friction(self) -> _ValueByName:
         """x dV/dx of every value V for the coefficient of friction x, by a scaling law."""
         terms_by_shear = self._values_times_exponent("shear_exponent")
         derivatives_by_q = self.derivative_by_tangential_load()
-        return {key: terms_by_shear[key] - derivatives_by_q[key] for key in self.values_at_inputs}
+        return {
+            name: terms_by_shear[name] - derivatives_by_q[name] for name in self.values_at_inputs
+        }
 
     def derivative_by_modulus(self) -> _ValueByName:
         """x dV/dx of every value V for the composite modulus x = E*, by a scaling law."""
@@ -710,8 +712,8 @@ class _ScalingLaws:
         derivatives_by_p = self.derivative_by_normal_load()
         derivatives_by_q = self.derivative_by_tangential_load()
         return {
-            key: terms_by_stress[key] - derivatives_by_p[key] - derivatives_by_q[key]
-            for key in self.values_at_inputs
+            name: terms_by_stress[name] - derivatives_by_p[name] - derivatives_by_q[name]
+            for name in self.values_at_inputs
         }
 
     def _values_times_exponent(self, exponent_name: str) -> _ValueByName:
@@ -719,8 +721,8 @@ class _ScalingLaws:
         `exponent_name` is the attribute of a `TheoryQuantity` that holds the exponent.
         """
         return {
-            key: getattr(QUANTITIES_OF_THEORY[key], exponent_name) * value
-            for key, value in self.values_at_inputs.items()
+            name: getattr(QUANTITIES_OF_THEORY[name], exponent_name) * value
+            for name, value in self.values_at_inputs.items()
         }
 
     def change_by_load(self, key: str) -> _ChangeByInput:
@@ -943,12 +945,12 @@ class _LawOfModulus:
         derivatives_by_q = self.laws_of_loads.derivative_by_load("tangential_load")
         relative_uncertainty = modulus.standard_uncertainty
         changes = {}
-        for key in derivatives_by_p:
-            change = -relative_uncertainty * (derivatives_by_p[key] + derivatives_by_q[key])
+        for name in derivatives_by_p:
+            change = -relative_uncertainty * (derivatives_by_p[name] + derivatives_by_q[name])
             # V is nearly linear in 1/E, whose change of second order is u times that of first
             # order, u being the relative uncertainty.
             # Estimate: a value with its uncertainty
-            changes[key] = Estimate(change, abs(change) * relative_uncertainty)
+            changes[name] = Estimate(change, abs(change) * relative_uncertainty)
         return _ChangeByInput(modulus.key, changes)
 
 
@@ -1125,7 +1127,7 @@ def draws_of_work(scene: Scene, reason: str) -> Draws | None:
         count=n_draws,
         sliding=sliding_share,
         impossible=float(np.mean(~np.isfinite(values[WORK]))) - sliding_share,
-        values={key: _statistics_of(drawn_values) for key, drawn_values in values.items()},
+        values={name: _statistics_of(drawn_values) for name, drawn_values in values.items()},
         reason=reason,
     )
 
@@ -1487,7 +1489,8 @@ def _theory_under_inputs(
     correlation
         (n, n) correlation matrix of the inputs
     """
-    # QUANTITIES_UNDER_DISPLACEMENT, QUANTITIES_OF_THEORY: names and units of theory's values by key
+    # QUANTITIES_UNDER_DISPLACEMENT, QUANTITIES_OF_THEORY: words and units of theory's values by
+    # name
     quantities = QUANTITIES_UNDER_DISPLACEMENT if scene.load.is_driven else QUANTITIES_OF_THEORY
 
     def effects_of(changed_scene: Scene) -> BodyEffects | None:
@@ -1507,8 +1510,8 @@ def _theory_under_inputs(
 
     # Each value with its standard uncertainty by all inputs.
     uncertain_values = {
-        key: uncertain_value(quantities[key], value, changes_by_inputs, key, correlation)
-        for key, value in values_at_inputs.items()
+        name: uncertain_value(quantities[name], value, changes_by_inputs, name, correlation)
+        for name, value in values_at_inputs.items()
     }
     # RATIO: the largest |Q|/(f P), one of the values under a prescribed displacement
     nearness = None if scene.load.is_driven else nearness_to_sliding(scene)
@@ -1616,7 +1619,7 @@ def _uncertain_differences(
     scene: Scene, effects: BodyEffects | None, correlation: Array
 ) -> dict[str, UncertainValue]:
     """The difference finite bodies/half-planes − 1 in the dissipation and in the largest pressure,
-    by key, each with the standard uncertainty that the inputs give it.
+    by name, each with the standard uncertainty that the inputs give it.
 
     Parameters
     ----------
@@ -1630,22 +1633,24 @@ def _uncertain_differences(
     Returns
     -------
     dict
-        The differences that are known, each by the key of its value.
+        The differences that are known, each by the name of its value.
     """
     import halfplane_fe
 
     if effects is None:
         effects = halfplane_fe.body_effects(scene)
-    # The differences by key, and their changes by one standard uncertainty of each input.
+    # The differences by name, and their changes by one standard uncertainty of each input.
     values_at_inputs, changes_by_inputs = changes_of_difference(scene, effects)
     differences = {}
-    for key, value in values_at_inputs.items():
+    for name, value in values_at_inputs.items():
         # NaN: not known for this scene.
         if math.isfinite(value):
-            # QUANTITIES_OF_THEORY: names and units of theory's values by key
-            difference_in_words = f"difference of the {QUANTITIES_OF_THEORY[key].words}"
-            quantity = QUANTITIES_OF_THEORY[key]._replace(words=difference_in_words, unit="share")
-            differences[key] = uncertain_value(quantity, value, changes_by_inputs, key, correlation)
+            # QUANTITIES_OF_THEORY: words and units of theory's values by name
+            difference_in_words = f"difference of the {QUANTITIES_OF_THEORY[name].words}"
+            quantity = QUANTITIES_OF_THEORY[name]._replace(words=difference_in_words, unit="share")
+            differences[name] = uncertain_value(
+                quantity, value, changes_by_inputs, name, correlation
+            )
     return differences
 
 
