@@ -198,12 +198,12 @@ class Stages:
 
 
 class Sheet(NamedTuple):
-    """A table for the terminal; columns whose numbers are in `right` are set flush right."""
+    """A table for the terminal."""
 
     title: str
-    columns: Sequence[str]
-    rows: Iterable[Sequence[str]]
-    right: Sequence[int] = ()
+    heads: Sequence[str]  # of the columns
+    rows: Iterable[Sequence[str]]  # cells, as many as heads
+    right_columns: Sequence[int] = ()  # indices of the columns that are set flush right
 
 
 # A line, a line with its style, or a table.
@@ -223,7 +223,7 @@ def show(parts: Iterable[Part]) -> None:
 
 def show_table(
     title: str,
-    columns: Sequence[str],
+    heads: Sequence[str],
     rows: Iterable[Sequence[str]],
     right_columns: Sequence[int] = (),
 ) -> None:
@@ -231,10 +231,10 @@ def show_table(
 
     Parameters
     ----------
-    columns
-        heads of the columns
+    heads
+        of the columns
     rows
-        cells, as many as columns
+        cells, as many as heads
     right_columns
         indices of the columns that are aligned to the right
     """
@@ -242,7 +242,7 @@ def show_table(
     table_rows = [list(row) for row in rows]
     # Blanks beside the rules (strokes between columns), whether there are outer rules, and
     # widths of the columns. `_printable_text`: control characters as escapes.
-    layout = _layout([columns, *table_rows], console.width)
+    layout = _layout([heads, *table_rows], console.width)
     table = Table(
         title=Text(_printable_text(title)),
         title_justify="left",
@@ -251,8 +251,8 @@ def show_table(
         padding=(0, layout.blanks),
         show_edge=layout.has_outer_rules,
     )
-    widths: Sequence[int | None] = layout.widths or [None] * len(columns)
-    for column_number, (head, column_width) in enumerate(zip(columns, widths, strict=True)):
+    widths: Sequence[int | None] = layout.widths or [None] * len(heads)
+    for column_number, (head, column_width) in enumerate(zip(heads, widths, strict=True)):
         justify: Literal["right", "left"] = "right" if column_number in right_columns else "left"
         table.add_column(head, justify=justify, overflow="fold", width=column_width)
 
@@ -294,11 +294,11 @@ def _layout(rows: Sequence[Sequence[str]], total_width: int) -> _Layout:
             layouts.append(_Layout(blanks, bool(n_outer_rules), widths))
     if not layouts:
         return _Layout(1, True, [])
-    # `_line_count`: lines that the rows take with these widths.
-    return min(layouts, key=lambda layout: _line_count(rows, layout.widths))
+    # `_n_lines`: lines that the rows take with these widths.
+    return min(layouts, key=lambda layout: _n_lines(rows, layout.widths))
 
 
-def _line_count(rows: Iterable[Sequence[str]], widths: Sequence[int]) -> int:
+def _n_lines(rows: Iterable[Sequence[str]], widths: Sequence[int]) -> int:
     """Lines that the rows of a table take, each as many as its longest cell, wrapped."""
     return sum(
         max(
@@ -325,16 +325,18 @@ def _column_widths(rows: Sequence[Sequence[str]], total_width: int) -> list[int]
     full_widths = [max(map(_width_of, column)) for column in columns]
     if sum(full_widths) <= total_width:
         return full_widths
-    widths = [_longest_word(column) for column in columns]
+    widths = [_width_of_longest_word(column) for column in columns]
     if sum(widths) > total_width:
         return []
     # one character more for each column that is too narrow, until all free ones are used
     while n_free_characters := total_width - sum(widths):
         narrow_columns = [
-            column for column, width in enumerate(widths) if width < full_widths[column]
+            column_number
+            for column_number, width in enumerate(widths)
+            if width < full_widths[column_number]
         ]
-        for column in narrow_columns[:n_free_characters]:
-            widths[column] += 1
+        for column_number in narrow_columns[:n_free_characters]:
+            widths[column_number] += 1
     return widths
 
 
@@ -343,7 +345,7 @@ def _width_of(cell: str) -> int:
     return cell_len(_printable_text(cell))
 
 
-def _longest_word(column: Iterable[str]) -> int:
+def _width_of_longest_word(column: Iterable[str]) -> int:
     """Places of the terminal that the longest word of a column takes, "± 12 %" being one word."""
     words = [word for cell in column for word in _words(_printable_text(cell))]
     return max(map(cell_len, words), default=0)

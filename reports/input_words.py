@@ -95,7 +95,7 @@ def sentences(
     Parameters
     ----------
     effects
-        `values` of theory and the `difference` of W and of the largest pressure, each by key with
+        `values` of theory and the `difference` of W and of the largest pressure, each by name with
         its uncertainty by the inputs; `draws`: W by random draws, or None; `sliding`: how near the
         loads come to gross sliding; `reason_unknown`: why none of these is known, "" where they are
     scene
@@ -122,18 +122,18 @@ def sentences(
 
     # Values whose second-order change by the inputs is large are rough, unless draws give them too.
     drawn_values = effects.draws.values if effects.draws is not None else {}
-    # QUANTITIES_OF_THEORY: names of theory's values by key
-    names_of_drawn_values = {QUANTITIES_OF_THEORY[key].words for key in drawn_values}
-    names_of_rough_values = [
+    # QUANTITIES_OF_THEORY: words for theory's values by name
+    words_for_drawn_values = {QUANTITIES_OF_THEORY[name].words for name in drawn_values}
+    words_for_rough_values = [
         value.words
-        for key, value in (*effects.values.items(), *effects.difference.items())
+        for value in (*effects.values.values(), *effects.difference.values())
         if value.uncertainty > 0
         and not value.is_nearly_linear
-        and value.words not in names_of_drawn_values
+        and value.words not in words_for_drawn_values
     ]
-    if names_of_rough_values:
+    if words_for_rough_values:
         all_sentences.append(
-            f"Rough, by derivatives that are not enough: {', '.join(names_of_rough_values)}. There"
+            f"Rough, by derivatives that are not enough: {', '.join(words_for_rough_values)}. There"
             " the second order is above a tenth of the uncertainty."
         )
     all_sentences += [f"{note[:1].upper()}{_with_full_stop(note[1:])}" for note in effects.notes]
