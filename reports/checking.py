@@ -920,61 +920,60 @@ def remarks_on_input(scene: Scene, contact: LargestContact) -> list[str]:
     `contact` is the contact at the largest load: `strain` is p0/E*, the peak pressure over the
     composite modulus, `edge_slope` the slope of the gap at its edge.
     """
-    sentences = []
-    unit_of_force, unit_of_length, unit_of_stress = units(scene)
+    sentences = list(_remarks_on_moduli(scene))
+    # _LARGEST_FRICTION: 3, the coefficient of clean indium or gold
+    friction_coefficient = scene.friction.coefficient
+    if friction_coefficient > _LARGEST_FRICTION:
+        sentences.append(
+            f"friction.coefficient = {friction_coefficient:g} is more than any pair of solids"
+            f" has. Is it in per cent? {friction_coefficient:g} % is"
+            f" {friction_coefficient / 100:g}."
+        )
+    # _LARGEST_STRAIN, _LARGEST_SLOPE: 0.1 and 0.3
+    if contact.strain > _LARGEST_STRAIN or contact.edge_slope > _LARGEST_SLOPE:
+        # `in_template`: the sentence of this name, filled with these values; then the words for the
+        # units of force, length and stress
+        sentences.append(
+            in_template(
+                "beyond_elasticity", contact, _LARGEST_STRAIN, _LARGEST_SLOPE, *units(scene)
+            )
+        )
+    return sentences
+
+
+def _remarks_on_moduli(scene: Scene) -> Iterator[str]:
+    """A sentence for each Young's modulus that may be in a wrong unit: above that of diamond, or
+    below 1 GPa where the material is no rubber by its Poisson's ratio. None where the unit of
+    stress has no known size.
+    """
+    _, _, unit_of_stress = units(scene)
+    # UNITS: size in Pa of each unit of stress
+    pascals_per_unit = UNITS["stress"].get(unit_of_stress)
+    if pascals_per_unit is None:
+        return
     # Materials by their key in the scene; one where both bodies have the same.
     material_by_key = {"material": scene.material.upper}
-    if not scene.material.alike:  # the two bodies have different materials
+    if not scene.material.alike:
         material_by_key = {
             "material.upper": scene.material.upper,
             "material.lower": scene.material.lower,
         }
-    # A modulus above that of diamond, or below 1 GPa and not of rubber, may be in a wrong unit.
-    # UNITS: size in Pa of each unit of stress
-    pascals_per_unit = UNITS["stress"].get(unit_of_stress)
-    if pascals_per_unit is not None:  # None: a unit without a name
-        # _MODULUS_OF_STEEL: 210 GPa, to compare with
-        modulus_of_steel = _MODULUS_OF_STEEL / pascals_per_unit
-        for key, material in material_by_key.items():
-            modulus = material.young_modulus * pascals_per_unit
-            # _MODULUS_OF_DIAMOND: 1.3e12 Pa
-            is_too_stiff = modulus > _MODULUS_OF_DIAMOND
-            # _SOFT_MODULUS, _POISSON_RATIO_OF_RUBBER: 1e9 Pa, and Poisson's ratio 0.45
-            is_too_soft = (
-                modulus < _SOFT_MODULUS and material.poisson_ratio < _POISSON_RATIO_OF_RUBBER
-            )
-            if is_too_stiff or is_too_soft:
-                # `in_template`: the sentence of this name, filled with these values.
-                sentences.append(
-                    in_template(
-                        "odd_modulus",
-                        key,
-                        material.young_modulus,
-                        unit_of_stress,
-                        is_too_stiff,
-                        modulus_of_steel,
-                    )
-                )
-
-    # _LARGEST_FRICTION: 3, the coefficient of clean indium or gold
-    if scene.friction.coefficient > _LARGEST_FRICTION:
-        sentences.append(
-            f"friction.coefficient = {scene.friction.coefficient:g} is more than any pair of solids"
-            f" has. Is it in per cent? {scene.friction.coefficient:g} % is"
-            f" {scene.friction.coefficient / 100:g}."
-        )
-
-    # _LARGEST_STRAIN, _LARGEST_SLOPE: 0.1 and 0.3
-    if contact.strain > _LARGEST_STRAIN or contact.edge_slope > _LARGEST_SLOPE:
-        sentences.append(
-            in_template(
-                "beyond_elasticity",
-                contact,
-                _LARGEST_STRAIN,
-                _LARGEST_SLOPE,
-                unit_of_force,
-                unit_of_length,
+    # _MODULUS_OF_STEEL: 210 GPa, to compare with
+    modulus_of_steel = _MODULUS_OF_STEEL / pascals_per_unit
+    for key, material in material_by_key.items():
+        modulus_in_pascals = material.young_modulus * pascals_per_unit
+        # _MODULUS_OF_DIAMOND: 1.3e12 Pa
+        is_too_stiff = modulus_in_pascals > _MODULUS_OF_DIAMOND
+        # _SOFT_MODULUS, _POISSON_RATIO_OF_RUBBER: 1e9 Pa, and Poisson's ratio 0.45
+        is_rubber = material.poisson_ratio >= _POISSON_RATIO_OF_RUBBER
+        is_too_soft = modulus_in_pascals < _SOFT_MODULUS and not is_rubber
+        if is_too_stiff or is_too_soft:
+            # `in_template`: the sentence of this name, filled with these values
+            yield in_template(
+                "odd_modulus",
+                key,
+                material.young_modulus,
                 unit_of_stress,
+                is_too_stiff,
+                modulus_of_steel,
             )
-        )
-    return sentences

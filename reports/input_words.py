@@ -280,13 +280,13 @@ def _main_input_in_words(effects: InputEffects) -> str:
     changes W by at least a quarter of that; for the largest pressure where no input changes W. ""
     where none changes either.
 
-    `effects.values` holds theory's values by key. Each has its `changes` by one standard
+    `effects.values` holds theory's values by name. Each has its `changes` by one standard
     uncertainty of every input, by the key of the input, and the keys of the inputs by the size of
     that change.
     """
     # WORK, PEAK: "dissipation" and "peak_pressure"
-    for key in (WORK, PEAK):
-        theory_value = effects.values.get(key)
+    for name_of_value in (WORK, PEAK):
+        theory_value = effects.values.get(name_of_value)
         if theory_value is None or not theory_value.keys_by_size_of_change:
             continue
         # Key of an input -> its name.
@@ -294,14 +294,20 @@ def _main_input_in_words(effects: InputEffects) -> str:
             uncertain_input.key: uncertain_input.words for uncertain_input in effects.inputs
         }
         first_key, *other_keys = theory_value.keys_by_size_of_change
-        sizes = {input_key: abs(change.value) for input_key, change in theory_value.changes.items()}
+        size_of_change = {
+            input_key: abs(change.value) for input_key, change in theory_value.changes.items()
+        }
         name_of_input = input_in_words[first_key]
         statement = f"{name_of_input[:1].upper()}{name_of_input[1:]} matters most"
-        if key != WORK:
+        if name_of_value != WORK:
             # _SYMBOL_OR_NAME: "the largest pressure"
-            statement = f"For {_SYMBOL_OR_NAME[key]} {name_of_input} matters most"
+            statement = f"For {_SYMBOL_OR_NAME[name_of_value]} {name_of_input} matters most"
         # _LEAST_SHARE_OF_NAMED_INPUT: 0.25 of the largest change
-        if other_keys and sizes[other_keys[0]] >= _LEAST_SHARE_OF_NAMED_INPUT * sizes[first_key]:
+        if (
+            other_keys
+            and size_of_change[other_keys[0]]
+            >= _LEAST_SHARE_OF_NAMED_INPUT * size_of_change[first_key]
+        ):
             statement += f", then {input_in_words[other_keys[0]]}"
         return f"{statement}."
     return ""

@@ -692,8 +692,8 @@ def _last_whole_cycle(rows: Array, time: Array, work_so_far: Array) -> LoadCycle
     turning_rows = rows_of_turns(rows[:, _TANGENTIAL])[-3:]
     if len(turning_rows) < 3:
         return None
-    times, _, loads_at_turns = rows[turning_rows].T.tolist()
-    start_time, _, end_time = times
+    times_of_turns, _, loads_at_turns = rows[turning_rows].T.tolist()
+    start_time, _, end_time = times_of_turns
     work_at_start, work_at_end = np.interp([start_time, end_time], time, work_so_far).tolist()
     largest_load = max(loads_at_turns)
     least_load = min(loads_at_turns)

@@ -575,15 +575,15 @@ def content(scene: Scene) -> dict[str, Any] | None:
     """A fitted profile, its uncertainty by noise and sentences on both, for JSON; None for a
     profile that is not fitted.
     """
-    profile_fit = profile_fit_of(scene)
-    if profile_fit is None:
+    fit_record = profile_fit_of(scene)
+    if fit_record is None:
         return None
     # None for the uncertainty where it has no value.
     sentences, uncertainty = findings_on_fit(scene)
-    fit_record = profile_fit.model_dump(mode="json", exclude={"rows"})
-    fit_record["count"] = len(profile_fit.used_rows())
+    content_of_fit = fit_record.model_dump(mode="json", exclude={"rows"})
+    content_of_fit["count"] = len(fit_record.used_rows())
     return {
         "sentences": sentences,
-        "fit": fit_record,
+        "fit": content_of_fit,
         "uncertainty_95": asdict(uncertainty) if uncertainty else None,
     }

@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
 from pathlib import Path
-from typing import Literal, TypeAlias
+from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -716,11 +716,52 @@ def _path_data(
     >>> _path_data([0, np.nan, 2, 2], [0, 1, 1, 1])
     'M0 0L0 0M2 1L2 1'
     """
-    x = np.round(np.asarray(horizontal_places, dtype=float), 2)
-    y = np.round(np.asarray(vertical_places, dtype=float), 2)
-    is_known = np.isfinite(x) & np.isfinite(y)
+    points = _points_that_show(
+        np.round(np.asarray(horizontal_places, dtype=float), 2),
+        np.round(np.asarray(vertical_places, dtype=float), 2),
+    )
+    # leave out points on the chord between their neighbours
+    for _ in range(passes):
+        is_on_chord = _is_on_chord(points.x, points.y, points.is_first, tolerance)
+        points = points.at(~is_on_chord)
+    is_last = np.append(points.is_first[1:], True)
 
-    # leave out what can't be seen, and what repeats the point before
+    # as Python's numbers, which are formatted in half the time of numpy's
+    numbers = zip(
+        points.x.tolist(),
+        points.y.tolist(),
+        points.is_first.tolist(),
+        (points.is_first & is_last).tolist(),
+        strict=True,
+    )
+    path = []
+    for point_x, point_y, begins_line, has_no_neighbour in numbers:
+        coordinates = f"{point_x:g} {point_y:g}"
+        path.append(f"M{coordinates}" if begins_line else f"L{coordinates}")
+        if has_no_neighbour:
+            path.append(f"L{coordinates}")
+    return "".join(path)
+
+
+class _LinePoints(NamedTuple):
+    """Points of one or several lines in a drawing, (n,) each."""
+
+    x: Array  # horizontal places [pixels]
+    y: Array  # vertical places [pixels]
+    is_first: NDArray[np.bool_]  # whether a line begins at the point
+
+    def at(self, selection: NDArray[np.bool_]) -> _LinePoints:
+        """The points for which `selection` (n,) is True."""
+        return _LinePoints(self.x[selection], self.y[selection], self.is_first[selection])
+
+
+def _points_that_show(x: Array, y: Array) -> _LinePoints:
+    """The points of a line that show when it is drawn. Left out are points that repeat the one
+    before and, of more than 2000 points, those that can't be seen.
+
+    `x`, `y` are places (n,), rounded [pixels]; a NaN in either breaks the line into several.
+    """
+    is_known = np.isfinite(x) & np.isfinite(y)
     if len(x) > _LONGEST_LINE_DRAWN_WHOLE:
         visible_indices = _visible_indices(x, y, is_known)
         x = x[visible_indices]
@@ -729,30 +770,7 @@ def _path_data(
     has_moved = np.ones(len(x), dtype=bool)
     has_moved[1:] = (x[1:] != x[:-1]) | (y[1:] != y[:-1]) | ~is_known[:-1]
     is_first = is_known & ~np.concatenate([[False], is_known[:-1]])  # of a line
-    is_kept = is_known & has_moved
-    x = x[is_kept]
-    y = y[is_kept]
-    is_first = is_first[is_kept]
-
-    # leave out points on the chord between their neighbours
-    for _ in range(passes):
-        is_kept = ~_is_on_chord(x, y, is_first, tolerance)
-        x = x[is_kept]
-        y = y[is_kept]
-        is_first = is_first[is_kept]
-    is_last = np.append(is_first[1:], True)
-
-    # as Python's numbers, which are formatted in half the time of numpy's
-    points = zip(
-        x.tolist(), y.tolist(), is_first.tolist(), (is_first & is_last).tolist(), strict=True
-    )
-    path = []
-    for point_x, point_y, begins_line, has_no_neighbour in points:
-        coordinates = f"{point_x:g} {point_y:g}"
-        path.append(f"M{coordinates}" if begins_line else f"L{coordinates}")
-        if has_no_neighbour:
-            path.append(f"L{coordinates}")
-    return "".join(path)
+    return _LinePoints(x, y, is_first).at(is_known & has_moved)
 
 
 def _is_on_chord(
@@ -800,14 +818,14 @@ def _visible_indices(x: Array, y: Array, is_known: NDArray[np.bool_]) -> NDArray
     """
     # Numbers of strip and visit of each point, (n,). NaN is unequal to itself: each point where the
     # line is broken is a visit of its own.
-    strip = np.where(is_known, np.floor(x / _WIDTH_OF_STRIP), np.nan)
-    visit = np.concatenate([[0], np.cumsum(strip[1:] != strip[:-1])])
+    strip_number = np.where(is_known, np.floor(x / _WIDTH_OF_STRIP), np.nan)
+    visit_number = np.concatenate([[0], np.cumsum(strip_number[1:] != strip_number[:-1])])
 
     # indices of the points visit by visit, those of each in the order of y
-    sorted_by_y = np.lexsort((np.where(is_known, y, 0.0), visit))
+    sorted_by_y = np.lexsort((np.where(is_known, y, 0.0), visit_number))
     # of each visit the first and last index, in either order of the points
-    first_index = np.flatnonzero(np.diff(visit, prepend=-1))
-    last_index = np.append(first_index[1:], len(visit)) - 1
+    first_index = np.flatnonzero(np.diff(visit_number, prepend=-1))
+    last_index = np.append(first_index[1:], len(visit_number)) - 1
     return np.unique(
         np.concatenate([first_index, last_index, sorted_by_y[first_index], sorted_by_y[last_index]])
     )

@@ -676,22 +676,22 @@ def ended_by_signals() -> Generator[list[int], None, None]:
     """
     signals_received: list[int] = []  # by their numbers
 
-    def end_program(number: int, _frame: object) -> None:
+    def end_program(signal_number: int, _frame: object) -> None:
         """Append the number of a signal to the list, and raise KeyboardInterrupt."""
-        signals_received.append(number)
+        signals_received.append(signal_number)
         raise KeyboardInterrupt
 
-    names = ("SIGINT", "SIGTERM", "SIGHUP")  # not every system has SIGHUP
-    numbers = [getattr(signal, name) for name in names if hasattr(signal, name)]
-    for number in numbers:
-        if signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler):
-            signal.signal(number, end_program)
+    signal_names = ("SIGINT", "SIGTERM", "SIGHUP")  # not every system has SIGHUP
+    signal_numbers = [getattr(signal, name) for name in signal_names if hasattr(signal, name)]
+    for signal_number in signal_numbers:
+        if signal.getsignal(signal_number) in (signal.SIG_DFL, signal.default_int_handler):
+            signal.signal(signal_number, end_program)
     try:
         yield signals_received
     finally:
-        for number in numbers:
-            if signal.getsignal(number) is end_program:
-                signal.signal(number, signal.SIG_DFL)  # nothing is left to keep
+        for signal_number in signal_numbers:
+            if signal.getsignal(signal_number) is end_program:
+                signal.signal(signal_number, signal.SIG_DFL)  # nothing is left to keep
 
 
 # ---------------------------------------------------------------------------------- the application

@@ -454,8 +454,8 @@ def _loads_in_words(solution: ContactSolution, source: str) -> str:
     scene = solution.scene
     unit_of_force, unit_of_length, _ = scene.unit_words
     # `number`: as text, to six digits
-    least_load = number(float(solution.tangential_load.min()))
-    largest_load = number(float(solution.tangential_load.max()))
+    least_tangential_load = number(float(solution.tangential_load.min()))
+    largest_tangential_load = number(float(solution.tangential_load.max()))
     largest_normal_load = number(float(solution.normal_load.max()))
     ratio_in_words = ""
     if scene.friction.coefficient:
@@ -463,8 +463,8 @@ def _loads_in_words(solution: ContactSolution, source: str) -> str:
             f" |Q|/(f P) is at most {largest_load_ratio(solution):.4g}; all slides at 1."
         )
     return (
-        f"{source}: the scene is well formed. Q goes from {least_load} to {largest_load}"
-        f" {unit_of_force}/{unit_of_length}, and P up to {largest_normal_load}.{ratio_in_words}"
+        f"{source}: the scene is well formed. Q goes from {least_tangential_load} to"
+        f" {largest_tangential_load} {unit_of_force}/{unit_of_length}, and P up to {largest_normal_load}.{ratio_in_words}"
         f" `halfplane exact {source}` writes the answer, and a scene with these loads."
     )
 

@@ -355,14 +355,14 @@ def _scale_of_tolerance(expected: Expected, solution: ContactSolution) -> float:
     """
     if expected.value:
         return abs(expected.value)
-    largest_load = float(solution.normal_load[solution.last_cycle].max())
+    largest_normal_load = float(solution.normal_load[solution.last_cycle].max())
     match QUANTITIES[expected.quantity].kind:
         case "energy":
-            return energy_scale(solution.scene, largest_load)
+            return energy_scale(solution.scene, largest_normal_load)
         case "stress":
             return float(np.max(solution.pressure))
         case "moment":
-            return largest_load * _largest_half_width(solution)
+            return largest_normal_load * _largest_half_width(solution)
         case "share":
             return 1.0
     return _largest_half_width(solution)

@@ -287,14 +287,14 @@ def _part_of_contact_line(
     return _Part("contact", lower_fields.points[nodes_of_line], cells_of_line, values_on_line)
 
 
-def contact_line(mesh: BodyMesh, boundaries: Sequence[str] = ("contact",)) -> Indices:
+def contact_line(body_mesh: BodyMesh, boundaries: Sequence[str] = ("contact",)) -> Indices:
     """Nodes of a body's contact face, or of the named `boundaries`, from left to right, as indices
     into the points of the body's fields. Nodes in the middle of element sides are among them.
 
-    The mesh (of scikit-fem) has places of nodes `p` (2, n), corner nodes of all element sides
-    `facets` (2, k), and indices of the facets on each boundary.
+    `body_mesh.mesh`, of scikit-fem, has places of nodes `p` (2, n), corner nodes of all element
+    sides `facets` (2, k), and indices of the facets on each boundary.
     """
-    skfem_mesh = mesh.mesh
+    skfem_mesh = body_mesh.mesh
     # indices of the facets on these boundaries
     facets = np.concatenate(
         [skfem_mesh.boundaries[name] for name in boundaries if name in skfem_mesh.boundaries]

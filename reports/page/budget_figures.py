@@ -418,10 +418,12 @@ def mesh_refinement(budget: ErrorBudget) -> Plate | None:
         extrapolation = extrapolate(
             Refinement(sizes, values, formal_order=2.0, rounding=ROUND_OFF_OF_METRIC)
         )
-        limit = extrapolation.value
-        if extrapolation.kind == "monotone" and limit is not None:
+        value_at_zero = extrapolation.value
+        if extrapolation.kind == "monotone" and value_at_zero is not None:
             distances_by_label[metric.label] = [
-                (size, abs(value - limit)) for size, value in known_points if value != limit
+                (size, abs(value - value_at_zero))
+                for size, value in known_points
+                if value != value_at_zero
             ]
     words_of_axes = "element size, over that of the run", "distance from the value at size zero"
     sizes_of_runs = [run.size for run in runs]
@@ -444,11 +446,12 @@ def study_convergence(study: MeshStudy) -> Plate | None:
     sizes = [level.size for level in study.levels]
     distances_by_label: dict[str, list[tuple[float, float]]] = {}
     for row in study.metric_rows:
-        limit = row.extrapolation.value
-        if not row.metric.headline or row.extrapolation.kind != "monotone" or limit is None:
+        value_at_zero = row.extrapolation.value
+        if not row.metric.headline or row.extrapolation.kind != "monotone" or value_at_zero is None:
             continue
         distances_by_label[row.metric.label] = [
-            (size, abs(value - limit)) for size, value in zip(sizes, row.values, strict=True)
+            (size, abs(value - value_at_zero))
+            for size, value in zip(sizes, row.values, strict=True)
         ]
     words_of_axes = "element size at the contact", "distance from the value at h = 0"
     return _figure_of_convergence("study", words_of_axes, distances_by_label, sizes)

@@ -150,6 +150,7 @@ def traction_panels(
     width, height = size
     drawn = _tractions_at(view, (instant, *instants_of_axes))
     all_values = [values for pair in drawn.pairs.values() for values in pair]
+    # Panel: name, both axes, marks, description, width, height and title
     upper_panel = Panel(
         name,
         view.over_x(""),
