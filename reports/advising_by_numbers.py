@@ -309,7 +309,8 @@ def _parts_of_work(
 
     The odd part is neglected where it is below 1e-4, where theory cannot follow it in this scene,
     and for unlike materials. There the coupling of pressure and shear is neglected too. What is
-    neglected is stated by its size.
+    neglected is stated by its size. `effects` are the elastic responses that the bodies add to
+    half-planes. `solved_theory` holds half-plane theory, and theory with the curvatures alone.
     """
     from semi_analytic.next_order import ratio_of_next_order
 
@@ -346,7 +347,9 @@ def _changes_of_values(
     That of the dissipation is the sum of its parts. The others are those by the curvatures of the
     faces; to the stick half-width tilt and bulk strain are added. They are NaN for unlike
     materials, and where tilt and bulk strain change the dissipation by more than 5 %: then these
-    move them by an amount that is not known.
+    move them by an amount that is not known. `effects` are the elastic responses that the bodies
+    add to half-planes. `solved_theory` holds half-plane theory, and theory with the curvatures
+    alone.
     """
     from semi_analytic.next_order import LEAST_UNCERTAIN_FRACTION
 

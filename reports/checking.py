@@ -132,7 +132,7 @@ def _deciding_lines_of_record(
     largest ratio and that with the largest P.
 
     The first line is "initial loading" and all others are "cycle" where the record repeats; else
-    each is "path".
+    each is "path". `load_record` has rows of time, P and Q. `friction_coefficient` is f.
     """
     part_of_first_line = "initial loading" if load_record.repeats else "path"
     part_after_first_line = "cycle" if load_record.repeats else "path"
@@ -830,8 +830,9 @@ def _largest_shift_of_parabola(scene: Scene, radius: float, samples: _BulkSample
     """x of the middle of a parabola's contact over the half-width a, at the sample where its size
     is largest, with its sign. `radius` R is that of the parabola [length].
 
-    The middle lies at M/P under a moment M, and at -tilt R under a tilt. By Hertz
-    a = sqrt(4 R P/(pi E*)). Samples without load do not count.
+    The middle lies at M/P under a moment M, and at -tilt R under a tilt. By Hertz a = sqrt(4 R
+    P/(pi E*)). Samples without load do not count. `samples` are P, tilt and moment along the load
+    path, (n,) each.
     """
     from semi_analytic.elasticity import composite_modulus
 

@@ -518,6 +518,8 @@ def _names_of_exchange(
     """Which files of a folder stay, go and are replaced when a run moves its files there. Files of
     earlier runs are known by the manifest of the folder; those whose names begin with one of
     `stale_prefixes` go.
+
+    `new_names` are the names of the files that this run wrote.
     """
     # MANIFEST: "manifest.json"
     earlier_names = set(_files_in_manifest(folder)) - {*new_names, MANIFEST}
@@ -589,6 +591,8 @@ def _exchange_files(staging_folder: Path, folder: Path, names: _NamesOfFiles) ->
     """Move the replaced files of a folder to `staging_folder`/"before", and the new ones from
     `staging_folder`/"results" to the folder, manifests around them. If a move fails, all those
     before it are undone, the last first.
+
+    `names` are those of the new files, of earlier ones, and of those that are replaced.
     """
     new_results_folder = staging_folder / "results"
     old_results_folder = staging_folder / "before"

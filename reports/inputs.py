@@ -1531,6 +1531,9 @@ def _draws_where_needed(scene: Scene, theory: _TheoryUnderInputs) -> tuple[Draws
     """Random draws of the inputs where derivatives are not enough for the uncertainty of the
     dissipation, and notes: near gross sliding, or where the second order is large. Where the draws
     take too long they are None, and a note says so. Without a reason they are None too.
+
+    `theory` holds the values by derivatives with their uncertainty, and how near the loads come to
+    sliding.
     """
     reason_by_sliding = theory.reason_for_draws or _reason_by_sliding(theory.nearness)
     reason_by_second_order = _reason_by_second_order(theory.values)

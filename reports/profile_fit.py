@@ -198,6 +198,9 @@ def _change_by_spline(
     """Sizes of the changes of dissipation, half-width and peak pressure, (3,), from the values of
     the fit (3,) to those under a smoothing spline through the same rows. InputError where no such
     spline carries the load.
+
+    `values_of_fit` are those of the fit. `work_method` says how the dissipation is computed, or
+    that it is left out.
     """
     from scenes.fitting import fitted_by_spline
 
@@ -339,7 +342,8 @@ def _simulated_noise(
     """Noise (n,) of a simulated measurement, over the standard deviation of the measured noise.
 
     `pattern` (n,) are the residuals where they have a pattern along x, else None. It is added moved
-    along x, and at random reversed in x and in sign.
+    along x, and at random reversed in x and in sign. `fit_record` has the indices of the fitted
+    rows, and the standard deviation of their noise.
     """
     noise = random.standard_normal(len(fit_record.used_rows()))
     if pattern is None:

@@ -874,6 +874,8 @@ def _path_of_hatching(left_x: float, right_x: float, least_y: float, largest_y: 
     the drawing [pixels]. "" where it is so small that no line crosses it.
 
     Along each line x + y is constant, a multiple of the distance of the lines (`_HATCH_DISTANCE`).
+    The rectangle goes from `left_x` to `right_x` and from `least_y` to `largest_y`; y counts
+    downwards.
     """
     first_line = np.ceil((left_x + least_y) / _HATCH_DISTANCE)
     last_line = np.floor((right_x + largest_y) / _HATCH_DISTANCE)
@@ -1005,6 +1007,8 @@ class _Pen:
     def bitmap(self, mark: Bitmap) -> str:
         """The SVG element of a map that fills the area of a panel: a PNG picture, written into the
         element. In an SVG file of its own it keeps all its colours, on a page 255 of them at most.
+
+        `mark.pixels` are indices into its `colours`, (n, m), or colours themselves, (n, m, 3).
         """
         left_x, top_y, right_x, bottom_y = self.frame.box
         png_bytes = _png(mark.pixels, mark.colours, all_colours=self.is_standalone)
@@ -1319,6 +1323,8 @@ def _area_with_axes(panel: Panel, pen: _Pen, drawn_marks: str) -> list[str]:
     """SVG elements of the area of a panel, the rectangle in which curves are drawn: its background,
     grid and axes, and the marks, cut off at its ends. `drawn_marks` is the SVG element of the
     marks.
+
+    `pen` makes SVG elements in the scales of the panel.
     """
     left_x, top_y, right_x, bottom_y = pen.frame.box
     area = {"x": left_x, "y": top_y, "width": right_x - left_x, "height": bottom_y - top_y}
@@ -1335,6 +1341,8 @@ def _area_with_axes(panel: Panel, pen: _Pen, drawn_marks: str) -> list[str]:
 def _lines_above(panel: Panel, pen: _Pen) -> list[str]:
     """SVG elements of the lines of text above the area of a panel: its title, and its notes, which
     hold numbers. The last line stands 9 units of the drawing above the area.
+
+    `pen` makes SVG elements in the scales of the panel.
     """
     left_x, top_y, _, _ = pen.frame.box
     # each with its x and its class in the style sheet

@@ -1082,6 +1082,9 @@ def _unknown_option_and_suggestion(fault: UnknownOptionError) -> tuple[str, str]
     """The option of a command line that its command does not have, and a suggestion for the error
     message, "did you mean ...? " with a blank at its end; "" where no option of the command is
     near.
+
+    `fault` is the exception of the command-line library, with the option and those that the command
+    has.
     """
     unknown_word = (fault.token.keyword or fault.token.value).split("=", 1)[0]
     known_options = {

@@ -210,6 +210,8 @@ def _write_bodies(
 ) -> _WrittenFields:
     """Write the fields of both bodies and of the contact line at the requested instants to a
     folder, as files for ParaView; timed as a stage of the job.
+
+    `request` holds the instants, and the times of those to draw.
     """
     from reports.field_output import files
 

@@ -256,6 +256,8 @@ def _validation_of_loop(
     measurement (stated in `mapping`) and of the scene's inputs: sentences, and entries for --json.
     What the inputs do is timed as one of the `stages`; it is left out where the scene states no
     uncertainty.
+
+    `loop_score` holds the measured loop and the computed ones with their areas.
     """
     from reports import validation
     from reports.input_words import content as input_content
@@ -277,6 +279,9 @@ def _parts_of_loop(loop_score: LoopScore, file_name: str, title: str) -> Iterato
     """What the terminal shows of a measured loop: how its columns were read, what was assumed or
     left out, a table of the loops (measured and computed) under this title, and a sentence on the
     friction coefficient that fits.
+
+    `loop_score` holds the loops, the fitted coefficient, and how the table was read; `file_name` is
+    that of the table.
     """
     from reports.comparison.words import reading_in_words
     from reports.scoring import loop_page

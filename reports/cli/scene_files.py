@@ -246,6 +246,9 @@ def _checked_scene(scene: Scene, source: str) -> _CheckedScene:
 def _remarks_on_solving(scene: Scene, source: str, checked: _CheckedScene) -> list[str]:
     """Sentences that warn: of doubtful input, of an engine that refuses the scene, and of a record
     so long that finite elements take hours.
+
+    `source` names the scene. `checked` holds what was computed of it: the refusals of engines, and
+    the contact at the largest load.
     """
     from reports.checking import remarks_on_input
     from scenes import InputError
@@ -268,6 +271,8 @@ def _remarks_on_solving(scene: Scene, source: str, checked: _CheckedScene) -> li
 def _sheet_of_check(scene: Scene, checked: _CheckedScene) -> Sheet:
     """The table that `check` prints: the contact at the largest load by half-plane theory, where it
     is known, and how near the loads come to gross sliding.
+
+    `checked` holds what was computed of the scene.
     """
     from reports.checking import rows_of_contact, rows_of_sliding
 
@@ -282,6 +287,8 @@ def _content_of_check(scene: Scene, checked: _CheckedScene) -> dict[str, Any]:
     the largest load (None where it is not known), the instant nearest to gross sliding, the fit of
     a measured profile, the stated uncertainties, and the effects of bulk stress and tilt where
     there are any.
+
+    `checked` holds what was computed of the scene.
     """
     from reports.input_words import stated_content
     from reports.profile_fit import content as fit_content
@@ -464,7 +471,8 @@ def _loads_in_words(solution: ContactSolution, source: str) -> str:
         )
     return (
         f"{source}: the scene is well formed. Q goes from {least_tangential_load} to"
-        f" {largest_tangential_load} {unit_of_force}/{unit_of_length}, and P up to {largest_normal_load}.{ratio_in_words}"
+        f" {largest_tangential_load} {unit_of_force}/{unit_of_length}, and P up to"
+        f" {largest_normal_load}.{ratio_in_words}"
         f" `halfplane exact {source}` writes the answer, and a scene with these loads."
     )
 

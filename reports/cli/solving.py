@@ -140,6 +140,9 @@ def _answer_of_interruption(
 ) -> Answer:
     """Save the steps that were solved before an interruption (Ctrl-C) in the folder; the answer has
     the exit code 130 alone. A line on stderr names the file.
+
+    `stop` is the interruption, whose message begins that line. `partial_solution` holds the solved
+    steps.
     """
     # a solution that converged gets the file name of its engine, which "" stands for
     stem = "" if partial_solution.record.converged else "partial"
@@ -156,6 +159,9 @@ def _answer_without_convergence(failure: ConvergenceError, job: Job) -> Answer:
     """The answer of a command whose solver did not converge, with exit code 3: the steps solved
     before, which are saved in the job's folder, in a table and for --json. A line on stderr has the
     reason. Without a solved step nothing is saved.
+
+    `failure` is the error, with its reason and the solution up to the last converged step, None
+    without one.
     """
     from reports.comparison.words import summary_rows
 
@@ -980,6 +986,8 @@ def _parts_of_one_engine(job: Job, answer: _EngineAnswer) -> Iterator[Part]:
     """What the terminal shows of the answer of one engine: the summary of its solution, the effect
     of uncertain inputs, the fit of a measured profile, numbers that the scene expects, and the path
     of the file. A `Sheet` is a table: title, heads, rows.
+
+    `answer` holds the solution, its checks, the expected numbers and the path of the file.
     """
     from reports import profile_fit
     from reports.comparison.words import summary_rows
@@ -998,6 +1006,8 @@ def _json_of_one_engine(job: Job, answer: _EngineAnswer) -> dict[str, Any]:
     the solution converged and obeys the laws of contact (`admissible`), values of the solution,
     numbers that the scene expects, effect of uncertain inputs, path of its file. Where the scene
     prescribes displacements, also the largest |Q|/(f P) of the loads that follow.
+
+    `answer` holds the solution, its checks, the expected numbers and the path of the file.
     """
     from reports import profile_fit
     from reports.comparison.json_values import solution_content
@@ -1041,8 +1051,6 @@ def _answer_of_rig(job: Job, refusals: EngineRefusals, no_comparison: str) -> An
     no_comparison
         why the two are not compared, in a sentence
     """
-    from reports.comparison.words import summary_rows
-
     if refusals.refusal_of_theory:
         solution = solve_finite_elements(job)
         command = "fe"
@@ -1071,17 +1079,31 @@ def _answer_of_rig(job: Job, refusals: EngineRefusals, no_comparison: str) -> An
         further_content = {"finite_elements": content_of_elements} if content_of_elements else {}
         return {**answer.content(), **further_content, "page": str(page)}
 
-    def parts() -> Iterator[Part]:
-        """What the terminal shows, from the summary of one engine to the path of the page."""
-        yield from answer.parts
-        if solution_of_elements is not None:
-            rows = summary_rows(solution_of_elements, loads_are_found=True)
-            rows = [row for row in rows if row[0] != "note"]
-            yield Sheet("the same by finite elements", ("quantity", "value"), rows)
-        yield str(page)
+    return replace(
+        answer,
+        code=answer.code if content_of_elements.get("admissible", True) else EXIT_OUTSIDE,
+        parts=_parts_of_rig(answer, solution_of_elements, page),
+        content=json_content,
+        command=command,
+    )
 
-    code = answer.code if content_of_elements.get("admissible", True) else EXIT_OUTSIDE
-    return replace(answer, code=code, parts=parts(), content=json_content, command=command)
+
+def _parts_of_rig(
+    answer: Answer, solution_of_elements: ContactSolution | None, page: Path
+) -> Iterator[Part]:
+    """What the terminal shows of a rig: the `answer` of one engine, the summary of the finite
+    elements' solution without its notes where they were solved beside theory (else None), and the
+    path of the page.
+    """
+    from reports.comparison.words import summary_rows
+
+    yield from answer.parts
+    if solution_of_elements is not None:
+        rows = summary_rows(solution_of_elements, loads_are_found=True)
+        rows = [row for row in rows if row[0] != "note"]
+        # Sheet: title, heads, rows
+        yield Sheet("the same by finite elements", ("quantity", "value"), rows)
+    yield str(page)
 
 
 def _elements_of_rig(job: Job) -> tuple[ContactSolution | None, dict[str, Any]]:

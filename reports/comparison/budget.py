@@ -279,22 +279,16 @@ def solve_refinements(
     # solves the scene on a mesh and compares it with theory; `follows_polygon`: with theory on the
     # polygon of the run's own increments
     solver = _RunSolver(comparison, stage)
-    mesh_runs = [base_run]
-    for exponent in range(1, coarsenings + 1):
-        size = ratio**exponent
-        mesh_of_run, settings_of_run = coarser_mesh_and_settings(mesh, settings, size)
-        mesh_runs.append(solver.solved_run(f"{size:.3g}h", size, mesh_of_run, settings_of_run))
+    sizes = [ratio**exponent for exponent in range(1, coarsenings + 1)]
+    mesh_runs = (base_run, *_coarser_runs(solver, mesh, settings, sizes))
 
     # far field and load increments are measured on the mesh of size r^2 h
     coarse_run = mesh_runs[2]
     coarse_mesh, coarse_settings = coarser_mesh_and_settings(mesh, settings, ratio**2)
     far_field_runs: tuple[Run, ...] = ()
-    reasons_not_measured: dict[str, str] = {}
-    if _has_far_field(comparison.scene):
-        if reason := _reason_without_far_field(mesh):
-            reasons_not_measured["far field"] = reason
-        else:
-            far_field_runs = _far_field_runs(solver, coarse_run, coarse_mesh, coarse_settings)
+    reason_without_far_field = _reason_without_far_field(comparison.scene, mesh)
+    if _has_far_field(comparison.scene) and not reason_without_far_field:
+        far_field_runs = _far_field_runs(solver, coarse_run, coarse_mesh, coarse_settings)
     step_runs: tuple[Run, ...] | None = None
     # Where theory has no solution on the increments of a run, their error is measured by halving
     # them.
@@ -304,11 +298,13 @@ def solve_refinements(
     if settings.method == "penalty":
         penalty_pairs = _penalty_runs(solver, mesh_runs[:2], mesh, settings)
     return Refinements(
-        mesh_runs=tuple(mesh_runs),
+        mesh_runs=mesh_runs,
         far_field_runs=far_field_runs,
         penalty_pairs=penalty_pairs,
         coarse_label=coarse_run.label,
-        reasons_not_measured=reasons_not_measured,
+        reasons_not_measured=(
+            {"far field": reason_without_far_field} if reason_without_far_field else {}
+        ),
         cpu_seconds=time.process_time() - start_seconds,
         step_runs=step_runs,
     )
@@ -328,16 +324,29 @@ def _base_run(comparison: Comparison) -> Run:
     )
 
 
+def _coarser_runs(
+    solver: _RunSolver, mesh: MeshSettings, settings: SolverSettings, sizes: Iterable[float]
+) -> Iterator[Run]:
+    """The runs on coarser meshes, in the order of `sizes`: element sizes over that of the `mesh` of
+    the run whose errors are measured. `settings` are the solver's for that run.
+    """
+    for size in sizes:
+        mesh_of_run, settings_of_run = coarser_mesh_and_settings(mesh, settings, size)
+        yield solver.solved_run(f"{size:.3g}h", size, mesh_of_run, settings_of_run)
+
+
 def _has_far_field(scene: Scene) -> bool:
     """Whether a body of the scene is a half-plane, which the mesh cuts off at a half-disc."""
     return "half_plane" in (scene.bodies.lower.kind, scene.bodies.upper.kind)
 
 
-def _reason_without_far_field(mesh: MeshSettings) -> str:
+def _reason_without_far_field(scene: Scene, mesh: MeshSettings) -> str:
     """Why the error of the far field is not measured: half and twice of the radius of the half-disc
-    cannot both be meshed, since it is not between 4 and 500 half-widths a. "" where they can.
+    cannot both be meshed, since it is not between 4 and 500 half-widths a. "" where they can, and
+    for bodies with a size of their own, which have no far field.
     """
-    if _RANGE_OF_FAR_RADIUS[0] <= mesh.far_radius <= _RANGE_OF_FAR_RADIUS[1]:
+    can_be_meshed = _RANGE_OF_FAR_RADIUS[0] <= mesh.far_radius <= _RANGE_OF_FAR_RADIUS[1]
+    if can_be_meshed or not _has_far_field(scene):
         return ""
     return (
         f"a half-disc of radius {mesh.far_radius:g} a leaves no room for one of half and"
@@ -929,8 +938,7 @@ def _far_field_term(metric: Metric, comparison: Comparison, refinements: Refinem
     states of its value is taken to grow with the element size; `metric.stated_by_result` is that of
     the run itself.
     """
-    bodies = comparison.scene.bodies
-    if "half_plane" not in (bodies.lower.kind, bodies.upper.kind):
+    if not _has_far_field(comparison.scene):
         return Term(
             "far field", None, 0.0, "none: the bodies have a size of their own", is_bound=True
         )

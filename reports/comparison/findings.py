@@ -460,6 +460,8 @@ def _tolerance_of_key(
 ) -> float:
     """The tolerance of the value of that key. The first pattern that fits the key counts: of
     `tolerances`, then of those stored in the runs, if they are baselines, then of the defaults.
+
+    `a` and `b` are the two runs.
     """
     # _DEFAULT_TOLERANCES: (pattern, tolerance), for values that no other pattern fits
     patterns_and_tolerances = (

@@ -138,6 +138,8 @@ def _certificate(
     and a NaN as largest. It holds if that is at most `admitted_violation`. `source` is "fields"
     where the violation is computed from the fields of a solution, "record" where the engine states
     it.
+
+    `name` is that of the law, such as "tension".
     """
     worst_instant = int(np.argmax(np.where(np.isnan(violation), np.inf, violation)))
     return Certificate(

@@ -157,6 +157,9 @@ def _add_skin(plotter: Any, skin: Skin, skin_number: int, window_height: float) 
     """Add a coloured mesh to a pyvista `plotter`, and the lines between its elements where they are
     not fully transparent. Meshes of a higher `skin_number` lie nearer to the camera, by a
     thousandth of the height of the picture [length].
+
+    `skin` is the mesh with a value at each node, which gives the colour. `window_height` is the
+    height of the picture [length].
     """
     z_of_skin = 1e-3 * skin_number * window_height
     mesh = skin.grid().translate((0, 0, z_of_skin), inplace=False)
@@ -360,6 +363,8 @@ def _panel_of_mesh(
     """A panel with the element sides of both bodies in one view, and the marks of `boundaries` over
     them. `sides_by_body`: name of the body -> ends of its element sides over a_ref, (n, 2, 2). A
     page holds these lines once, in the view of number 0; further views refer to them.
+
+    `view` is the part of the plane that is shown.
     """
     left_x, bottom_y = (view.centre - view.half_size).tolist()
     right_x, top_y = (view.centre + view.half_size).tolist()
@@ -636,6 +641,8 @@ def _bodies_drawn_apart(
 def _window_around(drawn_bodies: _DrawnBodies) -> Window:
     """Left, right, bottom and top of the part of the plane [length] that holds the deformed bodies
     and the outlines, with a margin of 4 % of its width and height.
+
+    `drawn_bodies` holds both deformed meshes, and outlines (n, 2, 2) [length].
     """
     points = np.concatenate(
         [*(skin.points for skin in drawn_bodies.skins), drawn_bodies.outlines.reshape(-1, 2)]
@@ -728,6 +735,8 @@ def _strip_of_states(
 ) -> Panel:
     """A narrow panel that shows by colour where the contact is open, sticks and slips at one stored
     instant, for |x| up to `half_size` [length]. It has no axes; `name` is that of the panel.
+
+    The instant is that of `instant_index` among the stored ones.
     """
     marks = [
         *state_blocks(solution, instant_index, half_size, 0.0, 1.0),

@@ -134,6 +134,8 @@ def _label_of_row(left_end: float, lower_edge: float, label: str) -> Note:
 def _panel_of_rows(name: str, axis: Axis, n_rows: int, marks: Sequence[Mark], alt: str) -> Panel:
     """A panel of level bars along `axis`, in `n_rows` rows of height 1, which are 44 pixels high.
     `name` is that of the panel on the page; `alt` says what it shows, for readers who can't see it.
+
+    `marks` are what is drawn on it.
     """
     # _BAR_HEIGHT: height of the row of a bar [pixels]
     return broad_panel(

@@ -202,6 +202,8 @@ def _traction_curves(
     """A line at zero, and the curves of p and q of both engines over x at the first instant of
     `drawn`. With `moves_with_slider` the page's slider replaces each curve by one of the series
     "p0" and "q0" (reference), "p1" and "q1" (result) of the page's script.
+
+    `view` holds names and looks of both engines.
     """
     # `ZERO` is a line at zero; `line_css` the class of an engine's lines in the style sheet
     marks: list[Mark] = [ZERO]
@@ -221,6 +223,8 @@ def _difference_curves(
     """A line at zero, and the curves of the differences of p and q over `x` (n,), in per cent, at
     the first instant of each array (k, n). With `moves_with_slider` the page's slider replaces them
     by the series "dp" and "dq" of the page's script.
+
+    `difference_by_letter`: "p" or "q" -> difference.
     """
     marks: list[Mark] = [ZERO]
     for letter in "pq":
@@ -237,6 +241,8 @@ def _differences_in_words(
     """The sizes of the differences of p and of q at the first instant, in words: root mean square,
     largest value and its place. They count where either engine has pressure.
     `difference_by_letter`: "p" or "q" -> difference (k, n) in per cent.
+
+    `drawn` has the points and the tractions of both engines.
     """
     pressure_of_reference, pressure_of_result = drawn.pairs["p"]
     is_touching = (pressure_of_reference[0] != 0) | (pressure_of_result[0] != 0)
@@ -379,6 +385,9 @@ def _maps_of_states(view: CycleView, difference_title: str) -> list[Panel]:
     """Three panels over x and time: the contact states of the reference, those of the result, and
     where they differ. Each is a `Bitmap`, an image over the panel. `difference_title` is the title
     of the third.
+
+    `view` holds the last cycles of both solutions, with states (k instants, n points) as codes 0 to
+    3.
     """
     states_of_reference = view.reference_cycle.state
     states_of_result = view.result_cycle.state
@@ -419,6 +428,8 @@ def _table_of_states(
     """The contact states of both engines as columns, a row for each of these instants and points:
     time, x, and the state in the reference and in the result as a code. The headings explain the
     codes.
+
+    `view` holds the last cycles of both solutions, with states (k instants, n points).
     """
     grid = np.ix_(instant_indices, point_indices)
     # STATE_NAMES: code of a state -> its name, such as 1 -> "stick"
@@ -509,6 +520,8 @@ def _density_panel(
     """A panel of the friction work per area over x by both engines. Upright lines mark the ends
     `stick_edges` (2,) of the zone that always sticks (over a_ref, NaN without one). A dot marks the
     largest value of the result, at the point of index `peak_index`.
+
+    `densities` are over A f² P_ref²/a_ref, the scale of the axis. `view` holds the axis of x.
     """
     x = densities.x
     marks: list[Mark] = [
@@ -537,6 +550,8 @@ def _density_difference_panel(view: CycleView, densities: _Densities) -> Panel:
     """A panel of the difference of the friction work per area, result minus reference, over x. It
     is in per cent of the largest value of the reference, or of its unit where the reference
     dissipates nothing. A note states its size in words.
+
+    `densities` are those of both engines at the points x (n,). `view` holds the axis of x.
     """
     x = densities.x
     largest_density = float(np.nanmax(np.abs(densities.reference), initial=0.0)) or 1.0

@@ -92,6 +92,8 @@ def half_widths(view: CycleView) -> Plate:
 def _curves_of_edges(view: CycleView) -> list[Curve]:
     """Curves of the left and the right edge of contact and of stick zone over time, of the
     reference and then of the result: x over a_ref, the half-width at the reference load.
+
+    `view` holds the last cycles of both solutions.
     """
     a_ref = view.scales.half_width
     curves = []
@@ -107,6 +109,8 @@ def _curves_of_edges(view: CycleView) -> list[Curve]:
 def _table_of_edges(view: CycleView) -> Table:
     """Columns (k,) for a CSV: the time, and the left and right edge of contact and of stick zone of
     the reference and of the result [length].
+
+    `view` holds the last cycles of both solutions.
     """
     table = {"time": view.result_cycle.time}
     for role, engine in zip(("reference", "result"), view.engines, strict=True):
@@ -120,6 +124,8 @@ def _table_of_edges(view: CycleView) -> Table:
 def _panel_of_half_width_differences(view: CycleView) -> Panel:
     """A panel of the differences of the half-widths of contact and stick zone over time, result
     minus reference, in per cent of a_ref. Notes state the size of each.
+
+    `view` holds the last cycles of both solutions, and the axis of time.
     """
     a_ref = view.scales.half_width
     difference_of_zone = {}
@@ -222,7 +228,8 @@ def _judged_ratios(view: CycleView, metric: Metric, *, has_tolerances: bool) -> 
     figure has no tolerances.
 
     NaN at instants that are not judged: out of contact, or with a normal load below a tenth of the
-    reference load. There errors relative to the small traction would measure the mesh only.
+    reference load. There errors relative to the small traction would measure the mesh only. `view`
+    holds the comparison: which of its instants are judged.
     """
     unit_of_ratio = (metric.tolerance or 1.0) if has_tolerances else 0.01
     ratios = np.abs(np.asarray(metric.series)) / unit_of_ratio
@@ -234,6 +241,9 @@ def _legend_of_discrepancies(
 ) -> list[Key]:
     """Entries of the legend: name of each metric, its largest ratio with `unit_in_words` behind it,
     and the time of that, on the axis of the figure.
+
+    `view` holds the times of the figure (k,). `drawn_ratios` has a label and ratios (k,) for each
+    metric.
     """
     legend_entries = []
     # `LINE_LOOKS`: classes of lines in the style sheet, one for each metric
@@ -258,6 +268,9 @@ def _panel_of_discrepancies(
     """A panel with a curve over time for each metric. Where they are over their tolerances, a line
     across the panel marks 1, and ratios above 8 are cut off. `largest_ratio` is the largest of all
     metrics and judged instants.
+
+    `view` holds the times of the figure (k,). `drawn_ratios` has a label and ratios (k,) for each
+    metric. `has_tolerances`: whether these are over tolerances, else they are per cent.
     """
     marks: list[Mark] = []
     if has_tolerances:
@@ -329,6 +342,9 @@ def slip_histories(view: CycleView) -> Plate:
 def _panel_of_slip(view: CycleView, slip: _SlipSinceStart) -> Panel:
     """A panel of slip over time: of each point a wide line for the reference and a thin one for the
     result. Notes state the difference at the point where it is largest.
+
+    `view` holds the names of both engines and the axis of time. `slip` has a column for each point,
+    (k, n_points) [length].
     """
     unit_of_length = units(view.scene)[1]
     slips = (slip.reference, slip.result)
@@ -366,6 +382,8 @@ def _panel_of_slip(view: CycleView, slip: _SlipSinceStart) -> Panel:
 def _table_of_slip(view: CycleView, slip: _SlipSinceStart) -> Table:
     """Columns (k,) for a CSV: the time, and the slip of each point since the start of the cycle, by
     both engines [length]. The headings state the x of the point and the unit.
+
+    `view` holds the times (k,) and the points of the result.
     """
     unit_of_length = units(view.scene)[1]
     table = {"time": view.result_cycle.time}
@@ -463,6 +481,9 @@ def load_path(view: CycleView) -> Plate:
 def _panel_of_path(view: CycleView, parts: Sequence[_PathPart]) -> Panel:
     """A panel of Q over P: the Coulomb limit |Q| = f P, initial loading and cycle (`parts`), dots
     with numbers at chosen instants, and a ring that the page's slider moves along the cycle.
+
+    `view` holds the last cycle of the result, the instants that have a number in figures, and the
+    index of that shown first.
     """
     scene = view.comparison.result.scene
     friction_coefficient = scene.friction.coefficient
@@ -764,6 +785,8 @@ def _panels_of_loops(view: CycleView) -> list[Panel]:
     """Panels of the loops through the cycle by both engines: Q over the tangential displacement U,
     and Q over V = U − k Q, k the mean slope dU/dQ. Under bulk stress a third has the moment of the
     shear over the bulk strain: the friction work is not the area of one loop alone then.
+
+    `view` holds the last cycles of both solutions.
     """
     cycles = (view.reference_cycle, view.result_cycle)
     _, unit_of_length, _ = units(view.scene)
@@ -856,7 +879,7 @@ def _difference_of_loops_in_words(
 
     `displacements` are those of the reference and of the result, (k,) each; `letter` is "U", or "V"
     for the displacement without its elastic part. "" for U that the engines count from two
-    different points.
+    different points. `view` holds the comparison and the last cycles of both solutions.
     """
     if letter == "U" and view.comparison.lacks_common_datum:
         return ""

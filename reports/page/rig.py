@@ -379,6 +379,9 @@ def _panel_of_force(rig_motion: RigMotion) -> Panel:
     """A panel of the tangential load Q of a rig over time, between the limits of friction ±f P.
     Rectangles behind the curves show by colour what the contact does: stick, partial slip, sliding
     forward or back as a whole, apart.
+
+    `rig_motion` holds times and loads (k,) at the shown instants, and the intervals of each kind of
+    motion.
     """
     time = rig_motion.time
     friction_limit = rig_motion.scene.friction.coefficient * rig_motion.normal_load
@@ -424,6 +427,8 @@ def _panel_of_displacement(rig_motion: RigMotion, curves: Sequence[Curve]) -> Pa
 def _table_over_time(rig_motion: RigMotion) -> Table:
     """Columns for a CSV, a row for each shown instant of a rig: time, Q, f P, the slip of the
     middle of the contact, and what the contact did in the step that ended then, in words.
+
+    `rig_motion` holds what the rig and its contact do at the shown instants, by one engine.
     """
     unit_of_length = units(rig_motion.scene)[1]
     unit_of_load = load_unit(rig_motion.scene)
@@ -483,6 +488,8 @@ def _rows_of_motions(rig_motion: RigMotion) -> Iterator[tuple[str, str]]:
     """Rows (kind of motion, value) on what the contact of a rig does: for each kind of motion that
     occurs, such as stick or partial slip, the part of the time in it. Where the bodies slide
     forward or back as a whole, the distance follows.
+
+    `rig_motion` states, for a kind of motion, the fraction of the time in it and the distance slid.
     """
     unit_of_length = units(rig_motion.scene)[1]
     for kind_of_motion in Motion:

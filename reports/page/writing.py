@@ -482,6 +482,8 @@ def _series_of_slider(
     names in the page's script: t; Q0, U0, V0 of the reference; P, Q, U1, V1 of the result.
 
     U is the tangential displacement. V is U without its elastic part: Q over V is a wide loop.
+    `view` holds the last cycles of both solutions at all instants. `instant_indices` (m,) are those
+    of the slider.
     """
     reference_cycle = view.reference_cycle
     result_cycle = view.result_cycle
