@@ -198,57 +198,77 @@ def _run_values_of_kind(kind: str, content: Mapping[str, Any], source: str) -> V
     "solution"), with the engines that made them. A key of a value is "metric.dissipation" or
     "semi_analytic.counts.steps_solved", for example.
 
-    A baseline also holds tolerances: pattern of keys -> largest admitted difference. Settings and
-    versions are those of each engine. Sentences name the engines that did not converge.
+    Settings and versions are those of each engine. Sentences name the engines that did not
+    converge. `source` is the file or folder as the user named it.
 
     An absent entry, or one of the wrong kind, raises KeyError, TypeError, ValueError or
     AttributeError.
     """
     scene = Scene.model_validate(content["scene"])
-    values_by_key: dict[str, float | None] = {}
-    tolerances: dict[str, float] = {}
-    engines: dict[str, Mapping[str, Any]] = {}
-    # name of an engine, or its role ("reference", "result") -> content of its solution
-    solutions: dict[str, Mapping[str, Any]] = {}
-    failures: list[str] = []
     if kind == "baseline":
-        values_by_key = {
-            str(key): _number_or_none(value) for key, value in content["figures"].items()
-        }
-        tolerances = {str(key): float(value) for key, value in content["tolerances"].items()}
-        engines = {
-            str(key): _settings_and_versions(value) for key, value in content["engines"].items()
-        }
-    elif kind == "comparison":
-        for key, metric in content["metrics"].items():
-            values_by_key[f"metric.{key}"] = _number_or_none(metric["value"])
-            # JSON has no NaN: without this entry NaN and "no value" would look alike.
-            if not metric["finite"]:
-                values_by_key[f"metric.{key}.finite"] = 0.0
+        return _values_of_baseline(content, scene, source)
+    # name of an engine, or its role ("reference", "result") -> content of its solution
+    contents_by_name: dict[str, Mapping[str, Any]] = {}
+    values_by_key: dict[str, float | None] = {}
+    if kind == "comparison":
+        values_by_key |= _values_of_metrics(content["metrics"])
         has_same_engine = content["reference"]["engine"] == content["result"]["engine"]
         for role in ("reference", "result"):
             name = role if has_same_engine else _key_without_blanks(content[role]["engine"])
-            solutions[name] = content[role]
+            contents_by_name[name] = content[role]
     else:
-        solutions = {_key_without_blanks(content["engine"]): content}
-    for name, solution in solutions.items():
-        # dissipation, largest pressure, ...; those of bulk stress and tilt where the file has them
-        keys = (
-            *_KEYS_OF_SOLUTION,
-            *(key for key in NAMES_OF_UNSYMMETRIC_VALUES if key in solution),
-        )
-        values_by_key |= {f"{name}.{key}": _number_or_none(solution[key]) for key in keys}
-        # such as "steps solved": counts that only a change of the code can move
-        counts = solution["counts"]
-        values_by_key |= {
-            f"{name}.counts.{_key_without_blanks(key)}": _number_or_none(counts[key])
-            for key in NAMES_OF_COUNTS
-            if key in counts
-        }
-        engines[name] = _settings_and_versions(solution)
-        if not solution["converged"]:
-            failures.append(f"{name}: {solution['message']}")
-    return ValuesOfRun(source, scene, values_by_key, engines, tuple(failures), tolerances)
+        contents_by_name[_key_without_blanks(content["engine"])] = content
+    engines: dict[str, Mapping[str, Any]] = {}
+    failures: list[str] = []
+    for name, content_of_solution in contents_by_name.items():
+        values_by_key |= _values_of_solution(name, content_of_solution)
+        engines[name] = _settings_and_versions(content_of_solution)
+        if not content_of_solution["converged"]:
+            failures.append(f"{name}: {content_of_solution['message']}")
+    return ValuesOfRun(source, scene, values_by_key, engines, tuple(failures))
+
+
+def _values_of_baseline(content: Mapping[str, Any], scene: Scene, source: str) -> ValuesOfRun:
+    """The values in the content of a baseline, with the settings and versions of its engines and
+    its tolerances: pattern of keys -> largest admitted difference.
+    """
+    values_by_key = {str(key): _number_or_none(value) for key, value in content["figures"].items()}
+    tolerances = {str(key): float(value) for key, value in content["tolerances"].items()}
+    engines = {str(key): _settings_and_versions(value) for key, value in content["engines"].items()}
+    return ValuesOfRun(source, scene, values_by_key, engines, tolerances=tolerances)
+
+
+def _values_of_metrics(metrics: Mapping[str, Any]) -> dict[str, float | None]:
+    """The values of the metrics in comparison.json by keys such as "metric.dissipation". A value
+    that is not finite has a second entry, "metric.dissipation.finite": JSON has no NaN, so that NaN
+    and "no value" would look alike.
+    """
+    values_by_key: dict[str, float | None] = {}
+    for key, metric in metrics.items():
+        values_by_key[f"metric.{key}"] = _number_or_none(metric["value"])
+        if not metric["finite"]:
+            values_by_key[f"metric.{key}.finite"] = 0.0
+    return values_by_key
+
+
+def _values_of_solution(
+    name: str, content_of_solution: Mapping[str, Any]
+) -> dict[str, float | None]:
+    """The values of one solution by keys that begin with `name`, that of its engine or its role:
+    dissipation, largest pressure, ...; those of bulk stress and tilt where the file has them; and
+    counts of the work, such as "steps solved", which only a change of the code can move.
+    """
+    keys = (
+        *_KEYS_OF_SOLUTION,
+        *(key for key in NAMES_OF_UNSYMMETRIC_VALUES if key in content_of_solution),
+    )
+    values_by_key = {f"{name}.{key}": _number_or_none(content_of_solution[key]) for key in keys}
+    work_counts = content_of_solution["counts"]
+    return values_by_key | {
+        f"{name}.counts.{_key_without_blanks(key)}": _number_or_none(work_counts[key])
+        for key in NAMES_OF_COUNTS
+        if key in work_counts
+    }
 
 
 def run_values_of_solution(solution: ContactSolution, source: str) -> ValuesOfRun:

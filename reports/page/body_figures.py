@@ -516,10 +516,10 @@ def _marks_of_loads(frame: Frame, scene: Scene, outlines: dict[str, Array]) -> I
     outlines
         (n, 2) outline of each body, by "lower" and "upper" [length]
     """
-    load_name = scene.load
+    load_record = scene.load
     y_of_top = float(frame.y.pixels_of(outlines["upper"][:, 1].max())) - 8  # [pixels, downwards]
     y_of_contact = float(frame.y.pixels_of(0.0))
-    line_of_action = load_name.line_of_action
+    line_of_action = load_record.line_of_action
     x_of_action = frame.x.pixels_of(line_of_action.x if line_of_action else 0.0)
     # within the drawing; the caption says where the line of action is
     x_of_arrow = float(np.clip(x_of_action, 80.0, frame.width - 80.0))
@@ -536,25 +536,25 @@ def _marks_of_loads(frame: Frame, scene: Scene, outlines: dict[str, Array]) -> I
         yield Note(x_of_arrow + 63, y_of_top - 3, "Q", "load")
     # A positive tilt opens the gap at x > 0; a positive moment presses there, and so turns the
     # other way.
-    if load_name.tilt is not None:
+    if load_record.tilt is not None:
         yield from _turning_arrow((x_of_arrow - 48.0, y_of_top - 17.0), 1.0, "α")
-    elif load_name.moment is not None:
+    elif load_record.moment is not None:
         yield from _turning_arrow((x_of_arrow - 48.0, y_of_top - 17.0), -1.0, "M")
     for name, stress in (
-        ("lower", load_name.bulk_stress_lower),
-        ("upper", load_name.bulk_stress_upper),
+        ("lower", load_record.bulk_stress_lower),
+        ("upper", load_record.bulk_stress_upper),
     ):
         if stress is not None:
             yield from _bulk_arrows(frame, outlines[name])
 
 
-def _turning_arrow(middle: tuple[float, float], turn: float, letter: str) -> Iterator[Mark]:
-    """An arrow along an arc about `middle` [pixels], with its letter there; `turn` is 1
+def _turning_arrow(middle: tuple[float, float], turning_sign: float, letter: str) -> Iterator[Mark]:
+    """An arrow along an arc about `middle` [pixels], with its letter there; `turning_sign` is 1
     counter-clockwise, -1 clockwise.
     """
     x, y = middle
     angle = np.linspace(-0.2, 1.2, 29) * np.pi
-    arc_x = x + turn * 18 * np.cos(angle)
+    arc_x = x + turning_sign * 18 * np.cos(angle)
     arc_y = y - 18 * np.sin(angle)
     yield Curve(arc_x[:-3], arc_y[:-3], "arrow")
     yield Arrow((arc_x[-8], arc_y[-8]), (arc_x[-1], arc_y[-1]))
