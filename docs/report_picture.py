@@ -101,7 +101,7 @@ def narrow(plate: Plate) -> Plate:
     first, *others = stack
     panels = [replace(first, width=WIDTH, title=INSTANT if first.title else "")]
     panels += [replace(panel, width=WIDTH) for panel in others]
-    return replace(plate, panels=(Cell(tuple(panels), None),), columns=1)
+    return replace(plate, panels=(Cell(tuple(panels), None),), n_columns=1)
 
 
 def main() -> None:

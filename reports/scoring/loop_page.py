@@ -138,12 +138,12 @@ def _figures(score: LoopScore) -> tuple[Plate, ...]:
             score.share_of_cycle, score.share_of_cycle, score.displacement, score.load, residuals
         )
     )
-    # fewest and most rows of a mean, number of means; columns: figures beside each other
+    # fewest and most rows of a mean, number of means; n_columns: figures beside each other
     caption_numbers: dict[str, Any] = {
         "fewest": f"{means.row_counts.min():.0f}",
         "most": f"{means.row_counts.max():.0f}",
         "parts": len(means.row_counts),
-        "columns": 1,
+        "n_columns": 1,
     }
     return (
         _figure_of_loop(score, means, caption_numbers),
