@@ -330,7 +330,7 @@ def _request_of(
         needs_points = question.wants_pointwise or question.wants("dissipation_density")
         x = (
             _points_of(contact, path.largest_load)
-            if needs_points or not path.is_long_record
+            if needs_points or not path.is_long_measurement
             else np.zeros(1)
         )
     if bulk_tilt_path is None:
@@ -672,7 +672,7 @@ class _SeriesSums:
         n_slips = int(np.count_nonzero(block.records.direction))
         n_steps = len(block.rows) - 1
         # pieces of the curve at the end of the block
-        pieces_after = line_count_of(block.curve)
+        pieces_after = line_count_of(block.curve_at_end)
         self.counts["spans"] += n_records
         self.counts["slips"] += n_slips
         self.counts["slip_quadratures"] += integrals_per_record * n_slips
@@ -903,13 +903,13 @@ def _follow_part(
         part_number, covered_parts
     )
     # pieces of the memory curve, the tangential force carried up to each load
-    pieces_before = line_count_of(part.curve)
+    pieces_before = line_count_of(part.curve_at_begin)
     for first_row, block in blocks_of_part(part, series.friction, states.stores_curves):
         first_step = series.first_steps[part_number] + first_row
         states.add(block, *instants.within(first_step, len(block.rows) - 1))
         path_sums.update_slip_zone_share(block, part_number, part)
         path_sums.count_block(block, wanted_integrals.count_per_record, pieces_before)
-        pieces_before = line_count_of(block.curve)
+        pieces_before = line_count_of(block.curve_at_end)
         path_sums.add_block(
             block, part_number, first_step, wanted_integrals, request, series.friction
         )

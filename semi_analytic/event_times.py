@@ -232,8 +232,8 @@ def _same_piece(first_piece: Curve, second_piece: Curve) -> bool:
     if first_piece is None or second_piece is None:
         return first_piece is second_piece
     if (
-        first_piece.arc is not None
-        and second_piece.arc is not None
+        first_piece.arc_times is not None
+        and second_piece.arc_times is not None
         and first_piece.anchor.segment is second_piece.anchor.segment
     ):
         return True  # an arc that a cycle starts in comes in two pieces

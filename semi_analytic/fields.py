@@ -159,12 +159,12 @@ class ArcIntegrals:
         kernel
             "shear", "slip" or "shift" (displacement)
         piece
-            piece of the memory curve with the arc: `arc` are times of its ends on the load segment
-            of `anchor`, the instant at which the arc was made
+            piece of the memory curve with the arc: `arc_times` are times of its ends on the load
+            segment of `anchor`, the instant at which the arc was made
         x
             (k,) distances from the middle; not used for the displacement
         """
-        assert piece.arc is not None  # for the type checker: only called for arcs
+        assert piece.arc_times is not None  # for the type checker: only called for arcs
         self._contact = contact
         self._kernel = kernel
         self._segment = piece.anchor.segment
@@ -176,7 +176,7 @@ class ArcIntegrals:
         self._kernel_factor = 1 / math.pi if kernel == "shear" else 1.0
 
         # The anchor is the instant at the end of the arc, before any of it was cut off.
-        first_time = piece.arc[0]
+        first_time = piece.arc_times[0]
         last_time = piece.anchor.time
         # Turning point of P at, or just beyond, each end of the arc.
         self._turn_at_begin = _turning_point(self._segment, first_time, last_time)
@@ -494,8 +494,8 @@ def _first_panel_ends(piece: Piece, corner_loads: Array) -> Array:
     times of its ends, `anchor` is the instant at the end before any of the arc was cut off.
     `corner_loads` are those at which the edge of contact is at a corner.
     """
-    assert piece.arc is not None  # for the type checker: only called for arcs
-    first_time = piece.arc[0]
+    assert piece.arc_times is not None  # for the type checker: only called for arcs
+    first_time = piece.arc_times[0]
     last_time = piece.anchor.time
     loads_within_arc = corner_loads[
         (corner_loads > piece.bottom_load) & (corner_loads < piece.anchor.normal_load)
@@ -1088,10 +1088,10 @@ class KernelIntegrals:
         integrals: list[Array | float] = [0.0] * len(pieces_and_edge_loads)
         pieces_of_arc: dict[tuple[int, float, float], list[tuple[int, Piece]]] = {}
         for pair_number, (piece, upper_load) in enumerate(pieces_and_edge_loads):
-            # anchor: instant at the end of the arc before any of it was cut off; arc: times of the
-            # ends of what is left, on the load segment.
-            if isinstance(piece, Piece) and piece.arc is not None:
-                arc_key = (id(piece.anchor.segment), piece.arc[0], piece.anchor.time)
+            # anchor: instant at the end of the arc before any of it was cut off; arc_times: times
+            # of the ends of what is left, on the load segment.
+            if isinstance(piece, Piece) and piece.arc_times is not None:
+                arc_key = (id(piece.anchor.segment), piece.arc_times[0], piece.anchor.time)
                 pieces_of_arc.setdefault(arc_key, []).append((pair_number, piece))
             elif piece.bend:
                 integrals[pair_number] = self._parabola_integral(piece, upper_load)

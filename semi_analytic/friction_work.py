@@ -431,7 +431,7 @@ def has_uneven_edges(contact: Contact, span: Span) -> bool:
         return True
     if span.segment.ellipse is not None:
         return False
-    if span.sticking_piece is not None and span.sticking_piece.arc is not None:
+    if span.sticking_piece is not None and span.sticking_piece.arc_times is not None:
         return True
     # no formula: neither straight nor with P linear in time and Q(P) a parabola
     return not (span.segment.is_straight or span.segment.slope_and_bend(span.segment.end))

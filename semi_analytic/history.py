@@ -612,7 +612,7 @@ class _ForceAbovePiece:
     @property
     def is_line(self) -> bool:
         """Whether the piece is straight: no arc, and no `bend`, half of d2M/d eta2."""
-        return self.piece.arc is None and self.piece.bend == 0
+        return self.piece.arc_times is None and self.piece.bend == 0
 
     @property
     def along_line(self) -> Combination:
@@ -642,7 +642,7 @@ class _ForceAbovePiece:
         # _SAMPLES_OF_CURVED_PIECE: 33
         n_samples = 3 if self.is_line else _SAMPLES_OF_CURVED_PIECE
         turning_times: Sequence[float] = []
-        if self.piece.arc is None:
+        if self.piece.arc_times is None:
             turning_times = self.segment.turning_points(self.along_line)
         turning_times_inside = [time for time in turning_times if begin < time < end]
         return np.unique([*np.linspace(begin, end, n_samples), *turning_times_inside])
@@ -706,15 +706,15 @@ class History:
         return self.period is not None
 
     @property
-    def is_long_record(self) -> bool:
-        """False: a curved path is no measured record, which would be answered at its rows."""
+    def is_long_measurement(self) -> bool:
+        """False: a curved path is no measured series, which would be answered at its rows."""
         return False
 
     def default_times(self, last_cycle_only: bool, _thinned: bool = False) -> tuple[Array, int]:
         """Instants of the answer where the user gives none, ascending: about 400 a cycle and 100 of
         the initial loading, evenly spread over each time span of stick or slip, with its ends.
 
-        With them 0, the number of rows of a measured record that are left out: a curved path has no
+        With them 0, the number of rows of a measured series that are left out: a curved path has no
         rows. With `last_cycle_only` only the last of the `cycles` counts. A span's `delay` is how
         much later it is than its segment.
         """

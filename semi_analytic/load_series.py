@@ -61,7 +61,7 @@ _ON_CURVE_FORCE_SHARE = 8e-15
 _SLOPE_ROUNDOFF_SHARE = 1e-15
 # Steps that are followed at a time.
 _STEPS_AT_ONCE = 10_000
-# Rows of a measured record beyond which it is answered at its own rows, with pointwise fields at
+# Rows of a measured series beyond which it is answered at its own rows, with pointwise fields at
 # about so many of them.
 _ROWS_OF_SHORT_RECORD = 1000
 _ROWS_OF_THINNED_ANSWER = 400
@@ -110,7 +110,7 @@ class Line(NamedTuple):
         return 0.0
 
     @property
-    def arc(self) -> None:
+    def arc_times(self) -> None:
         """None: a line is no arc of a curved load path."""
         return
 
@@ -724,15 +724,15 @@ class StepBlock(NamedTuple):
     """What load steps between rows of P and Q (n + 1, 2) leave: records of their parts (m,), and
     the line of the memory curve that each goes through, as numbers and, where wanted, as `lines`.
 
-    `curve` is the memory curve at the last row, `largest_line_count` the largest number of lines
-    that it had.
+    `curve_at_end` is the memory curve at the last row, `largest_line_count` the largest number of
+    lines that it had.
     """
 
     rows: Array
     records: Records
     line_table: LineTable
     lines: list[Line | None]
-    curve: Line | None
+    curve_at_end: Line | None
     largest_line_count: int
 
     @property
@@ -781,7 +781,7 @@ def follow(
         records=recorder.records().with_stick_edge_in_contact(),
         line_table=recorder.line_table(),
         lines=recorder.lines,
-        curve=curve,
+        curve_at_end=curve,
         largest_line_count=largest_line_count,
     )
 
@@ -875,7 +875,7 @@ class PathPart(NamedTuple):
 
     rows: Array
     delay: float
-    curve: Line | None = None
+    curve_at_begin: Line | None = None
 
     @property
     def largest_load(self) -> float:
@@ -912,7 +912,7 @@ class LoadSeries:
         is a copy of
     repeats
         whether cycles after the steady one are copies
-    is_long_record
+    is_long_measurement
         whether it is a measured series of more than 1,000 rows, which is answered at its rows
     """
 
@@ -923,7 +923,7 @@ class LoadSeries:
     period: float | None = None
     covered: tuple[int, ...] = (0,)
     repeats: bool = False
-    is_long_record: bool = False
+    is_long_measurement: bool = False
 
     @property
     def cycles(self) -> tuple[PathPart, ...]:
@@ -955,14 +955,14 @@ class LoadSeries:
         """Instants of the answer where the user gives none, ascending, and the number of rows that
         are left out of them.
 
-        Of a measured path of more than 1,000 rows, `is_long_record`, the instants are all rows, or
-        about 400 of them if `thinned`. Else they are about 400 a cycle and 100 of the initial
-        loading, evenly spread over the portions of the load steps. With `last_cycle_only` only the
-        last part of the path counts. `first_steps` is the number of the first step of each part,
-        `times` are those of all rows.
+        Of a measured path of more than 1,000 rows, `is_long_measurement`, the instants are all
+        rows, or about 400 of them if `thinned`. Else they are about 400 a cycle and 100 of the
+        initial loading, evenly spread over the portions of the load steps. With `last_cycle_only`
+        only the last part of the path counts. `first_steps` is the number of the first step of each
+        part, `times` are those of all rows.
         """
         first_part = len(self.parts) - 1 if last_cycle_only else 0
-        if self.is_long_record:
+        if self.is_long_measurement:
             row_times = self.times[self.first_steps[first_part] :]
             stride = max(len(row_times) // _ROWS_OF_THINNED_ANSWER, 1) if thinned else 1
             times_of_answer = np.unique(np.append(row_times[::stride], row_times[-1]))
@@ -982,7 +982,7 @@ class LoadSeries:
         at its first row.
         """
         part = self.parts[part_number]
-        portions = follow(part.curve, part.rows[:, 1:], self.friction).records
+        portions = follow(part.curve_at_begin, part.rows[:, 1:], self.friction).records
         row_times = self.times[self.first_steps[part_number] :]
         step_begin = row_times[portions.step_number]
         step_end = row_times[portions.step_number + 1]
@@ -1056,8 +1056,8 @@ def series_of(scene: Scene, time: Array | None) -> LoadSeries:
     """
     friction_coefficient = scene.friction.coefficient
     loading, cycle = _rows_of_loading_and_cycle(scene)
-    # _ROWS_OF_SHORT_RECORD: 1000 rows of a measured record
-    is_long_record = (
+    # _ROWS_OF_SHORT_RECORD: 1000 rows of a measured series
+    is_long_measurement = (
         isinstance(scene.load, TimeSeriesLoad)
         and len(scene.load.kept_rows()) > _ROWS_OF_SHORT_RECORD
     )
@@ -1065,7 +1065,7 @@ def series_of(scene: Scene, time: Array | None) -> LoadSeries:
     require_admissible_rows(loading, friction_coefficient)
     if not len(cycle):
         series = _one_way_series(friction_coefficient, loading)
-        return replace(series, is_long_record=is_long_record)
+        return replace(series, is_long_measurement=is_long_measurement)
     require_admissible_rows(cycle, friction_coefficient)
 
     # number of cycles to follow at most, and of whole cycles up to the last instant
@@ -1076,15 +1076,15 @@ def series_of(scene: Scene, time: Array | None) -> LoadSeries:
     series = _follow_cycles(
         friction_coefficient, PathPart(loading, 0.0), cycle_parts, period, n_whole_cycles
     )
-    return replace(series, is_long_record=is_long_record)
+    return replace(series, is_long_measurement=is_long_measurement)
 
 
 def _rows_of_loading_and_cycle(scene: Scene) -> tuple[Array, Array]:
     """Rows of time, P and Q of the initial loading, (n, 3), and of one cycle, (m, 3), of a scene
     whose load path is straight between them; (0, 3) where it has none.
 
-    A measured record gives its rows as they are, since a load segment for each of a million would
-    take a gigabyte. A record that repeats is loaded from the first row to the second, where the
+    A measured series gives its rows as they are, since a load segment for each of a million would
+    take a gigabyte. A series that repeats is loaded from the first row to the second, where the
     cycle begins.
     """
     load_record = scene.load
@@ -1245,14 +1245,14 @@ def _follow_cycles(
     curve = None
     # blocks of 10,000 steps at most; each ends with a memory curve
     for _, block in blocks_of_part(loading, friction):
-        curve = block.curve
+        curve = block.curve_at_end
     for cycle in cycle_parts:
         curve_at_begin = curve
-        followed_cycle = cycle._replace(curve=curve_at_begin)
+        followed_cycle = cycle._replace(curve_at_begin=curve_at_begin)
         followed_cycles.append(followed_cycle)
         largest_slip_zone_load = 0.0
         for _, block in blocks_of_part(followed_cycle, friction):
-            curve = block.curve
+            curve = block.curve_at_end
             largest_slip_zone_load = max(largest_slip_zone_load, block.largest_slip_zone_load)
         # Where less slips in a cycle its memory curves must agree more closely: the tolerance
         # follows from the largest P - P_c over the largest P, P_c the load at the stick edge.
@@ -1291,7 +1291,7 @@ def blocks_of_part(
     a portion of a step in which the stick edge moves along one line of it. Where `stores_curves`,
     blocks also hold the memory curve of each record.
     """
-    curve = part.curve
+    curve = part.curve_at_begin
     for first_row in range(0, len(part.rows) - 1, _STEPS_AT_ONCE):
         block = follow(
             curve,
@@ -1300,7 +1300,7 @@ def blocks_of_part(
             stores_curves,
         )
         yield first_row, block
-        curve = block.curve
+        curve = block.curve_at_end
 
 
 class _StateColumns(NamedTuple):

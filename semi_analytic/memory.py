@@ -124,7 +124,7 @@ class CurvePart(Protocol):
         """Half of d2M/d eta2 [thickness per force]."""
 
     @property
-    def arc(self) -> tuple[float, float] | None:
+    def arc_times(self) -> tuple[float, float] | None:
         """Times at the lower and the upper end of an arc, else None."""
 
     def slope_at(self, eta: Array) -> Array:
@@ -144,7 +144,7 @@ class Piece(NamedTuple):
         the instant of the load path at which the piece was made; M and eta are measured from there
     slope, bend
         dM/d eta at the anchor, and half of d2M/d eta2; not used for an arc
-    arc
+    arc_times
         (first, last) times on the anchor's load segment at the lower and the upper end of an arc,
         else None
     """
@@ -154,7 +154,7 @@ class Piece(NamedTuple):
     anchor: Instant
     slope: float
     bend: float = 0.0
-    arc: tuple[float, float] | None = None
+    arc_times: tuple[float, float] | None = None
 
     @property
     def bottom_load(self) -> float:
@@ -164,16 +164,18 @@ class Piece(NamedTuple):
     @property
     def straight_slope(self) -> float:
         """dM/d eta of a line; of a parabola, extended to eta = 0; 0 for an arc."""
-        return self.slope - 2 * self.bend * self.anchor.normal_load if self.arc is None else 0.0
+        return (
+            self.slope - 2 * self.bend * self.anchor.normal_load if self.arc_times is None else 0.0
+        )
 
     def slope_at(self, eta: Array) -> Array:
         """dM/d eta of the memory curve's piece at loads eta (n,): (n,), M(eta) the tangential force
         of the flat punches up to the load eta. On an arc it is dQ/dP of the load path, taken as 0
         where both loads turn at once. `anchor` is the instant (P as `normal_load`) from which the
-        piece is measured; `slope` is dM/d eta there, `bend` half of d2M/d eta2. `arc` is None but
-        for an arc. `time_of_load_on_arc` gives the time of the load path at which P was eta.
+        piece is measured; `slope` is dM/d eta there, `bend` half of d2M/d eta2. `arc_times` is None
+        but for an arc. `time_of_load_on_arc` gives the time of the load path at which P was eta.
         """
-        if self.arc is None:
+        if self.arc_times is None:
             return self.slope + 2 * self.bend * (eta - self.anchor.normal_load)
         # dP/dt and dQ/dt of the path at which it had P = eta
         normal_rate, tangential_rate = self.anchor.segment.rates(time_of_load_on_arc(self, eta))
@@ -203,7 +205,7 @@ def force_on_piece(piece: Piece, eta: ArrayLike) -> Array:
     dM/d eta at the anchor, `bend` half of d2M/d eta2.
     """
     load_from_anchor = np.asarray(eta, dtype=float) - piece.anchor.normal_load
-    if piece.arc is None:
+    if piece.arc_times is None:
         return (
             piece.anchor.tangential_load
             + (piece.slope + piece.bend * load_from_anchor) * load_from_anchor
@@ -217,8 +219,8 @@ def _times_of_arc(piece: Piece) -> tuple[float, float]:
     """Times at both ends of a piece's arc as it was made, before unloading shortened it: begin and
     end on the load segment of its anchor.
     """
-    assert piece.arc is not None  # for the type checker: only called for arcs
-    return piece.arc[0], piece.anchor.time
+    assert piece.arc_times is not None  # for the type checker: only called for arcs
+    return piece.arc_times[0], piece.anchor.time
 
 
 def time_of_load_on_arc(piece: Piece, load: ArrayLike) -> Array:
@@ -272,10 +274,12 @@ def unload_to(curve: Curve, load: float) -> Curve:
         curve = curve.curve_below
     if curve is None or curve.top_load <= load:
         return curve
-    if curve.arc is None:
+    if curve.arc_times is None:
         return curve._replace(top_load=load)
-    arc_begin, _ = curve.arc
-    return curve._replace(top_load=load, arc=(arc_begin, float(time_of_load_on_arc(curve, load))))
+    arc_begin, _ = curve.arc_times
+    return curve._replace(
+        top_load=load, arc_times=(arc_begin, float(time_of_load_on_arc(curve, load)))
+    )
 
 
 def load_in_stick(curve: Curve, segment: LoadSegment, begin: float, end: Instant) -> Piece:
@@ -295,7 +299,7 @@ def load_in_stick(curve: Curve, segment: LoadSegment, begin: float, end: Instant
     # dQ/dP and half of d2Q/dP2 of the path; None where Q(P) is no straight line or parabola
     slope_and_bend = segment.slope_and_bend(end.time)
     if slope_and_bend is None:
-        return Piece(curve, end.normal_load, end, slope=0.0, arc=(begin, end.time))
+        return Piece(curve, end.normal_load, end, slope=0.0, arc_times=(begin, end.time))
     slope, bend = slope_and_bend
     return Piece(curve, end.normal_load, end, slope, bend)
 
@@ -341,8 +345,8 @@ def is_at_coulomb_limit(piece: Piece, direction: int, friction: float) -> bool:
     """Whether a piece of the memory curve is at the Coulomb limit in the `direction` s of slip:
     dM/d eta = s f (its `slope`), so that q = s f p there; f is `friction`, M(eta) the tangential
     force of the flat punches up to the load eta. Slip in that direction passes it at once. Only a
-    straight piece can be: `bend` 0 (half of d2M/d eta2), and no `arc`, a curved part of the load
-    path.
+    straight piece can be: `bend` 0 (half of d2M/d eta2), and no arc (`arc_times` None), a curved
+    part of the load path.
 
     >>> from scenes import StraightSegment
     >>> segment = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
@@ -354,7 +358,7 @@ def is_at_coulomb_limit(piece: Piece, direction: int, friction: float) -> bool:
     ... )
     (True, False, False)
     """
-    return piece.arc is None and piece.bend == 0 and piece.slope == direction * friction
+    return piece.arc_times is None and piece.bend == 0 and piece.slope == direction * friction
 
 
 def slip_combination_on_piece(
@@ -365,11 +369,11 @@ def slip_combination_on_piece(
     force of the flat punches up to the load eta.
 
     `anchor` is the instant of the load path at which the piece was made. There dM/d eta is `slope`,
-    `bend` half of d2M/d eta2. An `arc` is a curved part of the load path, passed in full stick;
-    there M and eta are Q and P of the path, and `change_of` gives the change of s Q - f P. The
-    stick edge is at eta when the path's s Q - f P has changed as much since the anchor.
+    `bend` half of d2M/d eta2. An arc, with `arc_times`, is a curved part of the load path, passed
+    in full stick; there M and eta are Q and P of the path, and `change_of` gives the change of s Q
+    - f P. The stick edge is at eta when the path's s Q - f P has changed as much since the anchor.
     """
-    if piece.arc is not None:
+    if piece.arc_times is not None:
         return piece.anchor.segment.change_of(
             slip_combination(direction, friction),
             time_of_load_on_arc(piece, eta),
@@ -402,7 +406,7 @@ def load_of_slip_zone(
     0.6
     """
     # an arc: a curved part of the load path, passed in full stick
-    if piece.arc is not None:
+    if piece.arc_times is not None:
         return _load_of_slip_zone_on_arc(piece, direction, friction, segment, time)
     # f - s slope: how far the slope is from the Coulomb limit
     coulomb_margin = friction - direction * piece.slope

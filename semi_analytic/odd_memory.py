@@ -582,11 +582,11 @@ def _slope_derivative(piece: Piece, eta: Array) -> Array:
     is found by central differences in time; it is 0 on an arc without duration, which round-off may
     leave. The memory curve M(eta) is the tangential force of the flat punches up to the load eta.
     """
-    if piece.arc is None:
+    if piece.arc_times is None:
         # bend: half of d2M/d eta2.
         return np.full(np.shape(eta), 2 * piece.bend)
-    # arc: times of both ends of the arc on the load segment that was passed in stick
-    first_time, last_time = piece.arc
+    # arc_times: times of both ends of the arc on the load segment that was passed in stick
+    first_time, last_time = piece.arc_times
     if first_time == last_time:
         return np.zeros(np.shape(eta))
     segment = piece.anchor.segment

@@ -835,7 +835,7 @@ def _slope_of_piece(piece: CurvePart, friction: float) -> Slope:
     """Slope M'(eta) on a piece of the memory curve M, the tangential force of the flat punches up
     to the load eta; |M'| <= f.
     """
-    if piece.arc is None:
+    if piece.arc_times is None:
         return piece.slope_at
     return lambda eta: np.asarray(np.clip(piece.slope_at(eta), -friction, friction))
 

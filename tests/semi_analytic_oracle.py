@@ -252,7 +252,7 @@ def _slope_on(piece):
     """M' as a function of eta on a piece of the engine's curve."""
     leg = piece.anchor.segment
     anchor = LONG(piece.anchor.normal_load)
-    if piece.arc is None:
+    if piece.arc_times is None:
         return lambda eta: LONG(piece.slope) + 2 * LONG(piece.bend) * (eta - anchor)
     if leg.ellipse:
         p0, p1, q1 = (LONG(v) for v in (leg.mean[0], *leg.ellipse.amplitude))
@@ -272,7 +272,7 @@ def _slope_on(piece):
 
     def slope(eta):
         """Q'/P' at the time on the arc at which P = eta."""
-        t = root(wave, eta, piece.arc[0], piece.anchor.time)
+        t = root(wave, eta, piece.arc_times[0], piece.anchor.time)
         return _load_and_rate(leg.tangential, 0, t)[1] / wave(t)[1]
 
     return slope
@@ -312,8 +312,8 @@ class Oracle(Punches):
             slope = _slope_on(piece)
             bottom = (
                 piece.bottom_load
-                if piece.arc is None
-                else _load_and_rate(leg.normal, leg.mean[0], LONG(piece.arc[0]))[0]
+                if piece.arc_times is None
+                else _load_and_rate(leg.normal, leg.mean[0], LONG(piece.arc_times[0]))[0]
             )
             yield self.half(bottom), self.half(upper), lambda alpha, slope=slope: slope(load(alpha))
             upper = piece.bottom_load

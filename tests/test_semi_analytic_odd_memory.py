@@ -208,7 +208,7 @@ def test_an_arc_without_duration_in_the_memory_curve_adds_nothing() -> None:
     history = history_of_scene(scene)
     assert history.steady_from is not None
     spans = history.cycles[history.steady_from]
-    arcs = [span.sticking_piece.arc for span in spans if span.sticking_piece is not None]
+    arcs = [span.sticking_piece.arc_times for span in spans if span.sticking_piece is not None]
     assert any(arc is not None and arc[0] == arc[1] for arc in arcs)
     moved_scene = unit_scene(load | {"normal_amplitude": 30.207621669}, 0.9)
     np.testing.assert_allclose(

@@ -87,7 +87,8 @@ def test_the_front_stays_within_the_contact():
         assert np.all(records.slip_zone_load_at_end <= records.load_at_end)
         unloaded = points.index((0.0, 0.0), 1)
         assert (
-            follow(None, np.array(points[: unloaded + 1]), scene.friction.coefficient).curve is None
+            follow(None, np.array(points[: unloaded + 1]), scene.friction.coefficient).curve_at_end
+            is None
         )
 
 
