@@ -1053,7 +1053,7 @@ def fit_loop(
     highest_load = rows.branches.highest_turn.load
     lowest_load = rows.branches.lowest_turn.load
     sliding_friction = model.friction_at_gross_sliding(highest_load, lowest_load)
-    least_noise = _noise_of_last_digits(rows, resolution)
+    least_noise = noise_of_last_digits(rows.displacement, rows.load, resolution)
     first_noise = _noise_of_neighbouring_rows(rows, least_noise)
     search = _Search(rows, model, first_noise, sliding_friction)
 
@@ -1084,22 +1084,27 @@ def fit_loop(
     )
 
 
-def _noise_of_last_digits(rows: LoopRows, resolution: tuple[float, float]) -> RowNoise:
+def noise_of_last_digits(
+    displacement: Array, load: Array, resolution: tuple[float, float]
+) -> RowNoise:
     """Least standard deviations of the noise of U and Q in the rows of a measured loop: those of
     rounding to the last digit, and at least 1e-9 of the largest value.
 
-    `resolution` holds the smallest differences of U [length] and of Q [force / thickness] that the
-    digits show. A value rounded to such steps has the standard deviation step/sqrt(12).
+    A value that is rounded to steps has the standard deviation step/sqrt(12).
+
+    Parameters
+    ----------
+    displacement, load
+        (n,) U [length] and Q [force / thickness] of the rows
+    resolution
+        steps of U and of Q that the digits show, in the same units
 
     # notation: Q tangential load, U relative tangential displacement
     """
     displacement_step, load_step = resolution
     return RowNoise(
-        max(
-            displacement_step / math.sqrt(12),
-            _LEAST_NOISE * float(np.max(np.abs(rows.displacement))),
-        ),
-        max(load_step / math.sqrt(12), _LEAST_NOISE * float(np.max(np.abs(rows.load)))),
+        max(displacement_step / math.sqrt(12), _LEAST_NOISE * float(np.max(np.abs(displacement)))),
+        max(load_step / math.sqrt(12), _LEAST_NOISE * float(np.max(np.abs(load)))),
     )
 
 

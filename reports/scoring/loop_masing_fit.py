@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from reports.scoring.loop_branches import row_noise
-from reports.scoring.loop_fit import RowNoise
+from reports.scoring.loop_fit import RowNoise, noise_of_last_digits
 from reports.scoring.loop_masing import (
     COMPLIANCE,
     DRIFT_RATE,
@@ -67,9 +67,6 @@ _LARGEST_CHANGE_OF_SAME_NOISE = 0.05
 _LARGEST_SCATTER_OF_NOISE_RATIO = 1.0
 # Its scatter by chance, times the square root of rows: ln of either median scatters by 1.6.
 _SCATTER_OF_ROW_NOISE = 2.3
-# Noise of rows that show none, over their largest value: f is not known better than theory's
-# samples leave it.
-_LEAST_NOISE = 1e-9
 # Steps outwards to the end of an interval, and steps by which it is narrowed then, at most.
 _MOST_STEPS = 30
 _MOST_NARROWINGS = 12
@@ -433,42 +430,54 @@ class _Search:
         seven parameters.
 
         The sum of squares is taken at 24 trials of f for a partial loop, and at 5 trials of the
-        slide for a gross one. Fits of either kind begin from the two lowest local minima among its
-        trials.
+        slide for a gross one.
 
         # notation: f coefficient of friction, Q tangential load, U relative tangential displacement
         """
+        # start parameters (7,) of each trial: ln f and fraction of the range of U that is slide
+        partial_starts = [
+            self.start_parameters(log_friction, 0.0)
+            for log_friction in self._trial_log_frictions().tolist()
+        ]
+        gross_starts = [self.start_parameters(0.0, fraction) for fraction in _SLIDE_FRACTIONS]
+        return _FitsOfBothKinds(
+            self._best_fit_from(partial_starts, is_gross=False),
+            self._best_fit_from(gross_starts, is_gross=True),
+        )
+
+    def _trial_log_frictions(self) -> Array:
+        """ln f of the 24 trials of a partial loop, ascending: from 1.002 to 40 times the f at which
+        the contact just slides as a whole under the range of Q, closer and closer towards that f.
+
+        # notation: f coefficient of friction, Q tangential load
+        """
         # nearly the largest and the least Q, without the rows that noise takes farthest
         high_load, low_load = np.quantile(self.rows.load, [0.98, 0.02])
-        # f at which the contact just slides as a whole under this range of Q
         log_least_friction = math.log(
             self.curve.sliding_friction_per_load * float(high_load - low_load)
         )
-        # trials closer and closer towards gross sliding: from 1.002 to 40 times that f
         roots = np.linspace(
             math.sqrt(_LEAST_LOG_RATIO), math.sqrt(math.log(_LARGEST_TRIAL_RATIO)), _N_TRIALS
         )
-        log_frictions = log_least_friction + roots**2
-        # start parameters (7,) of each trial: ln f and fraction of the range of U that is slide
-        partial_starts = [
-            self.start_parameters(log_friction, 0.0) for log_friction in log_frictions.tolist()
-        ]
-        gross_starts = [self.start_parameters(0.0, fraction) for fraction in _SLIDE_FRACTIONS]
-        best_fits = []
-        for starts, is_gross in ((partial_starts, False), (gross_starts, True)):
-            sums_of_squares = np.array(
-                [self.sum_of_squares(start_parameters) for start_parameters in starts]
-            )
-            sums_with_walls = np.concatenate([[math.inf], sums_of_squares, [math.inf]])
-            # trials with no smaller sum on either side; the walls are infinite sums beyond the ends
-            minimum_indices = np.flatnonzero(
-                (sums_of_squares <= sums_with_walls[:-2]) & (sums_of_squares <= sums_with_walls[2:])
-            )
-            order = np.argsort(sums_of_squares[minimum_indices])
-            lowest_indices = minimum_indices[order][:_N_MINIMA]
-            fits = [self._fit_near(starts[k], is_gross=is_gross) for k in lowest_indices.tolist()]
-            best_fits.append(min(fits, key=lambda fit: fit.sum_of_squares))
-        return _FitsOfBothKinds(*best_fits)
+        return np.asarray(log_least_friction + roots**2)
+
+    def _best_fit_from(self, starts: list[Array], *, is_gross: bool) -> _LeastSquaresFit:
+        """The best of two fits of a loop to the measured rows, partial or gross. They begin from
+        the two lowest local minima of the sum of squares among `starts`, parameters (7,) of trials
+        in the order of their f or slide.
+        """
+        sums_of_squares = np.array(
+            [self.sum_of_squares(start_parameters) for start_parameters in starts]
+        )
+        # trials with no smaller sum on either side; the walls are infinite sums beyond the ends
+        sums_with_walls = np.concatenate([[math.inf], sums_of_squares, [math.inf]])
+        minimum_indices = np.flatnonzero(
+            (sums_of_squares <= sums_with_walls[:-2]) & (sums_of_squares <= sums_with_walls[2:])
+        )
+        order = np.argsort(sums_of_squares[minimum_indices])
+        lowest_indices = minimum_indices[order][:_N_MINIMA]
+        fits = [self._fit_near(starts[k], is_gross=is_gross) for k in lowest_indices.tolist()]
+        return min(fits, key=lambda fit: fit.sum_of_squares)
 
     def fits_near(self, fits: _FitsOfBothKinds) -> _FitsOfBothKinds:
         """The best partial and the best gross loop, sought from `fits` on."""
@@ -927,41 +936,59 @@ def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
     # notation: sigma standard deviation of the noise of U and of Q, P normal load, Q tangential
     #           load, U relative tangential displacement
     """
-    # noise of the last digits, at least 1e-9 of the largest U or Q
-    least_noise = RowNoise(
-        *(
-            max(digit_step / math.sqrt(12), _LEAST_NOISE * float(np.max(np.abs(values_of_rows))))
-            for digit_step, values_of_rows in zip(
-                rows.resolution, (rows.displacement, rows.load), strict=True
-            )
-        )
-    )
+    least_noise = noise_of_last_digits(rows.displacement, rows.load, rows.resolution)
     # row_noise: what neighbouring rows differ by
     sigma = RowNoise(
         max(row_noise(rows.displacement), least_noise.displacement),
         max(row_noise(rows.load), least_noise.load),
     )
-    search = _Search(rows, curve, sigma)
     # of either kind as many parameters are fitted: six, or five beside a stated compliance
     n_fitted = len(_fitted_parameters(rows, is_gross=False))
     degrees_of_freedom = len(rows.displacement) - n_fitted
-    # the best partial and the best gross loop; the better fit leaves less
-    fits = search.best_fits()
-    log_noise_ratio = math.log(sigma.displacement / sigma.load)
+    search, fits = _fits_with_likeliest_noise(
+        _Search(rows, curve, sigma), least_noise, degrees_of_freedom
+    )
+    parameters = fits.better_fit.parameters
+    distances = distances_from_loop(rows, curve, parameters, search.sigma)
+    return BestLoop(
+        search=search,
+        fits=fits,
+        parameters=parameters,
+        is_gross=fits.is_gross_better,
+        distances=distances,
+        misfit=_misfit_of_loop(distances, search.sigma, least_noise),
+        degrees_of_freedom=degrees_of_freedom,
+    )
+
+
+def _fits_with_likeliest_noise(
+    search: _Search, least_noise: RowNoise, degrees_of_freedom: int
+) -> tuple[_Search, _FitsOfBothKinds]:
+    """Fit loops to measured rows and estimate the noise of U and of Q by turns, until the noise
+    changes by less than 5 %. Returns the search with the last noise, and the best partial and the
+    best gross loop.
+
+    Parameters
+    ----------
+    search
+        fits loops to the rows, with the noise that neighbouring rows show
+    least_noise
+        standard deviations that the digits of the rows leave
+    degrees_of_freedom
+        number of rows minus number of fitted parameters
+
+    # notation: Q tangential load, U relative tangential displacement
+    """
+    log_noise_ratio = math.log(search.sigma.displacement / search.sigma.load)
     # standard deviation of ln(sigma of U/sigma of Q): 1 to begin with
     scatter_of_log_ratio = _LARGEST_SCATTER_OF_NOISE_RATIO
+    fits = search.best_fits()
     for times_reweighted in range(_MOST_REWEIGHTINGS):
-        distances = distances_from_loop(rows, curve, fits.better_fit.parameters, search.sigma)
+        distances = distances_from_loop(
+            search.rows, search.curve, fits.better_fit.parameters, search.sigma
+        )
         if times_reweighted == 0:
-            # Where the first fit leaves as much as neighbouring rows differ, they differ by noise
-            # alone, and the ratio that they show is good.
-            scatter_by_fit = abs(math.log(max(float(np.std(distances.signed_distance)), 1e-9)))
-            # the ratio that neighbouring rows show scatters by chance too: by 2.3 over the root
-            # of n
-            least_scatter = _SCATTER_OF_ROW_NOISE / math.sqrt(len(rows.displacement))
-            scatter_of_log_ratio = min(
-                max(scatter_by_fit, least_scatter), _LARGEST_SCATTER_OF_NOISE_RATIO
-            )
+            scatter_of_log_ratio = _scatter_of_noise_ratio(distances)
         sigma = _likeliest_noise(
             distances,
             search.sigma,
@@ -976,18 +1003,25 @@ def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
         search = replace(search, sigma=sigma)
         # With another noise another minimum may be the lowest.
         fits = search.best_fits() if times_reweighted == 0 else search.fits_near(fits)
+    return search, fits
 
-    parameters = fits.better_fit.parameters
-    distances = distances_from_loop(rows, curve, parameters, search.sigma)
-    return BestLoop(
-        search=search,
-        fits=fits,
-        parameters=parameters,
-        is_gross=fits.is_gross_better,
-        distances=distances,
-        misfit=_misfit_of_loop(distances, search.sigma, least_noise),
-        degrees_of_freedom=degrees_of_freedom,
-    )
+
+def _scatter_of_noise_ratio(distances: Distances) -> float:
+    """Standard deviation of ln(sigma of U/sigma of Q) as neighbouring rows show it, at most 1.
+
+    Where the first fit leaves as much as neighbouring rows differ, they differ by noise alone, and
+    the ratio that they show is good. It scatters by chance too: by 2.3 over the root of their
+    number.
+
+    `distances` are those of the n rows from the loop of the first fit, `signed_distance` (n,) over
+    the sigma that neighbouring rows show.
+
+    # notation: Q tangential load, sigma standard deviation of the noise, U relative tangential
+    #           displacement
+    """
+    scatter_by_fit = abs(math.log(max(float(np.std(distances.signed_distance)), 1e-9)))
+    least_scatter = _SCATTER_OF_ROW_NOISE / math.sqrt(len(distances.signed_distance))
+    return min(max(scatter_by_fit, least_scatter), _LARGEST_SCATTER_OF_NOISE_RATIO)
 
 
 def fit_with_interval(best_loop: BestLoop, error_of_theory: float) -> MasingFit:
