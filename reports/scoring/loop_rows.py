@@ -81,10 +81,9 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
             may_lack_headings=_takes_columns_by_number(mapping),
         ),
     )
-    names = table.names
     file_name = str(path)
     displacement_name, load_name = _names_of_columns(table, mapping, file_name)
-    time_name = name_of_column(mapping, "time", names, file_name)
+    time_name = name_of_column(mapping, "time", table.names, file_name)
     n_rows = len(table.values)
     if n_rows < _FEWEST_ROWS:
         raise InputError(
@@ -100,18 +99,7 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
             raise InputError(
                 f"{file_name}: {column.name} is the same in every row: there is no loop"
             )
-    times = np.arange(n_rows, dtype=float)
-    time_in_words = "no column: rows follow each other evenly"
-    if time_name is not None:
-        times = table.column(time_name)
-        time_in_words = f"{time_name!r}, as it stands: no result depends on its unit"
-    rows_before_fall = np.flatnonzero(np.diff(times) <= 0)
-    if len(rows_before_fall):
-        row_of_fall = int(rows_before_fall[0]) + 1
-        raise InputError(
-            f"{file_name}, line {table.line_numbers[row_of_fall]}: {time_name} ="
-            f" {times[row_of_fall]:.6g} does not ascend: rows stand in the order of time"
-        )
+    times, time_in_words = _ascending_times(file_name, table, time_name)
     # pairs (subject, words), first on the layout of the table
     read_as = layout_in_words(path, table)
     read_as.append(("relative displacement U", displacement_column.reading_words))
@@ -125,6 +113,25 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
         read_as=tuple(read_as),
         resolution=(displacement_column.digit_step, load_column.digit_step),
     )
+
+
+def _ascending_times(file_name: str, table: TextTable, time_name: str | None) -> tuple[Array, str]:
+    """Times of the rows of a loop, (n_rows,), from the column `time_name`, and words on how they
+    were read. Where that is None they are the numbers of the rows, from 0 on. InputError, naming
+    the file and the line, where a time does not ascend.
+    """
+    if time_name is None:
+        times = np.arange(len(table.values), dtype=float)
+        return times, "no column: rows follow each other evenly"
+    times = table.column(time_name)
+    rows_before_fall = np.flatnonzero(np.diff(times) <= 0)
+    if len(rows_before_fall):
+        row_of_fall = int(rows_before_fall[0]) + 1
+        raise InputError(
+            f"{file_name}, line {table.line_numbers[row_of_fall]}: {time_name} ="
+            f" {times[row_of_fall]:.6g} does not ascend: rows stand in the order of time"
+        )
+    return times, f"{time_name!r}, as it stands: no result depends on its unit"
 
 
 class _ColumnOfLoop(NamedTuple):
@@ -215,51 +222,23 @@ def _column_of_loop(
 
     # notation: Q tangential load, U relative tangential displacement
     """
-    # which factor of the mapping holds for the quantity
+    # which factor of the mapping holds for the quantity, None where it states none
     factor_name: Literal["length", "load"] = "length" if quantity == "slip" else "load"
-    is_load = factor_name == "load"
-    # units(scene)[1]: the scene's unit of length
-    unit_of_scene = load_unit(scene) if is_load else units(scene)[1]
-    column_number = table.names.index(name)
-    # model_fields_set: the keys that the mapping file states
-    is_thickness_stated = is_load and "thickness" in mapping.model_fields_set
-    # None where the mapping states none
     stated_factor = getattr(mapping.factors, factor_name)
-    unit_factor = 1.0
-    reading_words = [repr(name)]
     if stated_factor is not None:
-        reading_words.append(f"times {stated_factor:.9g} (factors.{factor_name} of the mapping)")
+        unit_factor = 1.0
+        words_on_unit = f"times {stated_factor:.9g} (factors.{factor_name} of the mapping)"
     else:
-        # unit: word in the heading, factor to the scene's unit, whether it is per length, what is
-        # wrong with it (`fault`), and a phrase on it (`remark`)
-        unit = unit_of_column(table, column_number, factor_name, scene.units)
-        if unit.word == unit_of_scene:  # whatever words the scene has for its units
-            words_on_unit = f"{unit.word} (in its heading), times 1"
-            unit = replace(unit, factor=1.0, per_length=is_load, fault="", remark=words_on_unit)
-        if is_thickness_stated and "/" in unit.word:
-            raise InputError(
-                f"{file_name}: the column {name!r} is in {unit.word}, a force per length, and the"
-                " mapping states a thickness, by which forces are divided: take thickness out of"
-                " the mapping, or state factors.load"
-            )
-        is_plain_force = is_load and unit.known and not unit.per_length
-        if unit.fault or (is_plain_force and not is_thickness_stated):
-            hint_on_thickness = ""
-            if is_plain_force:
-                hint_on_thickness = ", or the thickness of the contact, by which it is divided"
-            raise InputError(
-                f"{file_name}: the column {name!r} is in {unit.word}, and the scene in"
-                f" {unit_of_scene}: state factors.{factor_name} in a mapping, by which it is"
-                f" multiplied{hint_on_thickness}"
-            )
-        unit_factor = unit.factor
-        reading_words.append(unit.remark)
-    if is_thickness_stated:
+        unit_factor, words_on_unit = _factor_by_heading(
+            file_name, table, mapping, scene, name, factor_name
+        )
+    reading_words = [repr(name), words_on_unit]
+    if _states_thickness(mapping, factor_name):
         reading_words.append(f"over the thickness {mapping.thickness:.9g}")
     # 1, or -1 where the file has the opposite sign
     if mapping.sign(quantity) < 0:
         reading_words.append("sign turned")
-    file_values = table.values[:, column_number]
+    file_values = table.values[:, table.names.index(name)]
     # the mapping's factor, thickness and sign hold for the values and for the step of their digits
     values = converted_values(mapping, quantity, unit_factor * file_values)
     digit_step = unit_factor * np.array([_step_of_digits(file_values)])
@@ -269,6 +248,67 @@ def _column_of_loop(
         digit_step=abs(float(converted_values(mapping, quantity, digit_step)[0])),
         reading_words=", ".join(reading_words),
     )
+
+
+def _states_thickness(mapping: Mapping, factor_name: Literal["length", "load"]) -> bool:
+    """Whether a mapping states a thickness by which the values of a column are divided: only loads
+    are. `model_fields_set` are the keys that the mapping file states.
+    """
+    return factor_name == "load" and "thickness" in mapping.model_fields_set
+
+
+def _factor_by_heading(
+    file_name: str,
+    table: TextTable,
+    mapping: Mapping,
+    scene: Scene,
+    name: str,
+    factor_name: Literal["length", "load"],
+) -> tuple[float, str]:
+    """Factor from the unit in the heading of a column to that of the scene, and words on it.
+
+    Parameters
+    ----------
+    file_name
+        for messages
+    table, name
+        the table of the loop, and the name of its column
+    factor_name
+        "length" for a displacement, "load" for a load, as factors of a mapping are called
+
+    Raises
+    ------
+    InputError
+        For a unit that is not understood, for forces without a thickness, and for forces per length
+        with one.
+    """
+    is_load = factor_name == "load"
+    has_thickness = _states_thickness(mapping, factor_name)
+    # units(scene)[1]: the scene's unit of length
+    unit_of_scene = load_unit(scene) if is_load else units(scene)[1]
+    # unit: word in the heading, factor to the scene's unit, whether it is per length, what is
+    # wrong with it (`fault`), and a phrase on it (`remark`)
+    unit = unit_of_column(table, table.names.index(name), factor_name, scene.units)
+    if unit.word == unit_of_scene:  # whatever words the scene has for its units
+        words_on_unit = f"{unit.word} (in its heading), times 1"
+        unit = replace(unit, factor=1.0, per_length=is_load, fault="", remark=words_on_unit)
+    if has_thickness and "/" in unit.word:
+        raise InputError(
+            f"{file_name}: the column {name!r} is in {unit.word}, a force per length, and the"
+            " mapping states a thickness, by which forces are divided: take thickness out of"
+            " the mapping, or state factors.load"
+        )
+    is_plain_force = is_load and unit.known and not unit.per_length
+    if unit.fault or (is_plain_force and not has_thickness):
+        hint_on_thickness = ""
+        if is_plain_force:
+            hint_on_thickness = ", or the thickness of the contact, by which it is divided"
+        raise InputError(
+            f"{file_name}: the column {name!r} is in {unit.word}, and the scene in"
+            f" {unit_of_scene}: state factors.{factor_name} in a mapping, by which it is"
+            f" multiplied{hint_on_thickness}"
+        )
+    return unit.factor, unit.remark
 
 
 def _is_known_heading(heading: str) -> bool:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import NamedTuple, cast
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from reports.scoring.abaqus import is_field_report, read_field_report
 from reports.scoring.mapping import (
@@ -217,6 +217,45 @@ def _surface_of_rows(
     """
     # number of the instant of each row, and the column by which they differ
     instant_of_row, instants_by = _instants_of_rows(columns)
+    n_instants = _number_of_equal_instants(source, instant_of_row, instants_by)
+    rows_by_instant = np.argsort(instant_of_row, kind="stable")
+    # (n_instants, n_points) of each quantity
+    value_grids: dict[str, Array] = {
+        name: values[rows_by_instant].reshape(n_instants, -1)
+        for name, values in columns.items()
+        if name != "frame"
+    }
+    indices_by_x = np.argsort(value_grids["x"], axis=1, kind="stable")
+    value_grids = {
+        name: np.take_along_axis(values, indices_by_x, axis=1)
+        for name, values in value_grids.items()
+    }
+    series: dict[str, ArrayLike | None] = {}
+    for name in ("time", "normal_load", "tangential_load"):
+        series[name] = None
+        if name in value_grids:
+            series[name] = _one_value_an_instant(source, name, value_grids[name], instants_by)
+    if mapping.times is not None:
+        series["time"] = stated_times(source, mapping, n_instants)
+    if np.any(np.diff(instant_of_row) < 0):
+        notes = [*notes, "the rows were not in the order of the instants and were sorted"]
+    if np.any(np.diff(indices_by_x, axis=1) < 0):
+        notes = [*notes, "the points were not in the order of x and were sorted"]
+    fields: dict[str, ArrayLike | None] = {
+        name: value_grids.get(name) for name in ("pressure", "shear", "slip")
+    }
+    return surface_result(source, mapping.code, value_grids["x"], fields, series, notes)
+
+
+def _number_of_equal_instants(
+    source: str, instant_of_row: NDArray[np.intp], instants_by: str
+) -> int:
+    """How many instants a table of a result has; InputError, naming the file `source`, where they
+    have different numbers of points.
+
+    `instant_of_row` (n_rows,) is the number of each row's instant, from 0 on; `instants_by` names
+    the column by which instants were told apart.
+    """
     point_counts = np.unique(instant_of_row, return_counts=True)[1]
     instants_with_other_count = np.flatnonzero(point_counts != point_counts[0])
     if len(instants_with_other_count):
@@ -227,42 +266,26 @@ def _surface_of_rows(
             f" {point_counts[0]}: every instant needs the same points, with zeros where"
             " nothing touches"
         )
-    rows_by_instant = np.argsort(instant_of_row, kind="stable")
-    # (n_instants, n_points) of each quantity
-    value_grids: dict[str, Array] = {
-        name: values[rows_by_instant].reshape(len(point_counts), -1)
-        for name, values in columns.items()
-        if name != "frame"
-    }
-    indices_by_x = np.argsort(value_grids["x"], axis=1, kind="stable")
-    value_grids = {
-        name: np.take_along_axis(values, indices_by_x, axis=1)
-        for name, values in value_grids.items()
-    }
-    # time and loads: one value for each instant
-    series: dict[str, Array | None] = {}
-    for name in ("time", "normal_load", "tangential_load"):
-        values = value_grids.get(name)
-        if values is not None:
-            # values that a factor made infinite are refused below, with all that is not finite
-            with np.errstate(invalid="ignore"):
-                ranges = np.ptp(values, axis=1)
-                changing_instants = np.flatnonzero(ranges > 1e-9 * np.max(np.abs(values)))
-            if len(changing_instants):
-                instant = changing_instants[0]
-                raise InputError(
-                    f"{source}: {name} goes from {values[instant].min():.6g} to"
-                    f" {values[instant].max():.6g} within instant {instant + 1} (by {instants_by})"
-                )
-        series[name] = None if values is None else values[:, 0]
-    if mapping.times is not None:
-        series["time"] = stated_times(source, mapping, len(point_counts))
-    if np.any(np.diff(instant_of_row) < 0):
-        notes = [*notes, "the rows were not in the order of the instants and were sorted"]
-    if np.any(np.diff(indices_by_x, axis=1) < 0):
-        notes = [*notes, "the points were not in the order of x and were sorted"]
-    fields = {name: value_grids.get(name) for name in ("pressure", "shear", "slip")}
-    return surface_result(source, mapping.code, value_grids["x"], dict(fields), dict(series), notes)
+    return len(point_counts)
+
+
+def _one_value_an_instant(source: str, name: str, values: Array, instants_by: str) -> Array:
+    """Time or load of each instant of a result, (n_instants,), from its values at all points,
+    (n_instants, n_points). InputError, naming the file `source` and the series `name`, where a
+    value changes within an instant. `instants_by` names the column by which instants were told
+    apart.
+    """
+    # values that a factor made infinite are refused later, with all that is not finite
+    with np.errstate(invalid="ignore"):
+        ranges = np.ptp(values, axis=1)
+        changing_instants = np.flatnonzero(ranges > 1e-9 * np.max(np.abs(values)))
+    if len(changing_instants):
+        instant = changing_instants[0]
+        raise InputError(
+            f"{source}: {name} goes from {values[instant].min():.6g} to"
+            f" {values[instant].max():.6g} within instant {instant + 1} (by {instants_by})"
+        )
+    return values[:, 0]
 
 
 def _instants_of_rows(columns: dict[ColumnQuantity, Array]) -> tuple[NDArray[np.intp], str]:

@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -340,9 +340,9 @@ def find_scatter(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
 
     # notation: f coefficient of friction, p pressure, p_ref scale of pressure, q shear
     """
-    scales = discrepancy.comparison.scales
+    friction_coefficient = discrepancy.comparison.scales.friction
     channels = [PRESSURE]
-    if discrepancy.has_shear and scales.friction > 0:
+    if discrepancy.has_shear and friction_coefficient > 0:
         channels.append(SHEAR)
     # result minus reference, over p_ref or f p_ref
     residuals = [
@@ -357,42 +357,57 @@ def find_scatter(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     noise_by_channel = [
         min(residual.mean_square_of_noise, residual.mean_square) ** 0.5 for residual in residuals
     ]
-    if len(noise_by_channel) > 1:
-        # _LEAST_NOISE: 1e-10 of p_ref, below which there is none
-        pressure_noise = max(noise_by_channel[PRESSURE], _LEAST_NOISE)
-        # one code, one file: a shear alone does not scatter, here five times as much as the
-        # pressure
-        if scales.friction * noise_by_channel[SHEAR] > LARGEST_NOISE_RATIO * pressure_noise:
-            return
+    has_shear = len(noise_by_channel) > 1
+    if has_shear and _shear_alone_scatters(noise_by_channel, friction_coefficient):
+        return
     square_of_noise = sum(noise**2 for noise in noise_by_channel)
     share_of_noise = square_of_noise / sum(residual.mean_square for residual in residuals)
     evidence = [
         f"noise from point to point makes {share_of_noise:.0%} of the square of the discrepancy"
     ]
-    noise_in_words = f"{noise_by_channel[0]:.2g} in p/p_ref"
-    if len(noise_by_channel) > 1:
-        noise_in_words += f" and {noise_by_channel[1]:.2g} in q/(f p_ref)"
-        result_cycle = discrepancy.comparison.result_cycle  # at all instants
-        # points in contact in the reference
-        is_touching = discrepancy.comparison.reference_cycle.pressure > 1e-3 * scales.pressure
-        # excess of |q| over the limit f p, in f p_ref
-        excess = np.abs(result_cycle.shear) / scales.shear - result_cycle.pressure / scales.pressure
-        n_beyond_limit = int(np.sum(excess[is_touching] > 0))
-        largest_excess = float(np.max(excess[is_touching]))
-        # what noise alone may make: five standard deviations
-        excess_by_noise = _DEVIATIONS_BY_NOISE * square_of_noise**0.5
-        size_in_words = "more than noise alone makes"
-        if largest_excess <= excess_by_noise:
-            size_in_words = "no more than noise makes: no fault of the contact law"
-        evidence.insert(
-            0,
-            f"{n_beyond_limit} of {int(is_touching.sum())} points in contact exceed the Coulomb"
-            f" limit, by {largest_excess:.2g} of f p_ref at most: {size_in_words}",
-        )
+    noise_in_words = f"{noise_by_channel[PRESSURE]:.2g} in p/p_ref"
+    if has_shear:
+        noise_in_words += f" and {noise_by_channel[SHEAR]:.2g} in q/(f p_ref)"
+        evidence.insert(0, _sentence_on_coulomb_limit(discrepancy, square_of_noise**0.5))
     # WORDS: templates of sentences
     sentence = WORDS["others"][NOISE].format(size=noise_in_words)
     # key and sentence of the finding, evidence, strength from 0 to 1
     yield Diagnosis(NOISE, sentence, tuple(evidence), share_of_noise)
+
+
+def _shear_alone_scatters(noise_by_channel: Sequence[float], friction_coefficient: float) -> bool:
+    """Whether the noise of the shear is more than five times that of the pressure, which one code
+    does not make in one file. `noise_by_channel` has both standard deviations, of p/p_ref and of
+    q/(f p_ref). Less than 1e-10 of p_ref (`_LEAST_NOISE`) counts as that much.
+
+    # notation: f coefficient of friction, p pressure, p_ref scale of pressure, q shear
+    """
+    pressure_noise = max(noise_by_channel[PRESSURE], _LEAST_NOISE)
+    return friction_coefficient * noise_by_channel[SHEAR] > LARGEST_NOISE_RATIO * pressure_noise
+
+
+def _sentence_on_coulomb_limit(discrepancy: Discrepancy, noise: float) -> str:
+    """How many points in contact exceed the Coulomb limit |q| = f p, by how much at most, and
+    whether noise alone makes as much: five standard deviations. `noise` is the standard deviation
+    of the tractions, over p_ref and f p_ref.
+
+    # notation: f coefficient of friction, p pressure, p_ref scale of pressure, q shear
+    """
+    scales = discrepancy.comparison.scales
+    result_cycle = discrepancy.comparison.result_cycle  # at all instants
+    # points in contact in the reference
+    is_touching = discrepancy.comparison.reference_cycle.pressure > 1e-3 * scales.pressure
+    # excess of |q| over the limit f p, in f p_ref
+    excess = np.abs(result_cycle.shear) / scales.shear - result_cycle.pressure / scales.pressure
+    n_beyond_limit = int(np.sum(excess[is_touching] > 0))
+    largest_excess = float(np.max(excess[is_touching]))
+    size_in_words = "more than noise alone makes"
+    if largest_excess <= _DEVIATIONS_BY_NOISE * noise:
+        size_in_words = "no more than noise makes: no fault of the contact law"
+    return (
+        f"{n_beyond_limit} of {int(is_touching.sum())} points in contact exceed the Coulomb"
+        f" limit, by {largest_excess:.2g} of f p_ref at most: {size_in_words}"
+    )
 
 
 def find_long_steps(comparison: Comparison) -> Iterator[Diagnosis]:
