@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 import halfplane_fe
 import semi_analytic
 from reports.comparison import Comparison
+from reports.comparison.cycles import Cycle
 from reports.comparison.measures import l2_norm, quotient, trapezoidal_weights
 from reports.comparison.pairs import are_half_planes
 from reports.comparison.verdicts import Verdict, verdict_on
@@ -355,36 +356,24 @@ def discrepancy_of(comparison: Comparison) -> Discrepancy | None:
     their elastic responses takes its place. None where no instant has a contact in result or
     reference, or where no value counts.
     """
-    # at most ten instants: of those loaded enough to be judged; without any, of those at which
-    # either has pressure
-    is_usable = comparison.is_judged if comparison.is_judged.any() else comparison.is_in_contact
-    usable_instants = np.flatnonzero(is_usable)
-    if not len(usable_instants):
+    instants = _instants_to_compare(comparison)
+    if not len(instants):
         return None
-    n_instants = min(len(usable_instants), _MOST_INSTANTS)
-    even_indices = np.linspace(0, len(usable_instants) - 1, n_instants).round().astype(int)
-    instants = usable_instants[np.unique(even_indices)]
 
     # tractions of both at these instants, and which of them count
-    reference_cycle = comparison.reference_cycle
     result_cycle = comparison.result_cycle
-    reference_tractions = np.array(
-        [reference_cycle.pressure[instants], reference_cycle.shear[instants]]
-    )
-    result_tractions = np.array([result_cycle.pressure[instants], result_cycle.shear[instants]])
+    reference_tractions = _tractions_at(comparison.reference_cycle, instants)
+    result_tractions = _tractions_at(result_cycle, instants)
     has_shear = not np.isnan(result_tractions[SHEAR]).all()
     if not has_shear:  # a file without shear: it counts for nothing
         result_tractions[SHEAR] = np.nan_to_num(reference_tractions[SHEAR])
     is_known = np.isfinite(reference_tractions).all(axis=0)
     is_known &= np.isfinite(result_tractions).all(axis=0)
     # masks_of_isolated: values that stand out of all others
-    is_outlier = (comparison.masks_of_isolated["pressure"] | comparison.masks_of_isolated["shear"])[
-        instants
-    ]
-    missing_share = float(1 - is_known.mean())
-    outlier_share = float((is_known & is_outlier).mean())
-    is_known &= ~is_outlier
-    if not is_known.any():
+    masks_of_isolated = comparison.masks_of_isolated
+    is_outlier = (masks_of_isolated["pressure"] | masks_of_isolated["shear"])[instants]
+    counts = is_known & ~is_outlier
+    if not counts.any():
         return None
 
     # theory with the responses of the scene's finite bodies, None where it has none
@@ -392,26 +381,45 @@ def discrepancy_of(comparison: Comparison) -> Discrepancy | None:
     has_bodies = tractions_with_bodies is not None
     if tractions_with_bodies is not None:
         reference_tractions = tractions_with_bodies
-        result_tractions = np.where(is_known, result_tractions, reference_tractions)
+    reference_tractions = np.nan_to_num(reference_tractions)
     # weights of the trapezoidal rule in time and x, 0 for values that do not count
     weight = (
-        is_known
+        counts
         * trapezoidal_weights(result_cycle.time[instants])[:, None]
         * trapezoidal_weights(result_cycle.x)
     )
-    reference_tractions = np.nan_to_num(reference_tractions)
     return Discrepancy(
         comparison,
         instants,
         reference_tractions,
-        np.where(is_known, result_tractions, reference_tractions),
+        np.where(counts, result_tractions, reference_tractions),
         weight / weight.sum(),
-        missing_share=missing_share,
-        outlier_share=outlier_share,
+        missing_share=float(1 - is_known.mean()),
+        outlier_share=float((is_known & is_outlier).mean()),
         is_half_plane_theory=comparison.reference.engine == "semi_analytic" and not has_bodies,
         has_shear=has_shear,
         has_bodies=has_bodies,
     )
+
+
+def _instants_to_compare(comparison: Comparison) -> NDArray[np.intp]:
+    """Indices of at most ten instants of the last cycle, evenly chosen among those that are loaded
+    enough to be judged. Without any, among those at which result or reference has pressure.
+    """
+    is_usable = comparison.is_judged if comparison.is_judged.any() else comparison.is_in_contact
+    usable_instants = np.flatnonzero(is_usable)
+    if not len(usable_instants):
+        return usable_instants
+    n_instants = min(len(usable_instants), _MOST_INSTANTS)
+    even_indices = np.linspace(0, len(usable_instants) - 1, n_instants).round().astype(int)
+    return usable_instants[np.unique(even_indices)]
+
+
+def _tractions_at(cycle: Cycle, instants: NDArray[np.intp]) -> Tractions:
+    """Pressure and shear (2, k, n) of a solution at k instants of its last cycle, by their indices,
+    and at its n points.
+    """
+    return np.array([cycle.pressure[instants], cycle.shear[instants]])
 
 
 def _theory_with_bodies(comparison: Comparison, instants: NDArray[np.intp]) -> Tractions | None:

@@ -129,20 +129,7 @@ def surface_result(
     }
     x_of_points = np.array(x, dtype=float)
     all_notes = list(notes)
-    shape = field_arrays["pressure"].shape
-    n_steps, n_points = shape
-    # shape that each array must have
-    needed_shapes: dict[str, tuple[int, ...]] = dict.fromkeys(field_arrays, shape)
-    needed_shapes |= dict.fromkeys(series_arrays, (n_steps,))
-    needed_shapes["x"] = (n_points,) if x_of_points.ndim == 1 else shape
-    for name, values in (*field_arrays.items(), *series_arrays.items(), ("x", x_of_points)):
-        if values.shape != needed_shapes[name]:
-            raise InputError(
-                f"{source}: {name} has the shape {values.shape} where {needed_shapes[name]} is"
-                " needed: pressure is (instants, points), x one figure a point, time and loads one"
-                " an instant"
-            )
-        _refuse_no_numbers(source, name, values)  # NaN, infinity
+    _require_shapes_and_numbers(source, x_of_points, field_arrays, series_arrays)
     _require_distinct_points(source, x_of_points)
     if x_of_points.ndim == 2:
         x_of_points, sentence = _mean_x_of_points(source, x_of_points)
@@ -152,7 +139,7 @@ def surface_result(
     indices_by_x = np.argsort(x_of_points, kind="stable")
     if np.any(np.diff(indices_by_x) < 0):
         all_notes.append("the points were not in the order of x and were sorted")
-    arrays = {"shear": read_only_copy(np.full(shape, np.nan))}
+    arrays = {"shear": read_only_copy(np.full(field_arrays["pressure"].shape, np.nan))}
     arrays |= {
         name: read_only_copy(values[:, indices_by_x]) for name, values in field_arrays.items()
     }
@@ -169,6 +156,30 @@ def surface_result(
         read_as=(),
         **arrays,
     )
+
+
+def _require_shapes_and_numbers(
+    source: str, x: Array, field_arrays: dict[str, Array], series_arrays: dict[str, Array]
+) -> None:
+    """InputError, naming `source`, where an array of an external result does not have the shape of
+    its kind, or holds a number that is not finite.
+
+    Fields have the shape of the pressure, (n_steps, n_points). Series are (n_steps,), and `x` is
+    (n_points,), or (n_steps, n_points) where points move.
+    """
+    shape = field_arrays["pressure"].shape
+    n_steps, n_points = shape
+    needed_shapes: dict[str, tuple[int, ...]] = dict.fromkeys(field_arrays, shape)
+    needed_shapes |= dict.fromkeys(series_arrays, (n_steps,))
+    needed_shapes["x"] = (n_points,) if x.ndim == 1 else shape
+    for name, values in (*field_arrays.items(), *series_arrays.items(), ("x", x)):
+        if values.shape != needed_shapes[name]:
+            raise InputError(
+                f"{source}: {name} has the shape {values.shape} where {needed_shapes[name]} is"
+                " needed: pressure is (instants, points), x one figure a point, time and loads one"
+                " an instant"
+            )
+        _refuse_no_numbers(source, name, values)  # NaN, infinity
 
 
 def _refuse_no_numbers(source: str, name: str, values: Array) -> None:
