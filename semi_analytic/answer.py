@@ -230,28 +230,50 @@ def solution_of(question: Question, findings: Findings) -> ContactSolution:
     if not question.wants("loop_work"):
         values_by_name["loop_work"] = math.nan
         errors.pop("loop_work", None)
-    n_instants = len(findings.time)
-    # how the path ended, with checks, errors and notes
-    record = Record(
+    return ContactSolution(
+        engine="semi_analytic",
+        scene=findings.scene or question.scene,
+        record=_record_of(findings, errors),
+        work=_computing_effort(question, findings),
+        settings=_settings_of(question),
+        versions=dict(_versions()),
+        **values_by_name,
+    )
+
+
+def _record_of(findings: Findings, errors: Mapping[str, float]) -> Record:
+    """The record of a solution: how its path ended, with checks, notes, and relative errors by
+    name. No instant takes iterations.
+    """
+    return Record(
         converged=True,
         termination=findings.termination,
         message=findings.message,
-        iterations=read_only_copy(np.zeros(n_instants), np.int64),
+        iterations=read_only_copy(np.zeros(len(findings.time)), np.int64),
         certificates=findings.certificates,
         energy=findings.energy,
         notes=findings.notes,
         errors=errors,
     )
+
+
+def _computing_effort(question: Question, findings: Findings) -> Work:
+    """What was computed for a solution, what was skipped and why, and the seconds it took. Fields
+    that the question does not want count as skipped at every instant.
+    """
+    n_instants = len(findings.time)
     not_asked_for = {
         name: (n_instants, "not asked for") for name in FIELDS if name not in question.fields
     }
-    # what was computed, skipped, and how long it took
-    computing_effort = Work(
+    return Work(
         {"instants": n_instants, "points": len(findings.x), **findings.counts},
         not_asked_for | dict(findings.skipped),
         findings.seconds,
     )
-    # the arguments of the question
+
+
+def _settings_of(question: Question) -> dict[str, Any]:
+    """The arguments of a question by name, as a solution states them."""
     settings: dict[str, Any] = {
         "cycles": question.cycles,
         "fields": sorted(question.fields),
@@ -259,15 +281,7 @@ def solution_of(question: Question, findings: Findings) -> ContactSolution:
     }
     if question.effects is not None:
         settings["effects"] = asdict(question.effects)
-    return ContactSolution(
-        engine="semi_analytic",
-        scene=findings.scene or question.scene,
-        record=record,
-        work=computing_effort,
-        settings=settings,
-        versions=dict(_versions()),
-        **values_by_name,
-    )
+    return settings
 
 
 def largest_error(values: ArrayLike) -> float:

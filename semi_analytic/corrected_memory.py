@@ -50,14 +50,14 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
 from itertools import chain, pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from scenes.array_types import Array, Indices
 from semi_analytic.profiles import SymmetricContact
@@ -176,42 +176,11 @@ class PunchTable:
         modulus
             E* [stress]
         """
-        # least_half_width: of the flat part of the profile, 0 without one; corner_half_widths:
-        # where its slope or curvature jumps.
-        kinks = [contact.least_half_width, *contact.corner_half_widths]
-        inner_kinks = sorted({kink for kink in kinks if 0 < kink < largest_half_width})
-
-        # Half-widths c of the kinks; s of each is its index.
-        self._interval_ends = np.array([0.0, *inner_kinks, largest_half_width])
-        self._interval_begins: list[float] = self._interval_ends[:-1].tolist()
-        self._interval_lengths: list[float] = np.diff(self._interval_ends).tolist()
-        n_intervals = len(self._interval_lengths)
-
-        # At most 512 cells an interval and 4096 in all, but at least 64 an interval.
-        self._cells_per_interval = max(
-            min(_CELLS_PER_INTERVAL, _MOST_CELLS // n_intervals), _FEWEST_CELLS_PER_INTERVAL
-        )
-        self.largest_s = float(n_intervals)
+        self._divide_into_intervals(contact, largest_half_width)
         self.parabola_stiffness = math.pi * modulus / 4
-        sigma = np.linspace(0.0, 1.0, self._cells_per_interval + 1)
-        begin_of_interval = self._interval_ends[:-1, None]
-        interval_length = np.diff(self._interval_ends)[:, None]
-
-        # c over sigma, the fraction of an interval in s: by its square P(a) is smooth at a kink.
-        half_width = begin_of_interval + interval_length * sigma**2
-        half_width_rate_in_s = 2 * interval_length * sigma
-        # eta = P(a = c) and d eta/ds; stiffness: dP/da. Within the flat no punch carries load.
-        load = contact.load(half_width)
-        load_rate_in_s = contact.stiffness(half_width) * half_width_rate_in_s
-        is_flat = half_width < contact.least_half_width * (1 - 1e-14)
-        load = np.where(is_flat, 0.0, load)
-        load_rate_in_s = np.where(is_flat | (half_width_rate_in_s == 0), 0.0, load_rate_in_s)
-
         # Coefficients of a cubic in each cell, constant first; as lists too, which are faster for
         # one s.
-        self._load_cubics = self._hermite_cubics(
-            load[:, :-1], load[:, 1:], load_rate_in_s[:, :-1], load_rate_in_s[:, 1:]
-        )
+        self._load_cubics = self._cubics_of_loads(contact)
         self._load_coefficients: list[list[float]] = self._load_cubics.tolist()
 
         # int eta dc/c and int eta G dc/c: by parts they give int ln(2 L/c) over d eta and d(eta G).
@@ -220,6 +189,47 @@ class PunchTable:
         self._load_integral_coefficients: list[list[float]] = self._load_integral_cubics.tolist()
         self._load_parabola_integral_coefficients: list[list[float]] = (
             self._load_parabola_integral_cubics.tolist()
+        )
+
+    def _divide_into_intervals(self, contact: SymmetricContact, largest_half_width: float) -> None:
+        """Divide the half-widths from 0 to the largest [length] at the kinks of the profile, and
+        state how many equal cells of the coordinate s each interval has.
+
+        The kinks are the end of the flat part, `least_half_width`, 0 without one, and the corners,
+        where the slope or the curvature of the profile jumps.
+        """
+        kinks = [contact.least_half_width, *contact.corner_half_widths]
+        inner_kinks = sorted({kink for kink in kinks if 0 < kink < largest_half_width})
+        # half-widths c of the kinks; s of each is its index
+        self._interval_ends = np.array([0.0, *inner_kinks, largest_half_width])
+        self._interval_begins: list[float] = self._interval_ends[:-1].tolist()
+        self._interval_lengths: list[float] = np.diff(self._interval_ends).tolist()
+        n_intervals = len(self._interval_lengths)
+        self.largest_s = float(n_intervals)
+        # at most 512 cells an interval and 4096 in all, but at least 64 an interval
+        self._cells_per_interval = max(
+            min(_CELLS_PER_INTERVAL, _MOST_CELLS // n_intervals), _FEWEST_CELLS_PER_INTERVAL
+        )
+
+    def _cubics_of_loads(self, contact: SymmetricContact) -> Array:
+        """Cubics of the normal load eta of the flat punches over s: coefficients in each cell,
+        constant first, that match eta = P(a = c) and d eta/ds at both its ends.
+
+        Within the flat of the profile no punch carries load. `stiffness` of the contact is dP/da.
+        """
+        sigma = np.linspace(0.0, 1.0, self._cells_per_interval + 1)
+        begin_of_interval = self._interval_ends[:-1, None]
+        interval_length = np.diff(self._interval_ends)[:, None]
+        # c over sigma, the fraction of an interval in s: by its square P(a) is smooth at a kink.
+        half_width = begin_of_interval + interval_length * sigma**2
+        half_width_rate_in_s = 2 * interval_length * sigma
+        load = contact.load(half_width)
+        load_rate_in_s = contact.stiffness(half_width) * half_width_rate_in_s
+        is_flat = half_width < contact.least_half_width * (1 - 1e-14)
+        load = np.where(is_flat, 0.0, load)
+        load_rate_in_s = np.where(is_flat | (half_width_rate_in_s == 0), 0.0, load_rate_in_s)
+        return self._hermite_cubics(
+            load[:, :-1], load[:, 1:], load_rate_in_s[:, :-1], load_rate_in_s[:, 1:]
         )
 
     def _hermite_cubics(
@@ -932,10 +942,8 @@ class FollowedPath:
 
             int f [mean load beyond c] |dF| dc/c,    c half-width of a punch
 
-        F is the tangential force that a punch locks in while it sticks. During the step the Coulomb
-        bound moves linearly. A punch slips from when the bound meets F, or it comes into contact,
-        to the end of the step, or until it leaves the contact. The mean of the load is over that
-        time.
+        F is the tangential force that a punch locks in while it sticks. The mean of the load is
+        over the time in which the punch slips.
 
         Parameters
         ----------
@@ -952,9 +960,21 @@ class FollowedPath:
         )  # of the punches, (m, k)
         table = self.table
         punches = _PunchArrays(table.profile_load(s), table.parabola_load(s), table.fourth_load(s))
+        log_half_width_rate = table.half_width_rate(s) / table.half_width(s)
+        integrand = self._work_of_punches(punches, intervals) * log_half_width_rate
+        return np.asarray(self.friction * integrand @ gauss_weights * interval_length_s[:, 0] / 2)
 
-        # Normal load that is carried beyond each punch, and its Coulomb bound, before and after the
-        # step.
+    def _work_of_punches(self, punches: _PunchArrays, intervals: _SlipIntervals) -> Array:
+        """Work of one step on each of k flat punches in m intervals of slip zones, (m, k): mean
+        load beyond the punch times |dF|, without f [force^2 per thickness^2].
+
+        F is the tangential force that a punch locks in while it sticks. During the step the Coulomb
+        bound of F moves linearly. A punch slips from when the bound meets F, or it comes into
+        contact, to the end of the step, or until it leaves the contact. `intervals` have the number
+        of the instant at which the step ends, the direction of slip, and the number of the piece of
+        the memory curve before the step, 0 outside the contact.
+        """
+        # normal load that is carried beyond each punch, and its Coulomb bound, before and after
         row = intervals.row
         direction = intervals.direction[:, None]
         load_before = self._load_beyond(punches, row - 1)
@@ -967,18 +987,14 @@ class FollowedPath:
         # the curvature of the faces may move a punch against the slide.
         bound_rise = direction * (bound_after - bound_before)
         force_change = direction * (bound_after - locked_in_force)  # |dF|
-
-        # Fraction of the step, up to its end, in which the bound is beyond F.
+        # fraction of the step, up to its end, in which the bound is beyond F
         slip_fraction = np.clip(
             force_change / np.where(bound_rise != 0, bound_rise, np.inf), 0.0, 1.0
         )
 
         # A punch that comes into contact within the step slips from there to its end.
         is_new_contact = intervals.piece_number[:, None] == 0
-        load_gain = np.where(
-            is_new_contact & (load_after > load_before), load_after - load_before, np.inf
-        )
-        fraction_since_touch = np.clip(load_after / load_gain, 0.0, 1.0)
+        fraction_since_touch = _fraction_since_touch(load_before, load_after, is_new_contact)
         slip_fraction = np.where(is_new_contact, fraction_since_touch, slip_fraction)
         force_change = np.where(is_new_contact, bound_rise * fraction_since_touch, force_change)
 
@@ -992,9 +1008,7 @@ class FollowedPath:
         # The load is linear in the step: its mean is its value in the middle of the slip.
         middle_of_slip = 1 - slip_fraction + slip_fraction_in_contact / 2
         mean_load = np.maximum(load_before + middle_of_slip * (load_after - load_before), 0.0)
-        log_half_width_rate = table.half_width_rate(s) / table.half_width(s)
-        integrand = mean_load * force_change * log_half_width_rate
-        return np.asarray(self.friction * integrand @ gauss_weights * interval_length_s[:, 0] / 2)
+        return np.asarray(mean_load * force_change)
 
     def _load_beyond(self, punches: _PunchArrays, row: Indices) -> Array:
         """P - eta - kn G - n4 G_4 at rows (m,): load carried beyond punches (m, k), (m, k)."""
@@ -1078,38 +1092,18 @@ class FollowedPath:
             each as three arrays (n,) over the steps: direction of slip, 0 for no slip; s of the
             inner end; s of the outer end
         """
-        # Each: instant at which the step ends, s of inner and outer end, piece, direction of slip.
+        # each: instant at which the step ends, s of inner and outer end, piece, direction of slip
         intervals: list[tuple[int, float, float, int, int]] = []
-        # top_s: outer end of each piece; numbers_below: number of the piece below it;
-        # uppermost_pieces: number of the outermost piece of the memory curve at each instant.
-        top_s, numbers_below, uppermost_pieces = self._lists_of_pieces
-
-        # The zones that are not empty; a step has the number of the instant at which it ends.
-        zones_of_steps = [
-            (row, int(directions[row]), float(inner_ends[row]), float(outer_ends[row]))
-            for directions, inner_ends, outer_ends in zones
-            for row in (
+        # the zones that are not empty; a step has the number of the instant at which it ends
+        for directions, inner_ends, outer_ends in zones:
+            rows_of_zone = (
                 np.flatnonzero((directions[1:] != 0) & (outer_ends[1:] > inner_ends[1:])) + 1
-            ).tolist()
-        ]
-        for row, direction, inner_end_of_zone, outer_end_of_zone in zones_of_steps:
-            piece_number = uppermost_pieces[row - 1]
-            is_beyond_edge = True  # of the contact before the step
-            outer_s = outer_end_of_zone
-            # From the outer end inwards, piece by piece of the curve before the step.
-            while outer_s > inner_end_of_zone:
-                number_below = piece_number if is_beyond_edge else numbers_below[piece_number]
-                inner_s = max(top_s[number_below], inner_end_of_zone)
-                piece_of_interval = 0 if is_beyond_edge else piece_number
-                while math.ceil(outer_s) - 1 > inner_s:
-                    kink_s = float(math.ceil(outer_s) - 1)
-                    intervals.append((row, kink_s, outer_s, piece_of_interval, direction))
-                    outer_s = kink_s
-                if outer_s > inner_s:
-                    intervals.append((row, inner_s, outer_s, piece_of_interval, direction))
-                    outer_s = inner_s
-                piece_number = number_below
-                is_beyond_edge = False
+            )
+            for row in rows_of_zone.tolist():
+                for inner_s, outer_s, piece_number in self._smooth_intervals(
+                    row, float(inner_ends[row]), float(outer_ends[row])
+                ):
+                    intervals.append((row, inner_s, outer_s, piece_number, int(directions[row])))
         columns = np.array(intervals).reshape(-1, 5).T
         return _SlipIntervals(
             row=columns[0].astype(np.int64),
@@ -1118,6 +1112,35 @@ class FollowedPath:
             piece_number=columns[3].astype(np.int64),
             direction=columns[4].astype(np.int64),
         )
+
+    def _smooth_intervals(
+        self, row: int, inner_end: float, outer_end: float
+    ) -> Iterator[tuple[float, float, int]]:
+        """Intervals of the punch coordinate s within one slip zone, of the step that ends at the
+        instant number `row`, from the outer end inwards: inner and outer end, and the number of the
+        piece of the memory curve before the step, 0 where that was outside the contact.
+
+        They end where two pieces meet, and at whole numbers of s, the kinks of the profile.
+        """
+        # top_s: outer end of each piece; numbers_below: number of the piece below it;
+        # uppermost_pieces: number of the outermost piece of the memory curve at each instant
+        top_s, numbers_below, uppermost_pieces = self._lists_of_pieces
+        piece_number = uppermost_pieces[row - 1]
+        is_beyond_edge = True  # of the contact before the step
+        outer_s = outer_end
+        while outer_s > inner_end:
+            number_below = piece_number if is_beyond_edge else numbers_below[piece_number]
+            inner_s = max(top_s[number_below], inner_end)
+            piece_of_interval = 0 if is_beyond_edge else piece_number
+            while math.ceil(outer_s) - 1 > inner_s:
+                kink_s = float(math.ceil(outer_s) - 1)
+                yield kink_s, outer_s, piece_of_interval
+                outer_s = kink_s
+            if outer_s > inner_s:
+                yield inner_s, outer_s, piece_of_interval
+                outer_s = inner_s
+            piece_number = number_below
+            is_beyond_edge = False
 
     @cached_property
     def _lists_of_pieces(self) -> tuple[list[float], list[int], list[int]]:
@@ -1202,6 +1225,21 @@ class _SlipIntervals(NamedTuple):
     outer_s: Array
     piece_number: Indices
     direction: Indices
+
+
+def _fraction_since_touch(
+    load_before: Array, load_after: Array, is_new_contact: NDArray[np.bool_]
+) -> Array:
+    """Fraction of a step, up to its end, in which a punch that comes into contact within the step
+    is in contact, (m, k). The load beyond the punch, which is linear in the step, is then positive.
+
+    Loads beyond the punch before and after the step are (m, k) [force per thickness],
+    `is_new_contact` is (m, 1). 0 where the load does not grow, or the punch was in contact.
+    """
+    load_gain = np.where(
+        is_new_contact & (load_after > load_before), load_after - load_before, np.inf
+    )
+    return np.clip(load_after / load_gain, 0.0, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
