@@ -765,6 +765,15 @@ def test_scales_and_frictionless_shear() -> None:
     assert any("Frictionless" in note for note in comparison.notes)
 
 
+def test_nothing_sticks_without_friction() -> None:
+    cycle = {"initial_loading": [(50.0, 0.0)], "cycle": [(90.0, 0.0), (20.0, 0.0)]}
+    scene = TRUTH.scene.vary(friction=0.0, load=cycle)
+    answer = semi_analytic.solve(scene, x=X)
+    metric = compare(answer, answer).metric("permanent_stick")
+    assert metric.amounts is None
+    assert metric.note == "frictionless: nothing sticks and nothing resists slip"
+
+
 OF_BODIES = {"displacement_amplitude", "approach_amplitude"}
 NAMES_OF_BULK_SERIES = {"stick_eccentricity", "bulk_work", "dissipation_drift", "moment", "tilt"}
 

@@ -34,10 +34,9 @@ _LIMIT_OF_DOUBLES = 1e-9
 # its code satisfied to round-off.
 _LIMIT_OF_PRINTED_DIGITS = 1e-3
 # Least limit for the loads of a solution. Half-plane theory takes an instant within 1e-9 of the
-# path behind the end of its last cycle as that end: in this time the loads of a cycle change by
-# 2 pi 1e-9 of their amplitude, those of six by six times as much. Times printed with nine digits
-# lie there.
-_LEAST_LIMIT_OF_LOADS = 1e-7
+# path behind the end of its last cycle as that end: loads that change by a third of the largest P
+# differ by 2e-9 of it for each cycle of the path. Times printed with nine digits lie there.
+_LEAST_LIMIT_OF_LOADS = 1e-8
 # Limit for theory corrected by responses of finite bodies: it satisfies the laws at the ends of its
 # straight load steps.
 _LIMIT_OF_STRAIGHT_STEPS = 1e-6
