@@ -1387,11 +1387,11 @@ def parabola_segment(
     return ChebyshevSegment(start, end, normal_series, tangential_series)
 
 
-def sampled_times(segment: LoadSegment, fewest_times: int) -> Array:
+def sampled_times(segment: LoadSegment, least_count: int) -> Array:
     """Evenly spaced times (n,) along a load segment, dense enough to resolve its turning points.
 
     A segment without possible turning points, such as a straight one, gets its two ends. Others get
-    `fewest_times`, or more: eight intervals for each possible turning point.
+    `least_count`, or more: eight intervals for each possible turning point.
 
     `most_turning_points` of the segment is an upper bound of the number of turning points of P and
     Q inside it. Below, the arguments of a segment are its start time, its end time and its loads.
@@ -1403,7 +1403,7 @@ def sampled_times(segment: LoadSegment, fewest_times: int) -> Array:
     (2, 25)
     """
     n_times = (
-        max(fewest_times, 8 * segment.most_turning_points + 1) if segment.most_turning_points else 2
+        max(least_count, 8 * segment.most_turning_points + 1) if segment.most_turning_points else 2
     )
     return np.linspace(segment.start, segment.end, n_times)
 

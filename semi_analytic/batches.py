@@ -517,7 +517,7 @@ def _loads_of_other_formulas(ellipses: Ellipses, contact: SymmetricContact) -> A
         -ellipses.cosine_of_start,
         np.cos(ellipses.slip_start - ellipses.slip_angle),
     )
-    event_loads = [ellipses.load(cosine) for cosine in event_cosines]
+    event_loads = [ellipses.load_at_cosine(cosine) for cosine in event_cosines]
     corner_loads = np.clip(
         contact.corner_loads[:, None], ellipses.permanent_stick_load, largest_load
     )

@@ -175,7 +175,7 @@ class Ellipses:
         largest_load_in_j_to_m = self.reverse_amplitude * largest_sine * largest_sine
         return np.maximum(self.slip_zone_load_scale, largest_load_in_j_to_m)
 
-    def load(self, cosine: Array | float) -> Array:
+    def load_at_cosine(self, cosine: Array | float) -> Array:
         """P at the times t of given cos t, counted from the least load so that it keeps its digits
         close to full unloading.
         """
@@ -255,14 +255,14 @@ def rate_and_loads_in_phase(name: str, ellipses: Ellipses, s: Array) -> tuple[Ar
     edge of contact would be at the stick edge. Loads are forces per thickness.
     """
     # Tangents of half the angles stand for sines: numpy has them in vector code. `_sine_and_square`
-    # of an angle is sin(angle) and sin^2(angle/2); `ellipses.load` is P from cos(t).
+    # of an angle is sin(angle) and sin^2(angle/2); `ellipses.load_at_cosine` is P from cos(t).
     if name == "I-J":
         sine_of_rate, _ = _sine_and_square(s)
         _, squared_sine_of_half_time = _sine_and_square(ellipses.slip_start + s)
         return (
             ellipses.forward_amplitude * sine_of_rate,
             2 * ellipses.load_amplitude * ellipses.sine_of_start * sine_of_rate,
-            ellipses.load(2 * squared_sine_of_half_time - 1),
+            ellipses.load_at_cosine(2 * squared_sine_of_half_time - 1),
         )
     if name == "E-G":
         sine_of_rate, _ = _sine_and_square(ellipses.slip_angle - s)
@@ -276,7 +276,7 @@ def rate_and_loads_in_phase(name: str, ellipses: Ellipses, s: Array) -> tuple[Ar
         _, squared_sine_of_half_time = _sine_and_square(ellipses.slip_start - s)
         rate = ellipses.forward_amplitude * sine_of_rate
         slip_zone_load = ellipses.reverse_amplitude * squared_sine_of_slip
-    return rate, slip_zone_load, ellipses.load(1 - 2 * squared_sine_of_half_time)
+    return rate, slip_zone_load, ellipses.load_at_cosine(1 - 2 * squared_sine_of_half_time)
 
 
 def _sine_and_square(angle: Array) -> tuple[Array, Array]:
