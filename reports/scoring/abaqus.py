@@ -195,19 +195,29 @@ def _surface_columns(
         for name in surface_quantities
         if name in rows
     }
-    steps = {step for step, _ in frames}
-    # time that the text of each frame states, None without one
-    time_matches = [_TIME_IN_FRAME.search(frame_text) for _, frame_text in frames]
-    if len(steps) == 1 and all(time_matches):
-        times = np.array([float(match["time"]) for match in time_matches if match])
+    times = _times_of_frames(frames)
+    if times is not None:
         frame_of_row = surface_columns["frame"].astype(int)
         surface_columns["time"] = converted_values(mapping, "time", times)[frame_of_row]
     elif len(frames) > 1:
+        n_steps = len({step for step, _ in frames})
         notes.append(
-            f"its frames are of {len(steps)} steps, whose times start again: they were numbered in"
+            f"its frames are of {n_steps} steps, whose times start again: they were numbered in"
             " the order of the report"
         )
     return surface_columns
+
+
+def _times_of_frames(frames: Sequence[tuple[str, str]]) -> Array | None:
+    """Times that the texts of the frames of an Abaqus report state, in the file's unit. None where
+    a text states none, or where frames are of several steps, in each of which time starts again.
+    `frames` are texts of the step and of the frame.
+    """
+    has_one_step = len({step for step, _ in frames}) == 1
+    time_matches = [_TIME_IN_FRAME.search(frame_text) for _, frame_text in frames]
+    if not (has_one_step and all(time_matches)):
+        return None
+    return np.array([float(match["time"]) for match in time_matches if match])
 
 
 def _rows_of_nodes(
@@ -224,27 +234,15 @@ def _rows_of_nodes(
     """
     import pandas as pd
 
-    values_of_blocks = []
-    for block in blocks:
-        quantities: tuple[ColumnQuantity, ...] = ("x", "y", "pressure", "shear", "slip")
-        columns = {}
-        for quantity in quantities:
-            # column that holds the quantity, None where the table has none
-            name = name_of_column(mapping, quantity, block.names, str(path))
-            if name is not None:
-                columns[quantity] = block.column(name)
-        node_labels = np.arange(float(len(block.values)))
-        for name in block.names:
-            if normalised_name(name) == "nodelabel":
-                node_labels = block.column(name)
-                break
-        values_of_block = pd.DataFrame(columns)
-        values_of_block.index = pd.Index(node_labels)
-        values_of_blocks.append(
-            values_of_block.assign(frame=float(frames.index((block.step, block.frame))))
-        )
     # NaN in the columns that a block lacks, and nowhere else
-    all_values = pd.concat(values_of_blocks)
+    all_values = pd.concat(
+        [
+            _values_of_block(path, block, mapping).assign(
+                frame=float(frames.index((block.step, block.frame)))
+            )
+            for block in blocks
+        ]
+    )
     if "x" not in all_values:
         raise InputError(
             f"{path}: the nodes of {blocks[0].region} have no places: report COORD with COORD1"
@@ -261,6 +259,30 @@ def _rows_of_nodes(
             " for the same nodes"
         )
     return rows
+
+
+def _values_of_block(path: Path, block: _ReportTable, mapping: Mapping) -> pd.DataFrame:
+    """One table of an Abaqus report with a row for each node, and the columns x, y, pressure, shear
+    and slip, as far as it has them. Its index is the node's label, or where the report has none the
+    number of the row. `mapping` states the names of columns.
+    """
+    import pandas as pd
+
+    quantities: tuple[ColumnQuantity, ...] = ("x", "y", "pressure", "shear", "slip")
+    columns = {}
+    for quantity in quantities:
+        # column that holds the quantity, None where the table has none
+        name = name_of_column(mapping, quantity, block.names, str(path))
+        if name is not None:
+            columns[quantity] = block.column(name)
+    node_labels = np.arange(float(len(block.values)))
+    for name in block.names:
+        if normalised_name(name) == "nodelabel":
+            node_labels = block.column(name)
+            break
+    values = pd.DataFrame(columns)
+    values.index = pd.Index(node_labels)
+    return values
 
 
 def _is_on_contact_surface(rows: pd.DataFrame) -> pd.Series[bool]:

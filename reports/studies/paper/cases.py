@@ -145,9 +145,9 @@ class Case:
         normal_load, tangential_load = self.scene.load.path().at(time)
         return normal_load / self.unit_load, tangential_load / self.unit_load
 
-    def cycle_times(self, count: int = 361) -> Array:
-        """(count,) instants of one steady revolution that starts at M, and ends there."""
-        return self.time_of("M") + np.linspace(0.0, 2 * math.pi, count)
+    def cycle_times(self, n_instants: int = 361) -> Array:
+        """(n_instants,) instants of one steady revolution that starts at M, and ends there."""
+        return self.time_of("M") + np.linspace(0.0, 2 * math.pi, n_instants)
 
     @cached_property
     def steady_cycle(self) -> ContactSolution:
@@ -372,52 +372,75 @@ class Formulas:
         By parts it is dQ/dP p(x, P) − int p(x, P) d2Q/dP2 dP: p' itself has an inverse root at the
         load whose contact reaches x.
 
-        `case.contact` is the normal contact of the profile: `pressure` p(x, P), and `load`, at
-        which the edge of contact is at x. `rates` gives dP/dt and dQ/dt at times of the ellipse.
+        # notation: P normal load, p pressure, Q tangential load
         """
-        case = self.case
-        alpha, beta = self.initial_parabola()
-        load_at_a = case.events["A"].normal_load
-        edge_load = np.asarray(case.contact.load(x))
-
-        def slope_on_ellipse(normal_loads: Array) -> tuple[Array, Array]:
-            """dQ/dP and d2Q/dP2 at normal loads P, on the half of the load ellipse on which P
-            rises.
-            """
-            # P is the mean load plus the amplitude times cos(time)
-            time = 2 * math.pi - np.arccos(
-                (normal_loads - case.load_ellipse.mean_normal_load)
-                / case.load_ellipse.normal_amplitude
-            )
-            rate_of_p, rate_of_q = self.rates(time)  # dP/dt, dQ/dt
-            # They are sines of time: their derivatives now are their values a quarter turn later.
-            second_rate_of_p, second_rate_of_q = self.rates(time + math.pi / 2)
-            return rate_of_q / rate_of_p, (
-                second_rate_of_q * rate_of_p - rate_of_q * second_rate_of_p
-            ) / rate_of_p**3
-
-        # the first term: dQ/dP at the end of loading, times the pressure there
-        slope = np.asarray(alpha + 2 * beta * end_load)
+        load_at_a = self.case.events["A"].normal_load
+        # dQ/dP at the end of loading, times the pressure there
+        derivatives_at_end = self._derivatives_on_parabola
         if end_load > load_at_a:
-            slope, _ = slope_on_ellipse(np.asarray(end_load))
-        shear = slope * case.contact.pressure(x, end_load)
-
-        # the integral, on the parabola and on the ellipse, from the load that reaches x on
+            derivatives_at_end = self._derivatives_on_ellipse
+        slope, _ = derivatives_at_end(np.asarray(end_load))
+        shear = slope * self.case.contact.pressure(x, end_load)
+        # the integral, on the parabola and on the ellipse
         ranges_of_load = (
-            (0.0, min(end_load, load_at_a), False),
-            (load_at_a, max(end_load, load_at_a), True),
+            (0.0, min(end_load, load_at_a), self._derivatives_on_parabola),
+            (load_at_a, max(end_load, load_at_a), self._derivatives_on_ellipse),
         )
-        for first_load, last_load, is_on_ellipse in ranges_of_load:
-            # nodes and weights of quadrature, nodes closer together at both ends
-            normal_loads, weights = graded_nodes(
-                np.clip(edge_load, first_load, last_load), np.full(len(x), last_load)
-            )
-            curvature = np.full_like(normal_loads, 2 * beta)  # d2Q/dP2 of the parabola
-            if is_on_ellipse:
-                _, curvature = slope_on_ellipse(normal_loads)
-            pressure = case.contact.pressure(x[:, None], normal_loads)
-            shear = shear - np.sum(weights * curvature * pressure, axis=-1)
+        for first_load, last_load, derivatives in ranges_of_load:
+            shear = shear - self._integral_over_loads(x, first_load, last_load, derivatives)
         return np.asarray(shear)
+
+    def _integral_over_loads(
+        self,
+        x: Array,
+        first_load: float,
+        last_load: float,
+        derivatives: Callable[[Array], tuple[Array, Array]],
+    ) -> Array:
+        """Integral of p(x, P) d2Q/dP2 over P between two normal loads, at points x (n,) [stress].
+        It begins at the load at which the edge of contact reaches x, where that is larger.
+
+        `derivatives` gives dQ/dP and d2Q/dP2 at normal loads.
+
+        # notation: P normal load, p pressure, Q tangential load
+        """
+        contact = self.case.contact
+        edge_load = np.asarray(contact.load(x))
+        # nodes and weights of quadrature, (n, nodes), nodes closer together at both ends
+        normal_loads, weights = graded_nodes(
+            np.clip(edge_load, first_load, last_load), np.full(len(x), last_load)
+        )
+        _, second_derivative = derivatives(normal_loads)
+        pressure = contact.pressure(x[:, None], normal_loads)
+        return np.asarray(np.sum(weights * second_derivative * pressure, axis=-1))
+
+    def _derivatives_on_parabola(self, normal_loads: Array) -> tuple[Array, Array]:
+        """dQ/dP and d2Q/dP2 of the initial loading Q = alpha P + beta P^2, at normal loads P.
+
+        # notation: Q tangential load
+        """
+        alpha, beta = self.initial_parabola()
+        return (
+            np.asarray(alpha + 2 * beta * normal_loads),
+            np.full_like(normal_loads, 2 * beta, dtype=float),
+        )
+
+    def _derivatives_on_ellipse(self, normal_loads: Array) -> tuple[Array, Array]:
+        """dQ/dP and d2Q/dP2 at normal loads P, on the half of the load ellipse on which P rises.
+
+        # notation: Q tangential load
+        """
+        ellipse = self.case.load_ellipse
+        # P is the mean load plus the amplitude times cos(time)
+        time = 2 * math.pi - np.arccos(
+            (normal_loads - ellipse.mean_normal_load) / ellipse.normal_amplitude
+        )
+        rate_of_p, rate_of_q = self.rates(time)  # dP/dt, dQ/dt
+        # They are sines of time: their derivatives now are their values a quarter turn later.
+        second_rate_of_p, second_rate_of_q = self.rates(time + math.pi / 2)
+        return rate_of_q / rate_of_p, (
+            second_rate_of_q * rate_of_p - rate_of_q * second_rate_of_p
+        ) / rate_of_p**3
 
     def mirrored_time(self, t: ArrayLike) -> Array:
         """Time of the paper's point Y: where the line of gradient f through the loads at time t

@@ -122,7 +122,7 @@ def _plate(
     name: str,
     panels: Sequence[Panel],
     table: Table,
-    columns: int = 1,
+    n_columns: int = 1,
     keys: Iterable[Key] = (),
     **numbers: float,
 ) -> Plate:
@@ -131,7 +131,7 @@ def _plate(
     are entries of the legend.
 
     `name` is that of the figure and of its files. `numbers` are filled into the caption. `table`
-    has the columns of its CSV file. The panels stand side by side in so many `columns`.
+    has the columns of its CSV file. Of the panels `n_columns` stand side by side.
     """
     # texts of the figure in paper.toml, by their names
     # PAPER_WORDS: the content of paper.toml
@@ -155,7 +155,7 @@ def _plate(
         tuple(panels),
         table,
         tuple(legend.values()),
-        columns,
+        n_columns,
     )
 
 
@@ -269,41 +269,27 @@ def _figure_2(case: Case) -> Plate:
     stand for the events of contact, and lines of gradient f and -f define them. All loads are over
     P0/3, a third of the mean normal load (`unit_load`).
 
-    The line of gradient f through E (end of forward slip) ends at Z, on the initial loading. The
-    line of gradient -f through G (end of reverse slip) ends at T, at the load of the permanent
-    stick edge; the line of gradient f from G ends at J. J is the event of forward slip at which the
-    stick edge is where the contact edge was at G.
-
     `case` is the paper's ellipse of loads on one profile. Of its events, `front_load` is the normal
     load whose contact is as wide as the stick zone.
+
+    # notation: P normal load, P0 its mean, Q tangential load
     """
-    friction = case.friction
-    loads_on_limit = np.array([0.0, 4.6])  # P at both ends of the drawn Coulomb limit
     # letter -> P, Q and the load at the stick edge
     loads_by_letter = {
         letter: np.array([event.normal_load, event.tangential_load, event.front_load])
         / case.unit_load
         for letter, event in case.events.items()
     }
-    # loads at E, G and J; Z and T have the loads at the stick edge at E and G
-    p_e, q_e, p_z = loads_by_letter["E"].tolist()
-    p_g, q_g, p_t = loads_by_letter["G"].tolist()
-    p_j, q_j, _ = loads_by_letter["J"].tolist()
-    q_z = q_e - friction * (p_e - p_z)
-    q_t = q_g + friction * (p_g - p_t)
-
     # Limits, paths of the loads, lines and letters: _line(P, Q, label, look), _text_at(P, Q, text,
     # shift, colour).
+    loads_on_limit = np.array([0.0, 4.6])  # P at both ends of the drawn Coulomb limit
+    q_on_limit = case.friction * loads_on_limit
     initial_times = np.linspace(case.scene.load.path().start, case.time_of("A"), 101)
     marks: list[Mark] = [
-        _line(loads_on_limit, friction * loads_on_limit, "sliding, |Q| = f P", "faint dash fine"),
-        _line(loads_on_limit, -friction * loads_on_limit, "", "faint dash fine"),
+        _line(loads_on_limit, q_on_limit, "sliding, |Q| = f P", "faint dash fine"),
+        _line(loads_on_limit, -q_on_limit, "", "faint dash fine"),
         _line(*case.scaled_loads(initial_times), "initial loading, parabola OA", "c1 dashdot"),
-        _line([p_z, p_e], [q_z, q_e], "gradient f through E and G", "c0 solid fine"),
-        _line([p_g, p_j], [q_g, q_j], "", "c0 solid fine"),
-        _line([p_t, p_g], [q_t, q_g], "gradient −f through G", "c2 dot"),
-        *_text_at(p_z, q_z, "Z", (-8.0, 6.0), "0", dot=True),
-        *_text_at(p_t, q_t, "T", (-7.0, 7.0), "2", dot=True),
+        *_lines_of_gradient_f(case.friction, loads_by_letter),
         _line(*case.scaled_loads(case.cycle_times()), "ellipse, gone round anticlockwise", "bold"),
         *_letters_around_ellipse(case, loads_by_letter),
         *_text_at(0.0, 0.0, "O", (18.0, -9.0), dot=True),
@@ -311,8 +297,44 @@ def _figure_2(case: Case) -> Plate:
     x_axis = Axis(0.0, 4.6, "normal load P / (P₀/3)")
     y_axis = Axis(-0.7, 2.8, "tangential load Q / (P₀/3)")
     panel = _panel("figure_02", x_axis, y_axis, marks, "Load path with its letters", (640.0, 480.0))
+    return _plate("figure_02", [panel], _table_of_events(case, loads_by_letter))
 
-    # the CSV file: a row for each event
+
+def _lines_of_gradient_f(
+    friction_coefficient: float, loads_by_letter: Mapping[str, Array]
+) -> Iterator[Mark]:
+    """The lines of gradient f and -f in the plane of P and Q that define the events of figure 2,
+    with the letters Z and T at their ends.
+
+    The line of gradient f through E (end of forward slip) ends at Z, on the initial loading. The
+    line of gradient -f through G (end of reverse slip) ends at T, at the load of the permanent
+    stick edge; the line of gradient f from G ends at J. J is the event of forward slip at which the
+    stick edge is where the contact edge was at G.
+
+    `loads_by_letter` is letter -> P, Q and the load at the stick edge (3,), over P0/3.
+
+    # notation: f friction coefficient, P normal load, P0 its mean, Q tangential load
+    """
+    # loads at E, G and J; Z and T have the loads at the stick edge at E and G
+    p_e, q_e, p_z = loads_by_letter["E"].tolist()
+    p_g, q_g, p_t = loads_by_letter["G"].tolist()
+    p_j, q_j, _ = loads_by_letter["J"].tolist()
+    q_z = q_e - friction_coefficient * (p_e - p_z)
+    q_t = q_g + friction_coefficient * (p_g - p_t)
+    yield _line([p_z, p_e], [q_z, q_e], "gradient f through E and G", "c0 solid fine")
+    yield _line([p_g, p_j], [q_g, q_j], "", "c0 solid fine")
+    yield _line([p_t, p_g], [q_t, q_g], "gradient −f through G", "c2 dot")
+    yield from _text_at(p_z, q_z, "Z", (-8.0, 6.0), "0", dot=True)
+    yield from _text_at(p_t, q_t, "T", (-7.0, 7.0), "2", dot=True)
+
+
+def _table_of_events(case: Case, loads_by_letter: Mapping[str, Array]) -> Table:
+    """Columns of the CSV file of figure 2, with a row for each event in the order of time: letter,
+    time, P, Q and the load at the stick edge. `loads_by_letter` has these loads (3,), over a third
+    of the mean normal load.
+
+    # notation: P normal load, Q tangential load
+    """
     letters_in_order = sorted(case.events, key=case.time_of)
     loads_in_order = np.array([loads_by_letter[letter] for letter in letters_in_order])
     table: Table = {
@@ -321,7 +343,7 @@ def _figure_2(case: Case) -> Plate:
     }
     for name, column in zip(("P", "Q", "stick edge load"), loads_in_order.T, strict=True):
         table = {**table, f"{name} / (P0/3)": column.tolist()}
-    return _plate("figure_02", [panel], table)
+    return table
 
 
 def _letters_around_ellipse(case: Case, loads_by_letter: Mapping[str, Array]) -> Iterator[Mark]:
@@ -394,7 +416,7 @@ def _figure_3(case: Case) -> Plate:
     table |= {
         f"q at {letter}": shear for letter, shear in zip(LETTERS, shears_at_events, strict=True)
     }
-    return _plate("figure_03", panels, table, columns=4)
+    return _plate("figure_03", panels, table, n_columns=4)
 
 
 def _slip_bands_to_limit(
@@ -462,7 +484,7 @@ class Zones:
         return {x_head: x, "t": self.time, "P / (P0/3)": case.scaled_loads(self.time)[0], **edges}
 
 
-def _zones(case: Case, slip_events: Sequence[tuple[float, int]], count: int = 91) -> Zones:
+def _zones(case: Case, slip_events: Sequence[tuple[float, int]], n_instants: int = 91) -> Zones:
     """Half-widths of contact and stick through time, over a0 = a(P0), the contact half-width at the
     mean load, with the direction of slip.
 
@@ -473,7 +495,7 @@ def _zones(case: Case, slip_events: Sequence[tuple[float, int]], count: int = 91
     slip_events
         instants at which slip begins, turns or ends, each with the direction of slip from there to
         the next one: 1 forward, -1 reverse, or 0 for stick
-    count
+    n_instants
         number of instants from each event to the next, both events among them
 
     Returns
@@ -482,7 +504,7 @@ def _zones(case: Case, slip_events: Sequence[tuple[float, int]], count: int = 91
         times, contact half-widths, stick half-widths and directions, one after the other, (n,) each
     """
     time = np.concatenate(
-        [np.linspace(start, end, count) for (start, _), (end, _) in pairwise(slip_events)]
+        [np.linspace(start, end, n_instants) for (start, _), (end, _) in pairwise(slip_events)]
     )
     # half-plane theory solves each instant once
     unique_times, unique_indices = np.unique(time, return_inverse=True)
@@ -491,9 +513,9 @@ def _zones(case: Case, slip_events: Sequence[tuple[float, int]], count: int = 91
     stick_edge = solution.stick_half_width[unique_indices] / case.unit_length
     # Each event stands there twice: as the end of the phase before, with theory's stick edge, and
     # as the start of the next phase, when all sticks.
-    stick_edge[::count] = contact_edge[::count]
+    stick_edge[::n_instants] = contact_edge[::n_instants]
     directions = [direction for _, direction in slip_events[:-1]]
-    return Zones(time, contact_edge, stick_edge, np.repeat(directions, count))
+    return Zones(time, contact_edge, stick_edge, np.repeat(directions, n_instants))
 
 
 def _slip_events(case: Case) -> list[tuple[float, int]]:

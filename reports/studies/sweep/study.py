@@ -407,32 +407,11 @@ def _point(
     """The point `number` of a study at these coordinates on its axes, with its question. The
     question is the study's scene with the values of the study and its axes, settings of mesh and
     solver, and what is kept. `scene_content` is that scene as nested tables, which are changed
-    here.
-
-    `coordinates` has a value for each column of the axes. Of the study, `set` has keys of the scene
-    with a value, and `derived` keys or names with arithmetic in names. Keys are dotted, such as
-    "load.mean_normal_load"; those that begin with "mesh." or "solver." are settings.
+    here. `coordinates` has a value for each column of the axes.
     """
-    # values by keys of the scene, and by names that arithmetic uses
-    value_by_key: dict[str, Value] = dict(study.set)
-    value_by_name: dict[str, Value] = dict(coordinates)
-    for axis in study.axes:
-        # targets: keys that the axis sets, each with the column of its values
-        value_by_key |= {key: coordinates[column] for key, column in axis.targets}
-    for name, expression in study.derived.items():
-        derived_value = (
-            value_of_expression(expression, value_by_name)
-            if isinstance(expression, str)
-            else float(expression)
-        )
-        if "." in name:  # a key of the scene
-            value_by_key[name] = derived_value
-        else:
-            value_by_name[name] = derived_value
-
     # put the values into the scene's tables, and settings aside
     settings: dict[str, dict[str, Any]] = {"mesh": {}, "solver": {}}
-    for key, value in value_by_key.items():
+    for key, value in _values_by_key(study, coordinates).items():
         first_word, _, setting_name = key.partition(".")
         if first_word in settings:
             settings[first_word][setting_name] = value
@@ -452,6 +431,31 @@ def _point(
         study.share_condensations,
     )
     return Point(number, question.address, coordinates, question)
+
+
+def _values_by_key(study: Study, coordinates: Coordinates) -> dict[str, Value]:
+    """Values of a point of a study by dotted keys, such as "load.mean_normal_load"; keys that begin
+    with "mesh." or "solver." are settings, the others are of the scene.
+
+    They are the study's own (`set`), those of its axes at these `coordinates` (a value for each
+    column), and those of arithmetic in names (`derived`), which is worked out in its order.
+    """
+    value_by_key: dict[str, Value] = dict(study.set)
+    for axis in study.axes:
+        # targets: keys that the axis sets, each with the column of its values
+        value_by_key |= {key: coordinates[column] for key, column in axis.targets}
+    value_by_name: dict[str, Value] = dict(coordinates)  # names that arithmetic uses
+    for name, expression in study.derived.items():
+        derived_value = (
+            value_of_expression(expression, value_by_name)
+            if isinstance(expression, str)
+            else float(expression)
+        )
+        if "." in name:  # a key of the scene
+            value_by_key[name] = derived_value
+        else:
+            value_by_name[name] = derived_value
+    return value_by_key
 
 
 def _set_value(content: dict[str, Any], key: str, value: Value) -> None:

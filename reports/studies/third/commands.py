@@ -4,11 +4,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from reports.cli.application import EXIT_WITHIN, Answer
 from reports.cli.solving import Job, deck_file, solving_command
 from reports.console import Sheet
 from reports.studies.third.calculix import ThirdSolver, find_calculix, solve_with_calculix
-from reports.studies.third.deck import DeckSettings
+from reports.studies.third.deck import Deck, DeckSettings
 from scenes import ContactSolution
 
 
@@ -43,26 +45,32 @@ def export(job: Job) -> Answer:
 
     # the deck, and its file
     scene = job.scene
-    options = job.options
     stages = job.stages
     with stages.stage("loading"):
         from halfplane_fe.solution import versions
         from reports.studies.third.deck import DeckSettings, build_deck, deck_text
-        from reports.units import units
     with stages.stage("deck"):
         # settings that the user gave on the command line; the others have defaults
-        deck = build_deck(
-            scene, DeckSettings(**options.values_given(("steps_per_cycle", "cycles")))
-        )
+        stated_settings = job.options.values_given(("steps_per_cycle", "cycles"))
+        deck = build_deck(scene, DeckSettings(**stated_settings))
     # The command line in the deck's first comment is without the folder of the user.
     text = deck_text(deck, job.command("export").rpartition(" --out ")[0], versions())
     file = deck_file(scene)
     with results_folder(job.folder, stale_prefixes=(file,)) as staging_folder:
         (staging_folder / file).write_text(text, encoding="utf-8")
 
-    # its size: nodes and elements of both meshes; instants beside the unloaded one; stiffnesses
-    # that replace rigid contact and stick
-    deck_size = {
+    path = str(job.folder / file)
+    content = {"passed": True, **_deck_size(deck), "file": path, "seconds": stages.seconds}
+    # EXIT_WITHIN: exit code 0
+    return Answer(EXIT_WITHIN, [_sheet_of_deck(deck), path], lambda: content, scene.name)
+
+
+def _deck_size(deck: Deck) -> dict[str, Any]:
+    """Size of an input deck, as JSON content: nodes and elements of both meshes, size of the
+    elements at the edges, instants beside the unloaded one, and the stiffnesses that replace rigid
+    contact and stick.
+    """
+    return {
         "nodes": deck.node_count,
         "elements": len(deck.lower.elements) + len(deck.upper.elements),
         "edge_element_size": deck.element_size,
@@ -70,25 +78,25 @@ def export(job: Job) -> Answer:
         "pressure_per_penetration": deck.stiffness,
         "shear_per_elastic_slip": deck.stick_slope,
     }
-    _, unit_of_length, unit_of_stress = units(scene)
+
+
+def _sheet_of_deck(deck: Deck) -> Sheet:
+    """The table, for the terminal, of the size of an input deck and of its stiffnesses."""
+    from reports.units import units
+
+    size = _deck_size(deck)
+    _, unit_of_length, unit_of_stress = units(deck.scene)
     words_of_stiffness = (
         f"pressure per penetration, shear per elastic slip [{unit_of_stress}/{unit_of_length}]"
     )
     rows = [
-        ("nodes, elements", f"{deck_size['nodes']}, {deck_size['elements']}"),
+        ("nodes, elements", f"{size['nodes']}, {size['elements']}"),
         (
             f"surface elements at the edges [{unit_of_length}]",
             f"{deck.element_size:.6g} (a/{1 / deck.settings.edge_element_size:g})",
         ),
-        ("instants", f"{deck_size['instants']}"),
+        ("instants", f"{size['instants']}"),
         (words_of_stiffness, f"{deck.stiffness:.6g}, {deck.stick_slope:.6g}"),
     ]
-    path = str(job.folder / file)
-    content = {"passed": True, **deck_size, "file": path, "seconds": stages.seconds}
-    # EXIT_WITHIN: exit code 0; Sheet: a table on the terminal, of title, heads and rows
-    return Answer(
-        EXIT_WITHIN,
-        [Sheet("Deck for CalculiX", ("what", "value"), rows), path],
-        lambda: content,
-        scene.name,
-    )
+    # Sheet: title, heads and rows
+    return Sheet("Deck for CalculiX", ("what", "value"), rows)
