@@ -310,7 +310,7 @@ def findings_of_rig(question: Question) -> Findings:
         x=x,
         values={
             **_values_from_answer_datum(question, followed, row_numbers),
-            **{name: fields.at_points(field) for name, field in fields.fields.items()},
+            **fields.by_name,
             **_works_by_name(question, cycle_energy),
             "permanent_stick_half_width": permanent_stick_half_width(
                 followed.corrected_path, followed.last_cycle
@@ -324,11 +324,7 @@ def findings_of_rig(question: Question) -> Findings:
         notes=tuple(_notes(followed, cycle_energy)),
         errors={name: error for name, error in cycle_energy.errors.items() if error},
         certificates=admissibility_checks_of(followed.corrected_path, fields.fields, row_numbers),
-        counts={
-            "points_evaluated": len(fields.distance),
-            "rows": len(followed.fine_path.time),
-            "pieces": len(followed.fine_path.followed_path.pieces.top_s),
-        },
+        counts={"points_evaluated": len(fields.distance), **followed.corrected_path.counts},
         seconds=stop_watch.seconds,
         scene=_scene_of_loads(question.scene, followed.loads_up_to_end, followed.last_cycle),
     )

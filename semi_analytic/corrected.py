@@ -640,6 +640,14 @@ class PathSeries:
     rigid_displacement: Array | None = None
 
     @property
+    def counts(self) -> dict[str, int]:
+        """Numbers of instants ("rows") and of pieces of memory curves, by name."""
+        return {
+            "rows": len(self.followed_path.normal_load),
+            "pieces": len(self.followed_path.pieces.top_s),
+        }
+
+    @property
     def unit_compliance(self) -> float:
         """A/pi = 2/(pi E*) [1/stress]."""
         return 2 / (math.pi * self.modulus)
@@ -1405,12 +1413,11 @@ def _findings_of_symmetric_scene(question: Question) -> Findings:
     return Findings(
         time=time,
         x=x,
-        # names are those of the values in a ContactSolution
         values={
             **values_over_time,
-            **{name: fields.at_points(field) for name, field in fields.fields.items()},
-            "permanent_stick_half_width": _permanent_stick_with_bodies(paths, tilt_and_strain),
+            **fields.by_name,
             **friction_work.by_name(fields),
+            "permanent_stick_half_width": _permanent_stick_with_bodies(paths, tilt_and_strain),
             # a cycle that is followed but not in the answer is none of its steady ones
             "steady_from": paths.steady_from if paths.is_steady else None,
         },
@@ -1421,8 +1428,7 @@ def _findings_of_symmetric_scene(question: Question) -> Findings:
         certificates=admissibility_checks_of(path_with_bodies, fields.fields, row_numbers),
         counts={
             "points_evaluated": len(fields.distance),
-            "rows": len(paths.rows.time),
-            "pieces": len(path_with_bodies.followed_path.pieces.top_s),
+            **path_with_bodies.counts,
             "cycles_solved": len(paths.rows.cycles),
         },
         seconds=stop_watch.seconds,
@@ -1459,6 +1465,11 @@ class FieldsByDistance(NamedTuple):
         point_fields = PointFields(path_with_bodies, distance)
         fields = fields_at(question, point_fields, distance, row_numbers)
         return cls(distance, distance_index, point_fields, fields)
+
+    @property
+    def by_name(self) -> dict[str, NDArray[Any]]:
+        """The fields at the m points, (n, m) each, by their names in a solution."""
+        return {name: self.at_points(field) for name, field in self.fields.items()}
 
     def at_points(self, values: NDArray[Any]) -> NDArray[Any]:
         """Values at the distances, (k,) or (n, k), as values at the m points, (m,) or (n, m)."""
