@@ -124,16 +124,18 @@ def maxima_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
 
     # (m, n) from the edge of permanent stick to the largest contact
     sample_places = _sample_points(ellipses, contact)
-    density = _density_function(ellipses, contact)
+    density_at = _density_function(ellipses, contact)
     # W(x) there, and for which ellipses some W(x) is NaN
     samples_of_density, is_unknown = _sampled_density(
-        sample_places, partial(density, node_stride=2)
+        sample_places, partial(density_at, node_stride=2)
     )
     # one for each sample above its neighbours, refined
-    local_maxima = _local_maxima(samples_of_density, density)
-    peaks_of_ellipses = _largest_maximum(local_maxima, ellipses, sample_places, is_unknown, density)
-    second_work, second_place = _second_maximum(
-        local_maxima, samples_of_density.work, peaks_of_ellipses
+    local_maxima = _local_maxima(samples_of_density, density_at)
+    peaks_of_ellipses = _largest_maximum(
+        local_maxima, ellipses, sample_places, is_unknown, density_at
+    )
+    second_density, second_place = _second_maximum(
+        local_maxima, samples_of_density.density, peaks_of_ellipses
     )
     # half-widths of permanent stick and of the largest contact
     stick_edge = sample_places[:, 0]
@@ -143,8 +145,8 @@ def maxima_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
     )
     return np.stack(
         [
-            peaks_of_ellipses.work,
-            second_work,
+            peaks_of_ellipses.density,
+            second_density,
             peaks_of_ellipses.error,
             peaks_of_ellipses.place,
             second_place,
@@ -161,7 +163,7 @@ def _density_function(ellipses: Ellipses, contact: SymmetricContact) -> Callable
     every `node_stride`-th quadrature node. `contact` is the normal contact of all.
     """
 
-    def density(ellipse_numbers: Indices, x: Array, node_stride: int = 1) -> Array:
+    def density_at(ellipse_numbers: Indices, x: Array, node_stride: int = 1) -> Array:
         """W(x) pi E*/(2 f^2) of the ellipses with these numbers (k,) at their places x (k,), by
         every `node_stride`-th quadrature node.
         """
@@ -170,7 +172,7 @@ def _density_function(ellipses: Ellipses, contact: SymmetricContact) -> Callable
         )
         return density_of_forward_slip + density_of_reverse_slip
 
-    return density
+    return density_at
 
 
 class _LocalMaxima(NamedTuple):
@@ -178,64 +180,66 @@ class _LocalMaxima(NamedTuple):
 
     Attributes
     ----------
-    ellipse
-        number of the ellipse
-    sample
-        number of the sample of W that is above its neighbours
+    ellipse_number
+        of the ellipse
+    sample_number
+        of the sample of W that is above its neighbours
     vertex
-        top of the parabola through three points close about it
+        top of the parabola through three points (x, W) close about it
     """
 
-    ellipse: Indices
-    sample: Indices
+    ellipse_number: Indices
+    sample_number: Indices
     vertex: _Vertex
 
-    def numbers_by_ascending_work(self) -> Indices:
+    def numbers_by_ascending_density(self) -> Indices:
         """Numbers of the maxima by ascending W."""
-        return np.argsort(self.vertex.work, kind="stable")
+        return np.argsort(self.vertex.density, kind="stable")
 
     def largest_of_ellipses(self, n_ellipses: int) -> Indices:
         """Number of the largest maximum of each ellipse, -1 where there is none: (m,)."""
-        maximum_numbers = self.numbers_by_ascending_work()
+        maximum_numbers = self.numbers_by_ascending_density()
         largest_maximum = np.full(n_ellipses, -1)
         # the last one of an ellipse stays: its largest
-        largest_maximum[self.ellipse[maximum_numbers]] = maximum_numbers
+        largest_maximum[self.ellipse_number[maximum_numbers]] = maximum_numbers
         return largest_maximum
 
 
-def _local_maxima(samples: _Samples, density: Callable[..., Array]) -> _LocalMaxima:
+def _local_maxima(samples: _Samples, density_at: Callable[..., Array]) -> _LocalMaxima:
     """Every local maximum over x of the friction work per area W(x) of each load ellipse, one for
     each sample of W above its neighbours.
 
     `samples` holds ellipse, place x and W(x), one ellipse after the other. A sample and its
     neighbours are a bracket. It is narrowed with every second quadrature node first, then with all.
-    `density`(ellipse numbers, x, node_stride=1) gives W(x) pi E*/(2 f^2), with every
+    `density_at`(ellipse numbers, x, node_stride=1) gives W(x) pi E*/(2 f^2), with every
     `node_stride`-th quadrature node.
     """
     # W(x)
-    density_at_samples = samples.work
+    density_at_samples = samples.density
     is_local_maximum = (density_at_samples[1:-1] > density_at_samples[:-2]) & (
         density_at_samples[1:-1] >= density_at_samples[2:]
     )
     sample_numbers = np.flatnonzero(is_local_maximum) + 1
-    ellipse = samples.ellipse[sample_numbers]
+    ellipse_number = samples.ellipse_number[sample_numbers]
     # (3, n): each sample with its neighbours
     samples_of_brackets = sample_numbers + _NEIGHBOUR_OFFSETS
     # (3, n) each, until W may rise by 1e-5 of itself, later by 1e-10
     bracket_places, _ = _narrowed_brackets(
-        partial(density, node_stride=2),
-        ellipse,
+        partial(density_at, node_stride=2),
+        ellipse_number,
         samples.x[samples_of_brackets],
         density_at_samples[samples_of_brackets],
         _FIRST_RISE_TOLERANCE,
     )
     # With all nodes from here on.
-    densities_of_brackets = np.stack([density(ellipse, places) for places in bracket_places])
+    densities_of_brackets = np.stack(
+        [density_at(ellipse_number, places) for places in bracket_places]
+    )
     bracket_places, densities_of_brackets = _narrowed_brackets(
-        density, ellipse, bracket_places, densities_of_brackets, _LAST_RISE_TOLERANCE
+        density_at, ellipse_number, bracket_places, densities_of_brackets, _LAST_RISE_TOLERANCE
     )
     return _LocalMaxima(
-        ellipse, sample_numbers, _vertex_of_parabola(bracket_places, densities_of_brackets)
+        ellipse_number, sample_numbers, _vertex_of_parabola(bracket_places, densities_of_brackets)
     )
 
 
@@ -244,7 +248,7 @@ class _Peaks(NamedTuple):
     which of the local maxima it is, -1 for none.
     """
 
-    work: Array
+    density: Array
     error: Array
     place: Array
     maximum_number: Indices
@@ -253,9 +257,9 @@ class _Peaks(NamedTuple):
 def _largest_maximum(
     maxima: _LocalMaxima,
     ellipses: Ellipses,
-    points: Array,
+    places: Array,
     is_unknown: NDArray[np.bool_],
-    density: Callable[..., Array],
+    density_at: Callable[..., Array],
 ) -> _Peaks:
     """The largest maximum over x of the friction work per area W(x), times pi E*/(2 f^2), of each
     load ellipse, with its error from above and its |x|, (m,) each.
@@ -266,10 +270,10 @@ def _largest_maximum(
 
     Parameters
     ----------
-    points
+    places
         (m, n) places x of the samples, from the half-width c of permanent stick to that of the
         largest contact
-    density
+    density_at
         W(x) pi E*/(2 f^2) of (ellipse numbers, x, stride of the quadrature nodes)
     maxima
         local maxima of all ellipses, each the vertex of a parabola, which holds W, place and how
@@ -279,17 +283,17 @@ def _largest_maximum(
     # of the largest maximum of each ellipse, -1 where there is none
     maximum_number = maxima.largest_of_ellipses(n_ellipses)
     largest_density = np.where(is_unknown, np.nan, 0.0)
-    error = np.where(is_unknown, np.nan, _largest_undetected_density(ellipses, points))
+    error = np.where(is_unknown, np.nan, _largest_undetected_density(ellipses, places))
     place = np.full(n_ellipses, np.nan)
 
     slipping_ellipses = np.flatnonzero((maximum_number >= 0) & ~is_unknown)
     maxima_of_slipping_ellipses = maximum_number[slipping_ellipses]
     vertices = maxima.vertex
-    largest_density[slipping_ellipses] = vertices.work[maxima_of_slipping_ellipses]
+    largest_density[slipping_ellipses] = vertices.density[maxima_of_slipping_ellipses]
     place[slipping_ellipses] = vertices.place[maxima_of_slipping_ellipses]
     densities_by_stride = np.stack(
         [
-            density(slipping_ellipses, place[slipping_ellipses], node_stride)
+            density_at(slipping_ellipses, place[slipping_ellipses], node_stride)
             for node_stride in (1, 2, 4)
         ]
     )
@@ -298,7 +302,7 @@ def _largest_maximum(
     relative_error = relative_rule_error + _relative_roundoff(ellipses)[slipping_ellipses]
     error[slipping_ellipses] = (
         vertices.possible_rise[maxima_of_slipping_ellipses]
-        + vertices.work[maxima_of_slipping_ellipses] * relative_error
+        + vertices.density[maxima_of_slipping_ellipses] * relative_error
     )
     return _Peaks(largest_density, error, place, maximum_number)
 
@@ -321,17 +325,17 @@ def _relative_roundoff(ellipses: Ellipses) -> Array:
     return np.asarray(PROMISED_ERROR + 3 * share_of_last_digits)
 
 
-def _largest_undetected_density(ellipses: Ellipses, points: Array) -> Array:
+def _largest_undetected_density(ellipses: Ellipses, places: Array) -> Array:
     """Upper bound of W(x) pi E*/(2 f^2) of each load ellipse, (m,), for those where no maximum of
     it was found: W(x), the friction work per area, may be lost in the last digits then.
 
     W(x) is at most the product of p, 2 (u + v) and arccosh(|x|/c). That is 2 (u + v) (P - P_c)/(pi
     a), with the largest P - P_c, and the half-width c of permanent stick in the place of a where it
-    is not 0. u and v are the amplitudes of (Q -+ f P)/f. `points` (m, n) are places x from c to the
+    is not 0. u and v are the amplitudes of (Q -+ f P)/f. `places` (m, n) are places x from c to the
     half-width a of the largest contact.
     """
-    stick_edge = points[:, 0]
-    largest_half_width = points[:, -1]
+    stick_edge = places[:, 0]
+    largest_half_width = places[:, -1]
     return np.asarray(
         2
         / math.pi
@@ -342,86 +346,90 @@ def _largest_undetected_density(ellipses: Ellipses, points: Array) -> Array:
 
 
 def _second_maximum(
-    maxima: _LocalMaxima, sampled_work: Array, peaks: _Peaks
+    maxima: _LocalMaxima, sampled_density: Array, peaks: _Peaks
 ) -> tuple[Array, Array]:
     """Second largest maximum over x of the friction work per area W(x), times pi E*/(2 f^2), of
     each load ellipse, and its |x|, (m,) each; NaN where there is one maximum only.
 
     It counts where W falls between it and the largest one by more than 1e-3 of the largest W, and
-    by more than twice its error. `sampled_work` is W(x) at all samples of all ellipses, one ellipse
-    after the other. A local maximum holds its ellipse, its sample and the vertex of a parabola,
-    with W and place; `peaks` the largest maximum of each ellipse, with its number.
+    by more than twice its error. `sampled_density` is W(x) at all samples of all ellipses, one
+    ellipse after the other. A local maximum holds the numbers of its ellipse and its sample, and
+    the vertex of a parabola, with W and place. `peaks` holds the largest maximum of each ellipse.
     """
-    n_ellipses = len(peaks.work)
-    second_work = np.full(n_ellipses, np.nan)
+    n_ellipses = len(peaks.density)
+    second_density = np.full(n_ellipses, np.nan)
     second_place = np.full(n_ellipses, np.nan)
-    if not len(maxima.sample):
-        return second_work, second_place
+    if not len(maxima.sample_number):
+        return second_density, second_place
     # From the sample of each maximum to that of the largest of its ellipse.
-    sample_of_largest_maximum = maxima.sample[peaks.maximum_number[maxima.ellipse]]
-    sample_ranges = np.sort(np.stack([maxima.sample, sample_of_largest_maximum]), axis=0)
+    sample_of_largest_maximum = maxima.sample_number[peaks.maximum_number[maxima.ellipse_number]]
+    sample_ranges = np.sort(np.stack([maxima.sample_number, sample_of_largest_maximum]), axis=0)
     # Every other minimum of `reduceat` is that between two ranges: it is left out.
-    least_work_in_range = np.minimum.reduceat(sampled_work, sample_ranges.T.ravel())[::2]
+    least_density_in_range = np.minimum.reduceat(sampled_density, sample_ranges.T.ravel())[::2]
     # _LEAST_FALL_SHARE: 1e-3
-    least_fall = np.maximum(_LEAST_FALL_SHARE * peaks.work, 2 * peaks.error)
+    least_fall = np.maximum(_LEAST_FALL_SHARE * peaks.density, 2 * peaks.error)
     # By ascending W: the last one of an ellipse stays.
-    maximum_numbers = maxima.numbers_by_ascending_work()
-    ellipse = maxima.ellipse[maximum_numbers]
-    work_of_maximum = maxima.vertex.work[maximum_numbers]
-    is_not_largest = maximum_numbers != peaks.maximum_number[ellipse]
-    is_distinct = least_work_in_range[maximum_numbers] < work_of_maximum - least_fall[ellipse]
+    maximum_numbers = maxima.numbers_by_ascending_density()
+    ellipse_number = maxima.ellipse_number[maximum_numbers]
+    density_of_maximum = maxima.vertex.density[maximum_numbers]
+    is_not_largest = maximum_numbers != peaks.maximum_number[ellipse_number]
+    is_distinct = (
+        least_density_in_range[maximum_numbers] < density_of_maximum - least_fall[ellipse_number]
+    )
     second_numbers = maximum_numbers[is_not_largest & is_distinct]
-    second_work[maxima.ellipse[second_numbers]] = maxima.vertex.work[second_numbers]
-    second_place[maxima.ellipse[second_numbers]] = maxima.vertex.place[second_numbers]
-    return second_work, second_place
+    second_density[maxima.ellipse_number[second_numbers]] = maxima.vertex.density[second_numbers]
+    second_place[maxima.ellipse_number[second_numbers]] = maxima.vertex.place[second_numbers]
+    return second_density, second_place
 
 
 class _Samples(NamedTuple):
-    """Places of samples, ascending within an ellipse, one ellipse after the other, and W there,
-    (n,) each.
+    """Samples of the friction work per area W(x), (n,) each: number of the ellipse, place x, and W
+    there; places ascend within an ellipse, one ellipse comes after the other.
     """
 
-    ellipse: Indices
+    ellipse_number: Indices
     x: Array
-    work: Array
+    density: Array
 
     def joined_with(self, further_samples: _Samples) -> _Samples:
         """These samples and further ones, ascending within an ellipse, one ellipse after the
         other.
         """
-        ellipse = np.concatenate([self.ellipse, further_samples.ellipse])
+        ellipse_number = np.concatenate([self.ellipse_number, further_samples.ellipse_number])
         x = np.concatenate([self.x, further_samples.x])
-        work = np.concatenate([self.work, further_samples.work])
-        order_by_ellipse = np.lexsort((x, ellipse))
-        return _Samples(ellipse[order_by_ellipse], x[order_by_ellipse], work[order_by_ellipse])
+        density = np.concatenate([self.density, further_samples.density])
+        order_by_ellipse = np.lexsort((x, ellipse_number))
+        return _Samples(
+            ellipse_number[order_by_ellipse], x[order_by_ellipse], density[order_by_ellipse]
+        )
 
 
 def _sampled_density(
-    points: Array, density: Callable[[Indices, Array], Array]
+    places: Array, density_at: Callable[[Indices, Array], Array]
 ) -> tuple[_Samples, NDArray[np.bool_]]:
-    """Samples of the friction work per area W(x) of each load ellipse at its `points` (m, n), and
-    at more points where W is nearly level; and for which ellipses W is NaN at some point, (m,).
+    """Samples of the friction work per area W(x) of each load ellipse at its `places` (m, n), and
+    at more places where W is nearly level; and for which ellipses W is NaN at some place, (m,).
 
-    Of equal points one counts. At both ends of the slip zone W is set to 0. `density`(ellipse
-    numbers, x) gives W(x) pi E*/(2 f^2).
+    Of equal places one counts. At both ends of the slip zone W is set to 0.
+    `density_at`(ellipse numbers, x) gives W(x) pi E*/(2 f^2).
     """
-    slip_zone_widths = points[:, -1] - points[:, 0]
+    slip_zone_widths = places[:, -1] - places[:, 0]
     # _SAME_POINT_WIDTH_SHARE: 1e-10
     is_distinct = (
-        np.diff(points, axis=1, prepend=-np.inf)
+        np.diff(places, axis=1, prepend=-np.inf)
         > _SAME_POINT_WIDTH_SHARE * slip_zone_widths[:, None]
     )
-    ellipse_of_point = np.nonzero(is_distinct)[0]
-    sample_places = points[is_distinct]
-    density_at_samples = density(ellipse_of_point, sample_places)
-    is_unknown = np.bincount(ellipse_of_point, np.isnan(density_at_samples), len(points)) > 0
+    ellipse_of_sample = np.nonzero(is_distinct)[0]
+    sample_places = places[is_distinct]
+    density_at_samples = density_at(ellipse_of_sample, sample_places)
+    is_unknown = np.bincount(ellipse_of_sample, np.isnan(density_at_samples), len(places)) > 0
     # Nothing is dissipated at the ends of the slip zone: no maximum is there, and ellipses next to
     # each other stay apart.
-    first_of_ellipse = np.flatnonzero(np.diff(ellipse_of_point, prepend=-1))
+    first_of_ellipse = np.flatnonzero(np.diff(ellipse_of_sample, prepend=-1))
     last_of_ellipse = np.append(first_of_ellipse[1:], len(sample_places)) - 1
     density_at_samples[first_of_ellipse] = 0.0
     density_at_samples[last_of_ellipse] = 0.0
-    samples = _Samples(ellipse_of_point, sample_places, density_at_samples)
+    samples = _Samples(ellipse_of_sample, sample_places, density_at_samples)
 
     # Samples are put closer where W is nearly level, lest one of two maxima next to each other is
     # missed: at a quarter, a half and three quarters of each level interval.
@@ -430,9 +438,9 @@ def _sampled_density(
         sample_places[level_intervals]
         + np.diff(sample_places)[level_intervals] * _QUARTER_FRACTIONS[:, None]
     ).ravel()
-    ellipse_of_added_point = np.tile(ellipse_of_point[level_intervals], len(_QUARTER_FRACTIONS))
+    ellipse_of_added_sample = np.tile(ellipse_of_sample[level_intervals], len(_QUARTER_FRACTIONS))
     added_samples = _Samples(
-        ellipse_of_added_point, added_places, density(ellipse_of_added_point, added_places)
+        ellipse_of_added_sample, added_places, density_at(ellipse_of_added_sample, added_places)
     )
     return samples.joined_with(added_samples), is_unknown
 
@@ -446,15 +454,17 @@ def _level_intervals(samples: _Samples, slip_zone_widths: Array) -> Indices:
     interval has the number of the sample at its left. An ellipse has W = 0 at its first and its
     last sample.
     """
-    ellipse_of_interval = samples.ellipse[:-1]
-    first_of_ellipse = np.flatnonzero(np.diff(samples.ellipse, prepend=-1))
-    largest_works = np.maximum.reduceat(samples.work, first_of_ellipse)
+    ellipse_of_interval = samples.ellipse_number[:-1]
+    first_of_ellipse = np.flatnonzero(np.diff(samples.ellipse_number, prepend=-1))
+    largest_densities = np.maximum.reduceat(samples.density, first_of_ellipse)
     # _NEARLY_LEVEL_FRACTION: 0.01
-    negligible_work = (_NEARLY_LEVEL_FRACTION * largest_works)[ellipse_of_interval]
-    is_above_negligible_work = (samples.work[:-1] > negligible_work) & (
-        samples.work[1:] > negligible_work
+    negligible_density = (_NEARLY_LEVEL_FRACTION * largest_densities)[ellipse_of_interval]
+    is_above_negligible_density = (samples.density[:-1] > negligible_density) & (
+        samples.density[1:] > negligible_density
     )
-    is_level_interval = (np.abs(np.diff(samples.work)) < negligible_work) & is_above_negligible_work
+    is_level_interval = (
+        np.abs(np.diff(samples.density)) < negligible_density
+    ) & is_above_negligible_density
     is_wide_interval = (
         np.diff(samples.x) > _NEARLY_LEVEL_FRACTION * slip_zone_widths[ellipse_of_interval]
     )
@@ -545,10 +555,10 @@ def _places_beside_kinks(
 
 
 def _narrowed_brackets(
-    density: Callable[[Indices, Array], Array],
+    density_at: Callable[[Indices, Array], Array],
     ellipse_of_maximum: Indices,
     bracket_places: Array,
-    bracket_works: Array,
+    bracket_densities: Array,
     rise_tolerance: float,
 ) -> tuple[Array, Array]:
     """Brackets of three places about each of n maxima of the friction work per area W(x), narrowed
@@ -561,24 +571,24 @@ def _narrowed_brackets(
 
     Parameters
     ----------
-    density
+    density_at
         W(x) of ellipses of these numbers (n,) at places (n,)
     ellipse_of_maximum
         (n,) number of the ellipse whose maximum it is
-    bracket_places, bracket_works
+    bracket_places, bracket_densities
         (3, n) places, ascending, and W(x) there, to begin with
     """
     bracket_places = bracket_places.copy()
-    bracket_works = bracket_works.copy()
+    bracket_densities = bracket_densities.copy()
     wide_bracket_numbers = np.arange(len(ellipse_of_maximum))
     narrows_slowly = np.zeros(len(ellipse_of_maximum), dtype=bool)
     for _ in range(_MOST_ROUNDS):
         # of the parabola, with a bound of the rise of W above the middle point
         vertex = _vertex_of_parabola(
-            bracket_places[:, wide_bracket_numbers], bracket_works[:, wide_bracket_numbers]
+            bracket_places[:, wide_bracket_numbers], bracket_densities[:, wide_bracket_numbers]
         )
         is_wide_bracket = vertex.possible_rise > rise_tolerance * np.abs(
-            bracket_works[1, wide_bracket_numbers]
+            bracket_densities[1, wide_bracket_numbers]
         )
         wide_bracket_numbers = wide_bracket_numbers[is_wide_bracket]
         if not len(wide_bracket_numbers):
@@ -589,36 +599,36 @@ def _narrowed_brackets(
         places_by_parabola = _next_trial_places(former_places, vertex.place[is_wide_bracket])
         even_places = former_places[0] + former_width * _EVEN_BRACKET_FRACTIONS[:, None]
         new_places = np.where(narrows_slowly[wide_bracket_numbers], even_places, places_by_parabola)
-        new_works = [
-            density(ellipse_of_maximum[wide_bracket_numbers], places) for places in new_places
+        new_densities = [
+            density_at(ellipse_of_maximum[wide_bracket_numbers], places) for places in new_places
         ]
         # of the six places those about the highest W
-        new_bracket, works_of_new_bracket = _bracket_about_highest(
+        new_bracket, densities_of_new_bracket = _bracket_about_highest(
             np.concatenate([former_places, new_places]),
-            np.concatenate([bracket_works[:, wide_bracket_numbers], new_works]),
+            np.concatenate([bracket_densities[:, wide_bracket_numbers], new_densities]),
         )
         bracket_places[:, wide_bracket_numbers] = new_bracket
-        bracket_works[:, wide_bracket_numbers] = works_of_new_bracket
+        bracket_densities[:, wide_bracket_numbers] = densities_of_new_bracket
         width = new_bracket[2] - new_bracket[0]
         narrows_slowly[wide_bracket_numbers] = width > former_width / 2
-    return bracket_places, bracket_works
+    return bracket_places, bracket_densities
 
 
-def _bracket_about_highest(places: Array, works: Array) -> tuple[Array, Array]:
+def _bracket_about_highest(places: Array, densities: Array) -> tuple[Array, Array]:
     """The place of the highest W(x) of six, with its neighbours, and W(x) there, (3, n) each, for
     each of n maxima; places ascending.
 
-    `places` and `works` (6, n) are in any order. The middle place of a bracket has a neighbour on
-    each side: the outermost of the six are never in the middle.
+    `places` and `densities`, W(x) there, (6, n) are in any order. The middle place of a bracket has
+    a neighbour on each side: the outermost of the six are never in the middle.
     """
     order_by_place = np.argsort(places, axis=0, kind="stable")
     ascending_places = np.take_along_axis(places, order_by_place, 0)
-    works_in_order = np.take_along_axis(works, order_by_place, 0)
-    row_of_highest_work = np.clip(np.argmax(works_in_order, axis=0), 1, len(works) - 2)
-    rows_of_bracket = row_of_highest_work + _NEIGHBOUR_OFFSETS
+    densities_in_order = np.take_along_axis(densities, order_by_place, 0)
+    row_of_highest_density = np.clip(np.argmax(densities_in_order, axis=0), 1, len(densities) - 2)
+    rows_of_bracket = row_of_highest_density + _NEIGHBOUR_OFFSETS
     return (
         np.take_along_axis(ascending_places, rows_of_bracket, 0),
-        np.take_along_axis(works_in_order, rows_of_bracket, 0),
+        np.take_along_axis(densities_in_order, rows_of_bracket, 0),
     )
 
 
@@ -652,16 +662,16 @@ def _next_trial_places(bracket: Array, vertex_place: Array) -> Array:
 
 
 class _Vertex(NamedTuple):
-    """The vertex of the parabola through three points, the middle one where it bends up, (n,) each:
-    W and place of it; how far a concave W may rise above the middle point.
+    """The vertex of the parabola through three points (x, W), the middle one where it bends up,
+    (n,) each: W and place of it; how far a concave W may rise above the middle point.
     """
 
-    work: Array
+    density: Array
     place: Array
     possible_rise: Array
 
 
-def _vertex_of_parabola(x: Array, work: Array) -> _Vertex:
+def _vertex_of_parabola(x: Array, density: Array) -> _Vertex:
     """Vertex of the parabola through three points (x, W(x)) about each of n maxima, x ascending,
     (3, n) each, and the most that W can rise above the middle point; W(x) is the friction work per
     area.
@@ -671,7 +681,9 @@ def _vertex_of_parabola(x: Array, work: Array) -> _Vertex:
     """
     distances = np.diff(x, axis=0)
     first_distance, second_distance = distances
-    first_slope, second_slope = np.diff(work, axis=0) / np.where(distances > 0, distances, np.inf)
+    first_slope, second_slope = np.diff(density, axis=0) / np.where(
+        distances > 0, distances, np.inf
+    )
     total_distance = np.where(
         first_distance + second_distance > 0, first_distance + second_distance, np.inf
     )
@@ -684,7 +696,7 @@ def _vertex_of_parabola(x: Array, work: Array) -> _Vertex:
         is_concave, slope_at_middle / np.where(is_concave, -2 * half_second_derivative, 1.0), 0.0
     )
     return _Vertex(
-        work=work[1] + slope_at_middle * distance_to_vertex / 2,
+        density=density[1] + slope_at_middle * distance_to_vertex / 2,
         place=x[1] + distance_to_vertex,
         possible_rise=np.maximum(
             np.abs(first_slope) * second_distance, np.abs(second_slope) * first_distance
