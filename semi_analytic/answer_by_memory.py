@@ -3,7 +3,7 @@ and instants that are asked for, and friction work, exact to round-off.
 
 A memory curve M(eta) is the tangential force of the flat punches up to the normal load eta. A path
 is followed by `load_series` where all of it is straight, else by `history`. Either leaves a
-`PathResult`: friction states at the instants and work of the cycles.
+`PathAnswer`: friction states at the instants and work of the cycles.
 
 Errors are estimates from above. A field is a sum over the straight pieces of M: slope M' times the
 difference of a kernel at both ends. Its error is f times the kernel's error for each end. Integrals
@@ -134,8 +134,8 @@ class Request:
         (k,) different |x|; different x of an unsymmetric contact
     distance_index
         (m,) index of the distance of each x
-    fields
-        the fields that are wanted
+    wanted_fields
+        names of the fields that are wanted
     bulk_tilt_path
         contact and loads of a path with bulk stress and tilt; None without these
     """
@@ -146,7 +146,7 @@ class Request:
     x: Array
     distance: Array
     distance_index: Indices
-    fields: frozenset[str]
+    wanted_fields: frozenset[str]
     bulk_tilt_path: OneCurve | None = None
 
     @property
@@ -156,7 +156,7 @@ class Request:
 
     def wants(self, *names: str) -> bool:
         """Whether one of these fields is wanted."""
-        return not self.fields.isdisjoint(names)
+        return not self.wanted_fields.isdisjoint(names)
 
 
 def findings_by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> Findings:
@@ -183,14 +183,14 @@ def findings_by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> F
     request = _request_of(question, bulk_tilt_path, path, time)
     stop_watch.add_lap("history")
     # friction states, works of cycles, friction work per area W(x) at the different |x|
-    path_answer = path_result(path, request)
+    path_answer = answer_along_path(path, request)
     stop_watch.add_lap("dissipation")
     # values over time, fields at the points, and their errors
-    fields = _fields_of_answer(request, path_answer.snapshot)
+    answer_fields = _fields_of_answer(request, path_answer.snapshot)
     stop_watch.add_lap("fields")
     # closed integral of Q dU of the last cycle, U the relative tangential displacement
     loop_work = _loop_work_of(path_answer.friction_work)
-    errors = _relative_errors(request, path_answer, fields, loop_work)
+    errors = _relative_errors(request, path_answer, answer_fields, loop_work)
     termination, message = _term_and_sentence_of_end(path)
     permanent_stick = _permanent_stick(request.contact, path_answer, path.largest_load)
     works = _works_by_name(path_answer.friction_work, request, loop_work)
@@ -198,8 +198,8 @@ def findings_by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> F
     return Findings(
         time=time,
         x=request.x,
-        values=fields.over_time
-        | fields.at_points
+        values=answer_fields.over_time
+        | answer_fields.at_points
         | permanent_stick
         | works
         | {"steady_from": path.steady_from},
@@ -212,7 +212,7 @@ def findings_by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> F
             *_notes_of_errors(errors),
         ),
         errors=errors,
-        certificates=_admissibility_checks(request, path_answer, fields.at_points),
+        certificates=_admissibility_checks(request, path_answer, answer_fields.at_points),
         energy=path_answer.friction_work.increments_by_name,
         counts={"points_evaluated": len(request.distance), "cycles_solved": len(path.cycles)}
         | path_answer.counts,
@@ -390,7 +390,7 @@ def memory_at(scene: Scene, time: Array) -> tuple[SymmetricContact, Snapshot]:
     request = Request(
         contact, modulus, time, middle_point, middle_point, middle_index, frozenset({"shear"})
     )
-    return contact, path_result(path, request).snapshot
+    return contact, answer_along_path(path, request).snapshot
 
 
 # --------------------------------------------------------------- states at instants, work of cycles
@@ -437,7 +437,7 @@ class WorkOfPath:
 
 
 @dataclass(frozen=True, eq=False)
-class PathResult:
+class PathAnswer:
     """What a followed path leaves for an answer, whichever way it was followed. P_c is the load at
     the stick edge: the normal load whose contact half-width is that of the stick zone.
 
@@ -473,7 +473,7 @@ class PathResult:
     n_skipped_in_stick: int
 
 
-def path_result(path: LoadSeries | History, request: Request) -> PathResult:
+def answer_along_path(path: LoadSeries | History, request: Request) -> PathAnswer:
     """Friction states at the instants of a request, and friction work of the cycles, along a
     followed path.
 
@@ -483,8 +483,8 @@ def path_result(path: LoadSeries | History, request: Request) -> PathResult:
         For a time outside the path.
     """
     if isinstance(path, History):
-        return _result_of_history(path, request)
-    return _result_of_series(path, request)
+        return _answer_of_history(path, request)
+    return _answer_of_series(path, request)
 
 
 class _InstantsOnPath(NamedTuple):
@@ -791,7 +791,7 @@ class _SeriesSums:
         self.least_stick_load = min(self.least_stick_load, least_load_of_block)
 
 
-def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
+def _answer_of_series(series: LoadSeries, request: Request) -> PathAnswer:
     """Friction states at the instants of a request, and friction work of the cycles, along a load
     path of straight steps, a load `series`.
 
@@ -814,7 +814,7 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
 
     # friction states at the instants, and M(P) - Q of each
     snapshot, force_error = states.snapshot(request.time, instants.place_in_path)
-    return PathResult(
+    return PathAnswer(
         snapshot=snapshot,
         force_error=force_error,
         least_stick_load=path_sums.least_stick_load,
@@ -976,7 +976,7 @@ class _WorkOfCycle(NamedTuple):
     error: float
 
 
-def _result_of_history(history: History, request: Request) -> PathResult:
+def _answer_of_history(history: History, request: Request) -> PathAnswer:
     """Friction states at the instants of a request, and friction work of the cycles, along a curved
     load path, from its spans: times of full stick, or of slip in one direction.
 
@@ -993,7 +993,7 @@ def _result_of_history(history: History, request: Request) -> PathResult:
     if request.wants("dissipation_density"):
         integrated_spans.extend(last_spans)
     n_slipping_spans = sum(span.direction != 0 for span in integrated_spans)
-    return PathResult(
+    return PathAnswer(
         snapshot=snapshot,
         force_error=_force_error(snapshot),
         least_stick_load=_least_stick_load(last_spans),
@@ -1455,7 +1455,7 @@ def _require_finite(name: str, values: NDArray[Any], request: Request) -> None:
 
 # ---------------------------------------------------------------- what a solution says of itself
 def _relative_errors(
-    request: Request, path_answer: PathResult, fields: _AnswerFields, loop_work: float
+    request: Request, path_answer: PathAnswer, answer_fields: _AnswerFields, loop_work: float
 ) -> dict[str, float]:
     """Estimated relative errors of the values that were asked for, by name. Each is a share of the
     largest pressure p, f p, slip, tangential displacement U, friction work per area W(x) or W.
@@ -1470,7 +1470,7 @@ def _relative_errors(
         holds the normal contact, the fields that are wanted, and A/pi, `unit_compliance`
     path_answer
         friction states at the instants, and friction work of the covered cycles
-    fields
+    answer_fields
         the answer's values over time, and its fields at points
     loop_work
         closed integral of Q dU of the last cycle, NaN where there is none to compare W with
@@ -1481,16 +1481,16 @@ def _relative_errors(
         For an error that is not a number.
     """
     errors = {"dissipation_density": path_answer.friction_work.density_error}
-    errors |= _errors_of_fields(request, path_answer, fields)
+    errors |= _errors_of_fields(request, path_answer, answer_fields)
     if request.wants("dissipation"):
         work_errors = _errors_of_work(request, path_answer, loop_work)
         errors["dissipation_density"] += work_errors["dissipation"]
         errors |= work_errors
     # only what was asked for, and is not 0
     names_in_answer = (
-        *request.fields,
+        *request.wanted_fields,
         "cycle_dissipation",
-        *(f"{name} at the edge" for name in request.fields),
+        *(f"{name} at the edge" for name in request.wanted_fields),
     )
     errors = {name: error for name, error in errors.items() if error and name in names_in_answer}
     for name, error in _errors_of_neglect(request).items():
@@ -1499,18 +1499,19 @@ def _relative_errors(
 
 
 def _errors_of_fields(
-    request: Request, path_answer: PathResult, fields: _AnswerFields
+    request: Request, path_answer: PathAnswer, answer_fields: _AnswerFields
 ) -> dict[str, float]:
     """Relative errors of pressure, shear, slip and tangential displacement U, by name, 0 or more;
     some have no entry where the field was not asked for.
 
-    `path_answer` holds the friction states at the instants, `fields` the answer's values over time
-    and at points. The request holds the normal contact and A/pi, `unit_compliance`, A = 2/E*.
+    `path_answer` holds the friction states at the instants, `answer_fields` the answer's values
+    over time and at points. The request holds the normal contact and A/pi, `unit_compliance`, A =
+    2/E*.
     """
     errors: dict[str, float] = {}
     if request.wants("pressure", "shear", "slip"):
         # points, loads and sizes from which the errors of fields follow
-        kernel_sums = _kernel_sums(request, path_answer.snapshot, fields)
+        kernel_sums = _kernel_sums(request, path_answer.snapshot, answer_fields)
         errors |= errors_of_sums(request.contact, kernel_sums)
     # by the last digits of P_c, the load at the stick edge, where little slips
     errors["slip"] = errors.get("slip", 0.0) + roundoff_error_of_little_slip(
@@ -1521,14 +1522,14 @@ def _errors_of_fields(
         # datum
         errors["tangential_displacement"] = error_of_displacement(
             path_answer.snapshot.friction,
-            request.contact.approach_integral(fields.over_time["normal_load"]),
-            fields.over_time["tangential_displacement"] / request.unit_compliance,
+            request.contact.approach_integral(answer_fields.over_time["normal_load"]),
+            answer_fields.over_time["tangential_displacement"] / request.unit_compliance,
         )
     return errors
 
 
 def _errors_of_work(
-    request: Request, path_answer: PathResult, loop_work: float
+    request: Request, path_answer: PathAnswer, loop_work: float
 ) -> dict[str, float]:
     """Relative errors of the friction work W of the last cycle, "dissipation", and of the closed
     integral of Q dU, "loop_work"; U is the relative tangential displacement.
@@ -1558,7 +1559,7 @@ def _errors_of_work(
     return errors
 
 
-def _loop_integral_of(request: Request, path_answer: PathResult, loop_work: float) -> LoopIntegral:
+def _loop_integral_of(request: Request, path_answer: PathAnswer, loop_work: float) -> LoopIntegral:
     """The closed integral of Q dU of the last cycle, `loop_work`, a second route to the friction
     work, and its round-off; both over A/pi [force^2 per thickness^2]. NaN and 0 where there is
     none.
@@ -1568,7 +1569,9 @@ def _loop_integral_of(request: Request, path_answer: PathResult, loop_work: floa
     return LoopIntegral(loop_work / request.unit_compliance, roundoff / request.unit_compliance)
 
 
-def _kernel_sums(request: Request, snapshot: Snapshot, fields: _AnswerFields) -> SumsOfKernels:
+def _kernel_sums(
+    request: Request, snapshot: Snapshot, answer_fields: _AnswerFields
+) -> SumsOfKernels:
     """What the error estimate of pressure, shear and slip needs: points, half-widths at all
     instants, loads at a sample of them, the largest slip, and how many terms the sums have at most.
 
@@ -1581,7 +1584,7 @@ def _kernel_sums(request: Request, snapshot: Snapshot, fields: _AnswerFields) ->
     ----------
     snapshot
         friction states at the instants, with the memory curve of each
-    fields
+    answer_fields
         half-widths of contact and of stick at each instant, and the answer's slip, NaN where it was
         not asked for
     """
@@ -1590,7 +1593,7 @@ def _kernel_sums(request: Request, snapshot: Snapshot, fields: _AnswerFields) ->
         np.linspace(0, len(snapshot.load) - 1, _SAMPLED_INSTANTS).astype(int)
     )
     sampled_loads = snapshot.load[sampled_instants]
-    slip = np.abs(fields.at_points["slip"])
+    slip = np.abs(answer_fields.at_points["slip"])
     largest_slip = float(np.max(slip, where=np.isfinite(slip), initial=0.0))
     # Beside the stored pieces a curve has the line of slip, from the stick edge to the load.
     # pieces of the curve at the sampled instants
@@ -1598,12 +1601,12 @@ def _kernel_sums(request: Request, snapshot: Snapshot, fields: _AnswerFields) ->
     return SumsOfKernels(
         distances=request.distance,
         loads=np.unique(np.append(sampled_loads, np.max(snapshot.load))),
-        half_widths=fields.over_time["contact_half_width"],
-        stick_half_widths=fields.over_time["stick_half_width"],
+        half_widths=answer_fields.over_time["contact_half_width"],
+        stick_half_widths=answer_fields.over_time["stick_half_width"],
         friction=snapshot.friction,
         largest_slip=largest_slip / request.unit_compliance,
         n_kernels=2 * most_lines,
-        arc_errors=fields.arc_errors,
+        arc_errors=answer_fields.arc_errors,
     )
 
 
@@ -1625,7 +1628,7 @@ def _errors_of_neglect(request: Request) -> dict[str, float]:
     neglected_share = sum(request.bulk_tilt_path.neglected_loads.values())
     if neglected_share <= PROMISED_ERROR:
         return {}
-    return dict.fromkeys(sorted(request.fields & _FIELDS_OF_FRICTION), neglected_share)
+    return dict.fromkeys(sorted(request.wanted_fields & _FIELDS_OF_FRICTION), neglected_share)
 
 
 def _neglected_loads(bulk_tilt_path: OneCurve | None) -> Iterator[str]:
@@ -1684,7 +1687,7 @@ def _term_and_sentence_of_end(path: LoadSeries | History) -> tuple[str, str]:
 
 
 def _skipped_work(
-    scene: Scene, path: LoadSeries | History, answer: PathResult
+    scene: Scene, path: LoadSeries | History, path_answer: PathAnswer
 ) -> dict[str, tuple[int, str]]:
     """Work that was not needed and not done, by name, with its count and the reason: cycles that
     are copies of the steady one, and quadratures over times of full stick. `covered` has one entry
@@ -1699,15 +1702,17 @@ def _skipped_work(
             n_copies,
             f"copies of cycle {path.steady_from + 1}, which is steady",
         )
-    if answer.n_skipped_in_stick:
+    if path_answer.n_skipped_in_stick:
         skipped_work["quadratures"] = (
-            answer.n_skipped_in_stick,
+            path_answer.n_skipped_in_stick,
             "full stick: nothing slips",
         )
     return skipped_work
 
 
-def _permanent_stick(contact: Contact, answer: PathResult, largest_load: float) -> dict[str, Any]:
+def _permanent_stick(
+    contact: Contact, path_answer: PathAnswer, largest_load: float
+) -> dict[str, Any]:
     """Half-width of the permanent stick zone, which sticks all through the last cycle, by name; for
     an unsymmetric contact also its two edges [length]. NaN where nothing sticks throughout.
 
@@ -1719,7 +1724,9 @@ def _permanent_stick(contact: Contact, answer: PathResult, largest_load: float) 
     # flat face, whose half-width at no load is not 0.
     # LAST_DIGITS: four round-offs
     roundoff_of_load = LAST_DIGITS * largest_load
-    stick_load = answer.least_stick_load if answer.least_stick_load > roundoff_of_load else 0.0
+    stick_load = (
+        path_answer.least_stick_load if path_answer.least_stick_load > roundoff_of_load else 0.0
+    )
     has_stick = stick_load > 0
     half_width = float(contact.half_width(stick_load)) if has_stick else math.nan
     half_width_and_edges: dict[str, Any] = {"permanent_stick_half_width": half_width}
@@ -1731,7 +1738,7 @@ def _permanent_stick(contact: Contact, answer: PathResult, largest_load: float) 
 
 
 def _admissibility_checks(
-    request: Request, answer: PathResult, fields: Mapping[str, NDArray[Any]]
+    request: Request, path_answer: PathAnswer, fields: Mapping[str, NDArray[Any]]
 ) -> dict[str, Array]:
     """Checks of tangential equilibrium and of the Coulomb limit at each instant, by name, (n,)
     each, 0 where satisfied.
@@ -1743,9 +1750,11 @@ def _admissibility_checks(
     limit ("cone") is checked where `fields` have both tractions. `force_error` of the answer is
     M(P) - Q, its snapshot holds P as `load` and f.
     """
-    friction = answer.snapshot.friction
-    largest_friction_force = friction * float(np.max(answer.snapshot.load))
-    relative_force_error = np.abs(answer.force_error) / max(largest_friction_force, _SMALLEST_FLOAT)
+    friction = path_answer.snapshot.friction
+    largest_friction_force = friction * float(np.max(path_answer.snapshot.load))
+    relative_force_error = np.abs(path_answer.force_error) / max(
+        largest_friction_force, _SMALLEST_FLOAT
+    )
     checks = {"tangential_balance": read_only_copy(relative_force_error)}
     if request.wants("pressure") and request.wants("shear"):
         pressure = fields["pressure"]

@@ -323,7 +323,9 @@ def findings_of_rig(question: Question) -> Findings:
         message=_message(followed.steady_from, question.scene),
         notes=tuple(_notes(followed, cycle_energy)),
         errors={name: error for name, error in cycle_energy.errors.items() if error},
-        certificates=admissibility_checks_of(followed.corrected_path, fields.fields, row_numbers),
+        certificates=admissibility_checks_of(
+            followed.corrected_path, fields.at_distances, row_numbers
+        ),
         counts={"points_evaluated": len(fields.distance), **followed.corrected_path.counts},
         seconds=stop_watch.seconds,
         scene=_scene_of_loads(question.scene, followed.loads_up_to_end, followed.last_cycle),

@@ -1425,7 +1425,7 @@ def _findings_of_symmetric_scene(question: Question) -> Findings:
         message=message,
         notes=tuple(_notes_of(paths, tilt_and_strain)),
         errors={name: error for name, error in errors.items() if error},
-        certificates=admissibility_checks_of(path_with_bodies, fields.fields, row_numbers),
+        certificates=admissibility_checks_of(path_with_bodies, fields.at_distances, row_numbers),
         counts={
             "points_evaluated": len(fields.distance),
             **path_with_bodies.counts,
@@ -1445,14 +1445,14 @@ class FieldsByDistance(NamedTuple):
         (k,) different |x| [length]; (m,) for each point the index of its own among them
     point_fields
         evaluates fields at these distances along the followed path
-    fields
+    at_distances
         pressure, shear [stress], slip [length] and state, (n, k) each, by name
     """
 
     distance: Array
     distance_index: Indices
     point_fields: PointFields
-    fields: dict[str, NDArray[Any]]
+    at_distances: dict[str, NDArray[Any]]
 
     @classmethod
     def of_question(
@@ -1469,7 +1469,7 @@ class FieldsByDistance(NamedTuple):
     @property
     def by_name(self) -> dict[str, NDArray[Any]]:
         """The fields at the m points, (n, m) each, by their names in a solution."""
-        return {name: self.at_points(field) for name, field in self.fields.items()}
+        return {name: self.at_points(field) for name, field in self.at_distances.items()}
 
     def at_points(self, values: NDArray[Any]) -> NDArray[Any]:
         """Values at the distances, (k,) or (n, k), as values at the m points, (m,) or (n, m)."""
