@@ -564,6 +564,7 @@ def uncertainty_at_jumps(
     step_index: Indices,
     spacing: float,
     first_of_cycle: int | None = None,
+    is_turn: Mask | None = None,
 ) -> Array:
     """Uncertainty (k, 2) of stick edges at k instants because the increment may be wrong in which
     an edge jumps [length]: the length of the jump at the instants before and after it, else 0.
@@ -575,6 +576,9 @@ def uncertainty_at_jumps(
     well, unless slip starts in this increment. Moves up to six nodes are no jumps, or up to two
     where slip starts or ends. Where a stick zone vanishes or appears, its edges move to or from its
     middle.
+
+    An increment ends where the loads turn round. Slip that ends from that instant on ends neither
+    earlier nor later: such a jump is not uncertain.
 
     Parameters
     ----------
@@ -590,7 +594,12 @@ def uncertainty_at_jumps(
     first_of_cycle
         row of the first instant of the last cycle, which repeats: it follows the last instant too.
         None of a path without cycles
+    is_turn
+        (k,) instants at which the loads may turn round: increments end at all turning points of the
+        loads and at vertices. None counts as nowhere
     """
+    if is_turn is None:
+        is_turn = np.zeros(len(step_index), dtype=bool)
     # A cycle is closed by one more row: its first instant again.
     if first_of_cycle is not None:
         rows = np.append(np.arange(len(step_index)), first_of_cycle)
@@ -599,6 +608,7 @@ def uncertainty_at_jumps(
             contact[rows],
             np.append(step_index, step_index[-1] + 1),
             spacing,
+            is_turn=is_turn[rows],
         )
         return uncertainty_with_closing_row[:-1]
 
@@ -616,7 +626,8 @@ def uncertainty_at_jumps(
         slip_ends = (moves > 0) & has_slip_zone
         # _JUMP_AT_START: fewest nodes of a jump where slip starts or ends; _JUMP: elsewhere
         least_jump = np.where(slip_starts | slip_ends, _JUMP_AT_START, _JUMP) * spacing
-        jumps = np.where(np.abs(moves) > least_jump, np.abs(moves), 0.0)
+        is_jump = (np.abs(moves) > least_jump) & ~(slip_ends & is_turn[:-1])
+        jumps = np.where(is_jump, np.abs(moves), 0.0)
 
         # The instant before each move, then the one after it.
         for rows_beside in (slice(None, -1), slice(1, None)):

@@ -262,6 +262,9 @@ class PathRun:
         first state and of each batch of increments
     failure
         what stopped the run, or None
+    ends_of_stretches
+        indices of the states at which the loads may turn round: at turning points of P, Q - f P or
+        Q + f P, and at vertices of the path
     """
 
     states: list[InterfaceState]
@@ -279,6 +282,7 @@ class PathRun:
     slip_since_stop: Array | float = 0.0
     sticks_in_full: list[Mask] = field(default_factory=lambda: [np.zeros(1, dtype=bool)])
     failure: ConvergenceError | Interrupted | None = None
+    ends_of_stretches: list[int] = field(default_factory=list)
     _thinning: _Thinning = field(default_factory=_Thinning)
     _first_of_stretch: int = 0
 
@@ -399,6 +403,7 @@ class PathRun:
         """End stretches (parts of the load path between turning points) at the states of these
         indices: on a long path, states of them or earlier ones lose pressure, shear and gap.
         """
+        self.ends_of_stretches += last_states
         for last_state in last_states:
             if self.may_thin and last_state > self._first_of_stretch:
                 self._thin(self._first_of_stretch, last_state)

@@ -60,7 +60,7 @@ from scenes import (
     read_only_copy,
     scene_of,
 )
-from scenes.array_types import Array
+from scenes.array_types import Array, Mask
 
 if TYPE_CHECKING:
     from halfplane_fe.kernel_bodies import KernelPair
@@ -714,7 +714,7 @@ def _solution(
     uncertainties_of_values = value_uncertainties(task, problem, run, arrays)
     # Only now: the uncertainty of the permanent stick zone, taken above, must not contain the jumps
     # of stick edges, as no edge jumps to its end.
-    arrays["stick_edge_uncertainty"] = _stick_uncertainty_with_jumps(task, run, arrays)
+    arrays["stick_edge_uncertainty"] = _stick_uncertainty_with_jumps(task, problem, run, arrays)
 
     # States at the stored instants, error of a penalty layer, and notes for the reader.
     contact_states = tuple(run.states[index] for index in run.stored_indices)
@@ -747,12 +747,22 @@ def _solution(
     )
 
 
-def _stick_uncertainty_with_jumps(task: Task, run: PathRun, arrays: Mapping[str, Any]) -> Array:
+def _stick_uncertainty_with_jumps(
+    task: Task, problem: ContactProblem, run: PathRun, arrays: Mapping[str, Any]
+) -> Array:
     """Uncertainty (k, 2) of the left and right stick edge at the k stored instants of a run
     [length]; where an edge jumps, at least the length of the jump. Read-only.
 
-    `arrays` holds edges of stick and contact and the uncertainty of the former, (k, 2) each; `task`
-    the distance of the nodes at the edges.
+    Parameters
+    ----------
+    task
+        the scene, and the distance of the nodes at the edges (`spacing`)
+    problem
+        the contact problem; its `interface.coupling` is None of like materials
+    run
+        states with their loads, and which of them are stored
+    arrays
+        edges of stick and contact and the uncertainty of the former by name, (k, 2) each
     """
     uncertainty_by_jumps = uncertainty_at_jumps(
         Edges(arrays["stick_edges"], arrays["stick_edge_uncertainty"]),
@@ -760,6 +770,7 @@ def _stick_uncertainty_with_jumps(task: Task, run: PathRun, arrays: Mapping[str,
         run.stored_indices,
         spacing=task.spacing,
         first_of_cycle=_first_of_last_cycle(run),
+        is_turn=_turns_of_slip(task.scene, problem, run)[run.stored_indices],
     )
     return read_only_copy(np.maximum(arrays["stick_edge_uncertainty"], uncertainty_by_jumps))
 
@@ -802,6 +813,40 @@ def _first_of_last_cycle(run: PathRun) -> int | None:
     row = int(np.searchsorted(run.stored_indices, index))
     is_stored = row < len(run.stored_indices) and run.stored_indices[row] == index
     return row if is_stored else None
+
+
+def _turns_of_slip(scene: Scene, problem: ContactProblem, run: PathRun) -> Mask:
+    """States at which slip ends if the loads turn round there, neither earlier nor later, (n,).
+
+    Increments end at the turning points of P, Q - f P and Q + f P. Slip ends there between
+    half-planes of like materials, without bulk stress and tilt. Of other bodies it does where every
+    load that varies turns round: the last increment is then taken back.
+
+    Parameters
+    ----------
+    scene
+        bodies; whether there is bulk stress or tilt (`unsymmetric`)
+    problem
+        its `interface.coupling` is None of like materials
+    run
+        states with their loads; indices of those at which increments end since the path may turn
+        round (`ends_of_stretches`), and at which cycles start
+    """
+    is_turn = np.zeros(len(run.states), dtype=bool)
+    is_turn[run.ends_of_stretches] = True
+    if scene.bodies.half_planes and problem.interface.coupling is None and not scene.unsymmetric:
+        return is_turn
+
+    changes_of_loads = np.diff(np.array([state.loads for state in run.states]), axis=0)
+    # Where cycles repeat, the first increment of the last one follows the last increment.
+    first_of_cycle = run.cycle_starts[-1] if run.cycle_starts else 0
+    changes_after = np.append(
+        changes_of_loads[1:], changes_of_loads[first_of_cycle : first_of_cycle + 1], axis=0
+    )
+    turns_round = np.all(changes_of_loads * changes_after <= 0, axis=1)
+    turns_round &= np.any(changes_of_loads * changes_after < 0, axis=1)
+    is_turn[1:] &= turns_round
+    return is_turn
 
 
 def versions() -> dict[str, str]:

@@ -221,6 +221,34 @@ def test_the_first_instant_of_a_cycle_follows_its_last_one() -> None:
     assert not uncertainty_at_jumps(edges, contact, np.arange(4), spacing=0.01)[-1].any()
 
 
+def test_slip_that_ends_where_the_loads_turn_round_ends_neither_earlier_nor_later() -> None:
+    """Only outwards, and only from the turning point on."""
+    places = np.array([[-0.5, 0.5], [-1.2, 1.2], [-0.9, 0.9], [-0.5, 0.5]])
+    edges = Edges(places, np.full((4, 2), 0.01))
+    contact = np.tile([-1.2, 1.2], (4, 1))
+    index = np.arange(4)
+    is_turn = np.array([True, False, True, True])
+    found = uncertainty_at_jumps(edges, contact, index, 0.01, is_turn=is_turn)
+    np.testing.assert_allclose(found[:, 1], [0.0, 0.3, 0.4, 0.4])
+    # the last instant is followed by the first one of the cycle
+    closed = uncertainty_at_jumps(edges, contact, index, 0.01, first_of_cycle=1, is_turn=is_turn)
+    np.testing.assert_allclose(closed[-1], [0.4, 0.4])
+
+
+@pytest.mark.parametrize("bodies", [None, {"lower": {"kind": "block", "width": 40, "height": 20}}])
+def test_stick_edges_where_q_turns_round_at_constant_p_do_not_jump(bodies: Any) -> None:
+    """Half-planes, and a block: the last increment of slip is taken back, which is exact."""
+    scene = load_scene("cattaneo-mindlin")
+    if bodies is not None:
+        scene = scene.vary(bodies=bodies)
+    answer = halfplane_fe.solve(scene, COARSE, SolverSettings(steps_per_cycle=12))
+    half_width = answer.contact_half_width.max()
+    is_turn = np.abs(answer.tangential_load) >= answer.tangential_load.max() * (1 - 1e-9)
+    is_turn[:2] = False
+    assert np.count_nonzero(is_turn) >= 2
+    assert np.all(answer.stick_edge_uncertainty[is_turn] < 0.05 * half_width)
+
+
 def test_an_edge_that_is_known_well_goes_far_inwards_and_does_not_jump() -> None:
     """Where slip ends it jumps outwards all the same."""
     edges = np.array([[-0.9, 0.9], [-0.88, 0.88], [-0.5, 0.5], [-0.88, 0.5]])
