@@ -61,24 +61,30 @@ _V_OF_BOTH = (_D**3 + (1 - _D) ** 3) / 6
 _JUMP_OF_MIDDLE = 0.5 + _V * (1 / _D + 1 / (1 - _D))
 # rms of g over the edge's places.
 _RMS = 0.0155
-# Shares of the distance of two nodes by which an edge between them is uncertain: one beyond a
-# corner, one beyond a mid-side node; one of the square of how unevenly the load takes it on; one
-# over the square of the nodes that it is from x = 0, and of those that a stick edge has passed
-# since slip began. Beyond corners it errs by 0.009 in the median on the coarse mesh and by 0.004 on
-# the default one, beyond mid-side nodes by 0.003 and 0.002, three nodes from x = 0 by 0.06, and by
-# 0.3 beside the start of slip. By an optimiser, seeds 284 to 286, 321, 401 to 405 and 701 to 703 of
+# Shares of the distance of two nodes by which an edge between them is uncertain, of which the root
+# of the squares counts: one beyond a corner, one beyond a mid-side node; one of the square of how
+# unevenly the load takes it on; one over the square of the nodes that it is from x = 0, and of
+# those that a stick edge has passed since slip began. Beyond corners it errs by 0.009 in the median
+# on the coarse mesh and by 0.003 on the default one, beyond mid-side nodes by 0.0035 and 0.002,
+# three nodes from x = 0 by 0.06, and by 0.3 beside the start of slip. Seeds 289, 703 and 708 of
 # benchmarks/covered.py values.
-_BEYOND_CORNER = 0.021
-_BEYOND_MID_SIDE = 0.006
-_BY_UNEVENNESS = 0.6
-_BY_FEW_NODES = 0.13
+_BEYOND_CORNER = 0.023
+_BEYOND_MID_SIDE = 0.007
+_BY_UNEVENNESS = 0.8
+_BY_FEW_NODES = 0.1
+# Share of the distance of two nodes, over how much farther a small load takes an edge of stick than
+# one of contact (`_leverage`): 0.0015 to 0.002 in the median where that is 6 to 100, on both
+# presets. Seeds 289, 703 and 708 of benchmarks/covered.py values.
+_BY_LEVERAGE = 0.003
 # Share of how uncertain a stick edge was on its way to a node that is left where it has just passed
 # that. Beyond an older stick edge the nodes behind it soon show nothing uneven, while the edge is
 # still 0.4 of their distance beside its place: up to 17 times what was stated, 2.8 times with this.
 _LEFT_AT_NEXT_NODE = 0.4
-# Share of that at the edges of permanent stick, whose two turning points err less: by 0.004 in the
-# median on the coarse mesh, by 0.002 on the default one.
-_AT_TURNS = 0.85
+# Distances of nodes that a stick edge moves in one increment above which it jumps.
+JUMP = 6.0
+# Share of that at edges of stick, which err less than those of contact: beyond corners by 0.007 and
+# 0.003 in the median where the load moves them evenly, those of contact by 0.008 and 0.0043.
+_OF_STICK = 0.85
 # Share of the distance of two nodes, over a logarithm, by which an edge errs beyond a mid-side
 # node: the slope is 0.12 to 0.15 on both presets. Putting that right takes the median error from
 # 0.0045 to 0.0019 of the distance on the default mesh. Beyond corners there is no such error.
@@ -93,6 +99,9 @@ _CLOSED = 6
 # the load between two nodes, by whether the last one is a corner: medians of 60,000 edges of
 # contact and stick, which agree to 0.5 %.
 _LOADS_BEHIND = {True: (2.35, 4.95, 6.95), False: (2.47, 3.80, 5.55)}
+# Load from the first node beyond the last one to the second one, likewise: medians of 37,000 edges
+# of contact and 48,000 of stick.
+_LOAD_AHEAD = {True: 0.74, False: 0.56}
 # Nodes that must stick.
 _STICK_ZONE = 8
 # Share of the even load that counts as none.
@@ -406,7 +415,7 @@ class EdgesByLoad(NamedTuple):
             between this node and the next, located by the load
         unevenness
             (3,) how unevenly the load takes it on, by nodes behind it: beyond a mid-side node its
-            place is corrected by that
+            place is corrected by that; of a stick edge a fourth, by nodes ahead
         share
             uncertainty over the distance of the edge's places at both nodes; 1 at most
         """
@@ -446,18 +455,21 @@ def contact_by_load(problem: ContactProblem, states: Sequence[InterfaceState]) -
             )  # cached
             edge = Edge.of_contact(problem, side, last_closed_node, state, rates_by_load)
             if edge.is_moved:  # a finite load takes it to the next node
-                _, pressure_rates, _, _ = rates_by_load
-                unevenness = _unevenness(edge, last_closed_node, state.pressure, pressure_rates)
-                share_at_nodes, share_by_unevenness = _shares_of_spacing(
-                    edge, last_closed_node, unevenness
+                _, pressure_rates, _, gap_rates = rates_by_load
+                unevenness = np.append(
+                    _unevenness(edge, last_closed_node, state.pressure, pressure_rates),
+                    _unevenness_ahead(edge, last_closed_node, state.gap, gap_rates),
                 )
-                share = share_at_nodes + share_by_unevenness
+                share = math.hypot(*_shares_of_spacing(edge, last_closed_node, unevenness))
                 edges.put(row, last_closed_node, edge, unevenness, share)
     return edges
 
 
 def stick_by_load(
-    problem: ContactProblem, states: Sequence[InterfaceState], travels: Array
+    problem: ContactProblem,
+    states: Sequence[InterfaceState],
+    travels: Array,
+    passed_nodes: dict[int, PassedNodes],
 ) -> EdgesByLoad:
     """Left and right edge of the stick zone at k instants, located between two nodes by the load Q
     that takes it inwards, with an uncertainty; none where no load does, where elements are not
@@ -474,67 +486,149 @@ def stick_by_load(
         (k + 1,) contact states: the one before, and k that follow
     travels
         (k, n) distance that each node has slipped since it last stuck or turned round
+    passed_nodes
+        by side (1 on the right of x = 0, -1 on the left), how uncertain the edge was between the
+        nodes that it has passed so far; it is brought up to the last state
     """
     edges = EdgesByLoad.nowhere(len(travels))  # none yet; `put` stores one at an instant
     if not problem.has_shear:
         return edges
-    # on either side, how uncertain the edge was between the nodes that it has passed so far
-    passed_nodes = {side: _PassedNodes() for side in (-1, 1)}
     for row, (state_before, state, travel) in enumerate(
         zip(states[:-1], states[1:], travels, strict=True)
     ):
         for side in (-1, 1):  # left and right of x = 0
             # last node that sticks, and number of nodes that the edge has passed since slip began
             last_stuck_node, n_nodes_passed = _behind_slip_zone(problem, state, travel, side)
-            if not n_nodes_passed or not _is_quadratic(problem, last_stuck_node + side):
+            if not n_nodes_passed:
+                passed_nodes[side] = PassedNodes()
+                continue
+            if not _is_quadratic(problem, last_stuck_node + side):
                 continue
             edge, unevenness = _placed_by_load(problem, state, travel, side, last_stuck_node)
             # `is_moved`: a finite load takes it to the next node
             if edge.is_moved and _comes_to_limit(problem, state_before, state, edge):
-                share_at_nodes, share_by_unevenness = _shares_of_spacing(
+                share_at_nodes, share_by_middle, share_by_unevenness = _shares_of_spacing(
                     edge, last_stuck_node, unevenness
                 )
-                share_by_late_start = _share_by_late_start(unevenness)
-                passed_nodes[side] = passed_nodes[side].followed_by(
-                    last_stuck_node, max(min(share_by_unevenness, 1.0), share_by_late_start)
+                share_by_late_start = _share_by_late_start(unevenness[:-1])
+                passed = (
+                    passed_nodes[side]
+                    .followed_by(last_stuck_node, n_nodes_passed)
+                    .with_share(max(min(share_by_unevenness, 1.0), share_by_late_start))
                 )
+                passed_nodes[side] = passed
                 # The uncertainty that the edge had as it met the sliding node fades linearly, to 0
-                # where it meets the next one.
-                share_at_start = max(share_by_late_start, passed_nodes[side].share_left)
-                share_of_start = (1 - edge.fraction_passed()) * share_at_start
-                share = share_at_nodes + max(share_by_unevenness, share_of_start)
+                # where it meets the next one; not where it has passed several nodes unseen.
+                fading = 1 - edge.fraction_passed()
+                share_of_start = max(
+                    share_by_late_start * fading,
+                    passed.share_left * (1.0 if passed.has_passed_several else fading),
+                )
                 # _BY_FEW_NODES: fitted share where slip began a single node away
-                share += _BY_FEW_NODES / n_nodes_passed**2
+                share_by_begin = _BY_FEW_NODES / passed.n_nodes_since_jump(n_nodes_passed) ** 2
+                share = math.hypot(
+                    # _OF_STICK: share of what edges of contact have there
+                    _OF_STICK * share_at_nodes,
+                    share_by_middle,
+                    share_by_begin,
+                    # _BY_LEVERAGE: fitted share
+                    _BY_LEVERAGE * _leverage(problem, state, edge),
+                    max(share_by_unevenness, share_of_start),
+                )
                 edges.put(row, last_stuck_node, edge, unevenness, share)
     return edges
 
 
-class _PassedNodes(NamedTuple):
+def _leverage(problem: ContactProblem, state: InterfaceState, edge: Edge) -> float:
+    """How much farther a small change of the load takes an edge of stick than one of contact: f
+    times the load that takes the edge of contact some way, over the load that takes that of stick
+    as far; 0 where no finite load moves the edge of contact.
+
+    It is about 1/2 where Q moves under a constant P. Under loads that nearly follow Q = f P the
+    shear lacks little of the Coulomb limit wherever the contact sticks, and small loads take the
+    edge far. The load of a contact edge at the place of the stick edge is that at its own place, in
+    proportion to the distance from x = 0, as in Hertz' contact.
+
+    Parameters
+    ----------
+    problem
+        the contact problem: friction, and derivatives of nodal values by the loads (`rates`)
+    state
+        contact state: nodal forces and gaps, and open, stick or slip of the nodes
+    edge
+        of stick; `side` is 1 on the right of x = 0, -1 on the left
+    """
+    last_closed_node = int(_inwards(problem, state, edge.side)[0])
+    if not 2 <= last_closed_node < len(state.gap) - 2:
+        return 0.0
+    rates_by_load = nodal_values(problem.rates(state.node_states, len(state.loads))[0])  # cached
+    contact_edge = Edge.of_contact(problem, edge.side, last_closed_node, state, rates_by_load)
+    if not contact_edge.is_moved or contact_edge.place == 0:
+        return 0.0
+    load_of_contact = contact_edge.load_between / contact_edge.spacing
+    load_of_stick = edge.load_between / edge.spacing
+    share_of_way = abs(edge.place / contact_edge.place)
+    return problem.friction * load_of_contact / load_of_stick * share_of_way
+
+
+class PassedNodes(NamedTuple):
     """How uncertain a stick edge was between the nodes that it has passed on its way inwards.
 
     Attributes
     ----------
     last_stuck_node
         node that the edge comes to; -1 before it has come to any
+    landing_node
+        the same where it last jumped to; -1 where it has not jumped since slip began
     largest_share
         how uncertain it has been on the way to this node, at most, over the distance of two nodes
     share_left
         what is left, where the edge has met the node before, of how uncertain it was on the way to
         that one; over the same distance
+    has_passed_several
+        whether it passed more than one node in the increment that took it on its way to this one
     """
 
     last_stuck_node: int = -1
+    landing_node: int = -1
     largest_share: float = 0.0
     share_left: float = 0.0
+    has_passed_several: bool = False
 
-    def followed_by(self, last_stuck_node: int, share: float) -> _PassedNodes:
-        """This record at the next instant: the edge then moves towards the node `last_stuck_node`,
-        and is uncertain by a `share` of the distance of two nodes.
+    def followed_by(self, last_stuck_node: int, n_nodes_passed: int) -> PassedNodes:
+        """This record at the next instant, at which the edge moves towards the node
+        `last_stuck_node`; `n_nodes_passed` it has passed since slip began.
+
+        Of how uncertain it was a part is left where it goes from one node to the next. All of it is
+        left where it passes several nodes in one increment, which no instant shows.
         """
         if last_stuck_node == self.last_stuck_node:
-            return self._replace(largest_share=max(self.largest_share, share))
-        share_left = _LEFT_AT_NEXT_NODE * max(self.largest_share, self.share_left)
-        return _PassedNodes(last_stuck_node, share, share_left)
+            return self
+        is_first = self.last_stuck_node < 0
+        n_nodes_of_increment = (
+            n_nodes_passed if is_first else abs(last_stuck_node - self.last_stuck_node)
+        )
+        # JUMP: most nodes that an edge passes in one increment without a jump
+        landing_node = last_stuck_node if n_nodes_of_increment > JUMP else self.landing_node
+        # _LEFT_AT_NEXT_NODE: share that is left at the next node
+        has_passed_several = n_nodes_of_increment > 1
+        share = 1.0 if has_passed_several else _LEFT_AT_NEXT_NODE
+        share_left = share * max(self.largest_share, self.share_left)
+        return PassedNodes(last_stuck_node, landing_node, 0.0, share_left, has_passed_several)
+
+    def with_share(self, share: float) -> PassedNodes:
+        """This record at an instant at which the edge is uncertain by a `share` of the distance of
+        two nodes.
+        """
+        return self._replace(largest_share=max(self.largest_share, share))
+
+    def n_nodes_since_jump(self, n_nodes_passed: int) -> int:
+        """Number of nodes that the edge has passed since it last jumped, or since slip began:
+        `n_nodes_passed`.
+        """
+        if self.landing_node < 0:
+            return n_nodes_passed
+        return min(n_nodes_passed, abs(self.last_stuck_node - self.landing_node) + 1)
 
 
 def _is_quadratic(problem: ContactProblem, node: int) -> bool:
@@ -620,7 +714,7 @@ def _placed_by_load(
     problem: ContactProblem, state: InterfaceState, travel: Array, side: int, last_stuck: int
 ) -> tuple[Edge, Array]:
     """The stick edge that slip takes inwards to the node `last_stuck`, and how unevenly a load
-    takes it on, (3,), by three nodes behind it.
+    takes it on, (4,), by three nodes behind it and by the two ahead that it has passed last.
 
     Parameters
     ----------
@@ -639,13 +733,21 @@ def _placed_by_load(
     sense = int(slip_sign(state.node_states[node]))
     # by Q, (4, n): slip, pressure, shear and gap
     rates_by_load = nodal_values(problem.rates(state.node_states, len(state.loads))[1])
-    _, pressure_rates, shear_rates, _ = rates_by_load
+    slip_rates, pressure_rates, shear_rates, _ = rates_by_load
     # f p - s q of the nodes (n,), s the sense of slip, and its derivative by Q
     forces_to_limit = force_to_limit(state.pressure, state.shear, sense, problem.friction)
     rates_to_limit = force_to_limit(pressure_rates, shear_rates, sense, problem.friction)
     turn = TurnOfSlip(sense, sense * float(travel[node]), float(forces_to_limit[last_stuck]))
     edge = Edge.of_stick(problem, side, last_stuck, turn, rates_by_load)
-    return edge, _unevenness(edge, last_stuck, forces_to_limit, rates_to_limit)
+    unevenness_behind = _unevenness(edge, last_stuck, forces_to_limit, rates_to_limit)
+    # none where the edge has passed a single node
+    is_second_node_sliding = slip_sign(state.node_states[node + side]) == sense
+    unevenness_ahead = (
+        _unevenness_ahead(edge, last_stuck, sense * travel, slip_rates)
+        if is_second_node_sliding
+        else 0.0
+    )
+    return edge, np.append(unevenness_behind, unevenness_ahead)
 
 
 def _unevenness(edge: Edge, last_node: int, force: Array, force_rates: Array) -> Array:
@@ -679,6 +781,37 @@ def _unevenness(edge: Edge, last_node: int, force: Array, force_rates: Array) ->
     return np.asarray(np.log(np.maximum(ratios, _LEAST_SHARE)))
 
 
+def _unevenness_ahead(edge: Edge, last_node: int, distance: Array, distance_rates: Array) -> float:
+    """How unevenly the load moves an edge of contact or stick, by the two nodes ahead, beyond its
+    zone: 0 where it does so evenly, infinite where it does not move the edge at all.
+
+    Gap over rate of an open node is the load until the edge meets it, slip over rate of a sliding
+    one the load since then. That of the second node exceeds that of the first one by a known share
+    of the load between two nodes (`_LOAD_AHEAD`). Returned is the logarithm of the ratio of both.
+    It shows an edge that comes to its turn, or to shear that earlier loads have left, where the
+    nodes behind it do not.
+
+    Parameters
+    ----------
+    edge
+        `load_between` is the load that takes it from one of its nodes to the other; `side` is 1 on
+        the right of x = 0, -1 on the left
+    last_node
+        of the zone that ends at the edge
+    distance, distance_rates
+        (n,) gap at an edge of contact, slip at one of stick, and its derivative by the load
+    """
+    if not edge.is_moved:  # no finite load takes it to the next node
+        return math.inf
+    load_of_first, load_of_second = (
+        _load_to(max(distance[node], 0.0), distance_rates[node])
+        for node in (last_node + edge.side, last_node + 2 * edge.side)
+    )
+    even_load = _LOAD_AHEAD[_is_corner(edge.interface, last_node)] * edge.load_between
+    # _LEAST_SHARE: least ratio, so that its logarithm is finite
+    return math.log(max((load_of_second - load_of_first) / even_load, _LEAST_SHARE))
+
+
 def _place_put_right(edge: Edge, last_node: int, unevenness: Array) -> float:
     """Place x of an edge by the load, corrected where the last node of its zone is a mid-side node;
     scaled.
@@ -696,9 +829,10 @@ def _place_put_right(edge: Edge, last_node: int, unevenness: Array) -> float:
     last_node
         of the zone that ends at the edge
     unevenness
-        (3,) how unevenly the load moves the edge, by the nodes behind it: 0 where evenly
+        (3,) how unevenly the load moves the edge, by the nodes behind it: 0 where evenly; of a
+        stick edge a fourth, by the nodes ahead
     """
-    unevenness_at_first_node, unevenness_at_second_node, _ = unevenness  # nodes behind the last one
+    unevenness_at_first_node, unevenness_at_second_node = unevenness[:2]  # behind the last one
     if (
         _is_corner(edge.interface, last_node)
         or not np.isfinite([unevenness_at_first_node, unevenness_at_second_node]).all()
@@ -710,16 +844,17 @@ def _place_put_right(edge: Edge, last_node: int, unevenness: Array) -> float:
     return edge.place + edge.side * edge.spacing * share_of_spacing
 
 
-def _shares_of_spacing(edge: Edge, last_node: int, unevenness: Array) -> tuple[float, float]:
-    """How uncertain the place of an edge is, over the distance of its two nodes, in two parts: by
-    the kind of the last node of its zone (corner or mid-side) and how near x = 0 is; and by how
-    unevenly the load moves it, `unevenness` (3,), 0 where evenly.
+def _shares_of_spacing(edge: Edge, last_node: int, unevenness: Array) -> tuple[float, float, float]:
+    """How uncertain the place of an edge is, over the distance of its two nodes, in three parts
+    that have nothing to do with each other, so that the root of their squares counts: by the kind
+    of the last node of its zone (corner or mid-side); by how near x = 0 is; and by how unevenly the
+    load moves it, `unevenness` (3,) or (4,), 0 where evenly.
     """
     is_corner = _is_corner(edge.interface, last_node)
     share_at_nodes = _BEYOND_CORNER if is_corner else _BEYOND_MID_SIDE
     nodes_from_middle = max(abs(edge.place) / edge.spacing, 1.0)
-    share_by_few_nodes = _BY_FEW_NODES / nodes_from_middle**2
-    return share_at_nodes + share_by_few_nodes, _BY_UNEVENNESS * float(np.max(unevenness**2))
+    share_by_middle = _BY_FEW_NODES / nodes_from_middle**2
+    return share_at_nodes, share_by_middle, _BY_UNEVENNESS * float(np.max(unevenness**2))
 
 
 def _share_by_late_start(unevenness: Array) -> float:
@@ -1104,8 +1239,8 @@ def _at_stick_edge(
         rates_to_limit = force_to_limit(pressure_rates, shear_rates, sign, friction)
         unevenness = _unevenness(edge, last_stuck_node, forces_to_limit_of_both, rates_to_limit)
         places.append(_place_put_right(edge, last_stuck_node, unevenness))
-        # _AT_TURNS: share of the uncertainty of single edges that remains at turning points
-        share = _AT_TURNS * sum(_shares_of_spacing(edge, last_stuck_node, unevenness))
+        # _OF_STICK: share of the uncertainty of edges of contact that those of stick have
+        share = _OF_STICK * math.hypot(*_shares_of_spacing(edge, last_stuck_node, unevenness))
         uncertainties.append(edge.spacing * min(share, 1.0))
 
         # Excess work: change of the slip rates as the edge meets its node, and the opposite edge

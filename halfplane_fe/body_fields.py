@@ -1174,14 +1174,20 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
             )
         ]
     )
+    largest_step = steps[candidate_number]
+    change_by_new_contact = _tension_change_by_new_contact(solution, largest_step)  # (2,) by edge
     largest_place = (candidate_number, body_number, edge_number)
     edges = tractions_at_steps[candidate_number].edges  # left and right edge of contact
     # _BODY_NAMES: "lower", "upper"
     return LargestTension(
         value=float(values[largest_place]),
-        uncertainty=float(fit_uncertainty[edge_number] + added_uncertainty[body_number])
+        uncertainty=float(
+            fit_uncertainty[edge_number]
+            + added_uncertainty[body_number]
+            + change_by_new_contact[edge_number]
+        )
         + _uncertainty_by_unseen_slip(values, change_by_unseen_slip, largest_place),
-        time=float(solution.time[steps[candidate_number]]),
+        time=float(solution.time[largest_step]),
         body=_BODY_NAMES[body_number],
         x=edges[edge_number],
         edges=edges,

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from halfplane_fe.between_nodes import EdgesByLoad
+from halfplane_fe.between_nodes import JUMP, EdgesByLoad
 from halfplane_fe.law import force_to_limit
 from scenes.array_types import Array, Indices, Mask
 
@@ -61,12 +61,11 @@ _LEFT_OF_THIN = 0.5
 # and at most: meshes of a/40 that grow by 0.3 to 0.5 hold all their edges back or out by up to
 # 0.014, each by another share, those of 0.2 by 0.002.
 _GROWTHS = (0.2, 0.4)
-_BY_GROWTHS = (0.0, 0.004)
+_BY_GROWTHS = (0.0, 0.006)
 # Loads at which the width of the contact is read for that, from none to the largest.
 _WIDTHS = 40
-# Distances of nodes that a stick edge moves in one increment above which it jumps; the same where
-# slip starts or ends in this increment,
-_JUMP = 6.0
+# Distances of nodes that a stick edge moves in one increment above which it jumps where slip starts
+# or ends in this increment (elsewhere `JUMP`),
 _JUMP_AT_START = 2.0
 # and the share of one up to which an edge is known well enough not to have jumped inwards.
 _ON_ITS_WAY = 0.2
@@ -495,7 +494,7 @@ def uncertainty_by_growth(growth: float, spacing: Array) -> Array:
     grow slowly, a few thousandths of that distance on those that grow fast.
 
     >>> uncertainty_by_growth(0.3, np.array([0.01])).round(7).tolist()
-    [2e-05]
+    [3e-05]
     """
     return np.asarray(np.interp(growth, _GROWTHS, _BY_GROWTHS) * spacing)
 
@@ -624,8 +623,8 @@ def uncertainty_at_jumps(
         has_slip_zone = edges.places[:-1, column] != contact[:-1, column]
         slip_starts = (moves < 0) & ~has_slip_zone
         slip_ends = (moves > 0) & has_slip_zone
-        # _JUMP_AT_START: fewest nodes of a jump where slip starts or ends; _JUMP: elsewhere
-        least_jump = np.where(slip_starts | slip_ends, _JUMP_AT_START, _JUMP) * spacing
+        # _JUMP_AT_START: fewest nodes of a jump where slip starts or ends; JUMP: elsewhere
+        least_jump = np.where(slip_starts | slip_ends, _JUMP_AT_START, JUMP) * spacing
         is_jump = (np.abs(moves) > least_jump) & ~(slip_ends & is_turn[:-1])
         jumps = np.where(is_jump, np.abs(moves), 0.0)
 

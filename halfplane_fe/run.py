@@ -21,7 +21,14 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from halfplane_fe.between_nodes import EdgesByLoad, Excess, contact_by_load, excess, stick_by_load
+from halfplane_fe.between_nodes import (
+    EdgesByLoad,
+    Excess,
+    PassedNodes,
+    contact_by_load,
+    excess,
+    stick_by_load,
+)
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.energy import increment_energies, law_violations
 from halfplane_fe.law import slip_sign
@@ -262,6 +269,9 @@ class PathRun:
         first state and of each batch of increments
     failure
         what stopped the run, or None
+    passed_nodes
+        by side (1 on the right of x = 0, -1 on the left), how uncertain the stick edge was between
+        the nodes that it has passed, at the last state
     ends_of_stretches
         indices of the states at which the loads may turn round: at turning points of P, Q - f P or
         Q + f P, and at vertices of the path
@@ -282,6 +292,9 @@ class PathRun:
     slip_since_stop: Array | float = 0.0
     sticks_in_full: list[Mask] = field(default_factory=lambda: [np.zeros(1, dtype=bool)])
     failure: ConvergenceError | Interrupted | None = None
+    passed_nodes: dict[int, PassedNodes] = field(
+        default_factory=lambda: {-1: PassedNodes(), 1: PassedNodes()}
+    )
     ends_of_stretches: list[int] = field(default_factory=list)
     _thinning: _Thinning = field(default_factory=_Thinning)
     _first_of_stretch: int = 0
@@ -388,13 +401,18 @@ class PathRun:
         )
 
         # All attributes at once: Ctrl-C comes before or after it.
+        passed_nodes = dict(self.passed_nodes)  # `stick_by_load` brings it up to date
         vars(self).update(
             states=self.states + states[1:],
             increment_records=[*self.increment_records, record],
             iterations=self.iterations + [increment.iterations for increment in increments],
             nodal_work=self.nodal_work + nodal_work.sum(axis=0),
             contact_edges=[*self.contact_edges, contact_by_load(problem, states[1:])],
-            stick_edges=[*self.stick_edges, stick_by_load(problem, states, slips_since_stop)],
+            stick_edges=[
+                *self.stick_edges,
+                stick_by_load(problem, states, slips_since_stop, passed_nodes),
+            ],
+            passed_nodes=passed_nodes,
             slip_since_stop=slips_since_stop[-1],
             sticks_in_full=[*self.sticks_in_full, sticks_in_full[1:]],
         )

@@ -15,7 +15,14 @@ import pytest
 
 import halfplane_fe
 import semi_analytic
-from halfplane_fe import SolverSettings, edge_tension, fields, largest_edge_tension, stress
+from halfplane_fe import (
+    SolverSettings,
+    body_fields,
+    edge_tension,
+    fields,
+    largest_edge_tension,
+    stress,
+)
 from halfplane_fe.body_fields import profile_kinks, why_tension_is_unknown
 from halfplane_fe.contact import InterfaceState
 from halfplane_fe.edges import NodalAnswer, StickEdges, fitted_stick_edges, stick_edges
@@ -670,6 +677,18 @@ def test_a_narrow_pad_has_no_edge_tension_and_what_it_faces_has():
     assert why_tension_is_unknown(answer) == (
         "the upper body ends within 1.9 half-widths of the contact's middle and its face is curved"
     )
+
+
+def test_the_largest_tension_states_what_new_contact_may_change(monkeypatch):
+    """As that of each instant does."""
+    answer = fe_run(load_scene("cattaneo-mindlin"), COARSE, FEW_STEPS)
+    without = largest_edge_tension(answer)
+    monkeypatch.setattr(
+        body_fields, "_tension_change_by_new_contact", lambda _answer, _step: np.full(2, 3.0)
+    )
+    found = largest_edge_tension(answer)
+    assert found.value == without.value
+    assert found.uncertainty == pytest.approx(without.uncertainty + 3.0)
 
 
 LAYERS = Bodies(lower=Block(width=20.0, height=0.5), upper=Block(width=20.0, height=0.5))
