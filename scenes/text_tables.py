@@ -214,8 +214,19 @@ class _Request:
     @property
     def takes_columns_by_number(self) -> bool:
         """Whether the user states the column of every quantity by its number."""
-        columns = [self.stated_columns.get(name) for name in self.quantities]
-        return bool(self.quantities) and all(isinstance(column, int) for column in columns)
+        headings_or_numbers = [self.stated_columns.get(name) for name in self.quantities]
+        return bool(self.quantities) and all(
+            isinstance(value, int) for value in headings_or_numbers
+        )
+
+    def require_column_numbers_from_1(self) -> None:
+        """Refuse a column number below 1 where the user states one: InputError."""
+        for name, heading_or_number in self.stated_columns.items():
+            if isinstance(heading_or_number, int) and heading_or_number < 1:
+                raise InputError(
+                    f"{self.path}: columns = {{{name} = {heading_or_number}}} is refused: columns"
+                    " are numbered from 1 on"
+                )
 
 
 def text_table(
@@ -250,13 +261,7 @@ def text_table(
     """
     # `columns` are quantities; request.stated_columns: where in the file the user finds them.
     request = _Request(path, columns, stated_columns or {}, kind)
-    for name, heading_or_number in request.stated_columns.items():
-        if isinstance(heading_or_number, int) and heading_or_number < 1:
-            raise InputError(
-                f"{path}: columns = {{{name} = {heading_or_number}}} is refused: columns are"
-                " numbered from 1 on"
-            )
-
+    request.require_column_numbers_from_1()
     # _MOST_CHARACTERS_OF_LINE, _MOST_CHARACTERS_WITH_ALL_COLUMNS: 100,000, and 10,000,000 for
     # tables of all columns
     longest_line = _MOST_CHARACTERS_OF_LINE if columns else _MOST_CHARACTERS_WITH_ALL_COLUMNS
@@ -1445,25 +1450,35 @@ def _read_rows_cell_by_cell(
         line_numbers.append(line_number)
     if not line_numbers:  # a table of text alone: reading it as a row raises too
         _values_of_row(path, text_since_last_row[0], layout, has_decimal_comma, clock)
-    # What was left out, in words.
+    return _Rows(
+        np.array(values).reshape(-1, len(layout.columns_read)),
+        np.array(line_numbers, dtype=np.int64),
+        _lines_left_out_in_words(lines_with_headings, text_since_last_row),
+        clock.first_text,
+    )
+
+
+def _lines_left_out_in_words(
+    lines_with_headings: Sequence[int], text_behind_rows: Sequence[Line]
+) -> tuple[str, ...]:
+    """What was left out of a text table, in words for the user; empty where nothing was.
+
+    `lines_with_headings` are numbers of lines that repeat the headings; the first five are named.
+    `text_behind_rows` are number and text of the lines behind the last row.
+    """
     lines_left_out = []
     if lines_with_headings:
         numbers_in_words = ", ".join(map(str, lines_with_headings[:5]))
         lines_left_out.append(f"line {numbers_in_words}: the headings once more")
-    if text_since_last_row:
-        first_line_number, first_text = text_since_last_row[0]
-        n_lines = len(text_since_last_row)
+    if text_behind_rows:
+        first_line_number, first_text = text_behind_rows[0]
+        n_lines = len(text_behind_rows)
         count_in_words = "1 line" if n_lines == 1 else f"{n_lines} lines"
         lines_left_out.append(
             f"{count_in_words} behind the rows, from line {first_line_number} on:"
             f" {shortened_repr(first_text)}"
         )
-    return _Rows(
-        np.array(values).reshape(-1, len(layout.columns_read)),
-        np.array(line_numbers, dtype=np.int64),
-        tuple(lines_left_out),
-        clock.first_text,
-    )
+    return tuple(lines_left_out)
 
 
 def _is_line_of_text(cells: Sequence[str], layout: _Layout, has_decimal_comma: bool) -> bool:

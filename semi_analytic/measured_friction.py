@@ -294,6 +294,70 @@ def sliding_limit(
         )
 
 
+@dataclass(frozen=True)
+class _EllipseBatch:
+    """A batch of elliptic loads on a profile, m members, whose friction work is wanted at many
+    coefficients of friction.
+
+    Attributes
+    ----------
+    profile_and_material
+        values of the arguments `profile` and `material` of `dissipation`
+    loads
+        its arguments for the ellipses, by name: mean and amplitude of P, mean and amplitude of Q,
+        lag of Q, in this order, numbers or arrays
+    shape
+        shape of the batch, that of the loads and of the profile's numbers together
+    """
+
+    profile_and_material: dict[str, Any]
+    loads: dict[str, Any]
+    shape: tuple[int, ...]
+
+    def values_of_members(
+        self, name: str, value: Any, members: NDArray[np.intp] | slice = slice(None)
+    ) -> Any:
+        """An argument of `dissipation`, or a key of its profile, for k members of the batch, all if
+        none are stated: numbers as (k,), other values as they are.
+        """
+        if name == "rises":
+            return [self.values_of_members("", rise, members) for rise in value]
+        if name in ("kind", "fitted"):
+            return value
+        # as floats, of the shape of the batch
+        return np.broadcast_to(real_numbers(value, name), self.shape).flat[members]
+
+    def work(self, friction: Array, members: NDArray[np.intp]) -> Array:
+        """Friction work of a steady cycle of n members of the batch, each at its own coefficient of
+        friction (n,): (n,) [energy per thickness]. `members` (n,) are their indices in the batch.
+        """
+        loads_of_members = {
+            name: self.values_of_members(name, value, members) for name, value in self.loads.items()
+        }
+        profile = self.profile_and_material["profile"]
+        if isinstance(profile, Mapping):
+            profile = {
+                name: self.values_of_members(name, value, members)
+                for name, value in profile.items()
+            }
+        batch = dissipation(
+            **self.profile_and_material | {"profile": profile},
+            **loads_of_members,
+            friction_coefficient=friction,
+        )
+        return batch.value
+
+    def least_friction_and_amplitude_ratio(self) -> tuple[Array, Array]:
+        """f_min, the largest |Q|/P, and Q1/P1, 0 where P is constant, of all m members, (m,)
+        each."""
+        loads = {name: self.values_of_members(name, value) for name, value in self.loads.items()}
+        normal_amplitude = loads["normal_amplitude"]
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            least_friction = sliding_limit(*loads.values())
+            amplitude_ratio = loads["tangential_amplitude"] / normal_amplitude
+            return least_friction, np.where(normal_amplitude > 0, amplitude_ratio, 0.0)
+
+
 def _friction_of_ellipses(
     target: ArrayLike, profile_and_material: dict[str, Any], loads: dict[str, Any]
 ) -> FrictionBatch:
@@ -308,56 +372,20 @@ def _friction_of_ellipses(
         its arguments for the ellipses, by name: mean and amplitude of P, mean and amplitude of Q,
         lag of Q, in this order, numbers or arrays
     """
-    # One call without friction checks every argument and gives the shape of the batch, that of the
-    # loads and of the profile's numbers together.
+    # One call without friction checks every argument and gives the shape of the batch.
     frictionless_batch: DissipationBatch = dissipation(
         **profile_and_material, **loads, friction_coefficient=0.0
     )
     shape = frictionless_batch.value.shape
-    profile = profile_and_material["profile"]
-
-    def values_of_members(name: str, value: Any, members: NDArray[np.intp] | slice) -> Any:
-        """An argument of `dissipation`, or a key of its profile, for k members of the batch:
-        numbers as (k,), other values as they are.
-        """
-        if name == "rises":
-            return [values_of_members("", rise, members) for rise in value]
-        if name in ("kind", "fitted"):
-            return value
-        # as floats, of the shape of the batch
-        return np.broadcast_to(real_numbers(value, name), shape).flat[members]
-
-    def work(friction: Array, members: NDArray[np.intp]) -> Array:
-        """Friction work of a steady cycle of n members of the batch, each at its own coefficient of
-        friction (n,): (n,) [energy per thickness]. `members` (n,) are their indices in the batch.
-        """
-        loads_of_members = {
-            name: values_of_members(name, value, members) for name, value in loads.items()
-        }
-        profile_of_members = profile
-        if isinstance(profile, Mapping):
-            profile_of_members = {
-                name: values_of_members(name, value, members) for name, value in profile.items()
-            }
-        batch = dissipation(
-            **profile_and_material | {"profile": profile_of_members},
-            **loads_of_members,
-            friction_coefficient=friction,
-        )
-        return batch.value
-
-    # loads of all members, (m,) each
-    flat_loads = {
-        name: values_of_members(name, value, slice(None)) for name, value in loads.items()
-    }
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        # f_min, the largest |Q|/P
-        least_friction = sliding_limit(*flat_loads.values())
-        amplitude_ratio = flat_loads["tangential_amplitude"] / flat_loads["normal_amplitude"]
-        # Q1/P1, 0 where P is constant
-        load_amplitude_ratio = np.where(flat_loads["normal_amplitude"] > 0, amplitude_ratio, 0.0)
+    ellipses = _EllipseBatch(profile_and_material, loads, shape)
+    least_friction, load_amplitude_ratio = ellipses.least_friction_and_amplitude_ratio()
     return _friction_batch(
-        target, work, least_friction, load_amplitude_ratio, shape, frictionless_batch.notes
+        target,
+        ellipses.work,
+        least_friction,
+        load_amplitude_ratio,
+        shape,
+        frictionless_batch.notes,
     )
 
 

@@ -938,7 +938,19 @@ def _work_at_passed_end(span: Span, radius: float, n_panels: int) -> Array:
     # Only the punches that the stick edge passes in this span.
     is_passed = (eta < stick_edge_load_at_begin) & (eta >= stick_edge_load_at_end)
     eta = eta[is_passed]
-    # The stick edge is at eta when s Q - f P of the path equals s M(eta) - f eta.
+    load = _load_when_stick_edge_at(eta, span, piece)
+    integral = float(np.sum(load_left_at_eta[is_passed] * (load - eta)))
+    return np.asarray(span.friction * integral * smooth_end.tilt_rate_form)
+
+
+def _load_when_stick_edge_at(eta: Array, span: Span, piece: Piece) -> Array:
+    """Normal load P at the times of a span of slip at which the stick edge is at the loads `eta`
+    (n,) of a `piece` of the memory curve, (n,) [force per thickness].
+
+    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. The
+    stick edge is at eta when s Q - f P of the path equals s M(eta) - f eta, s the direction of
+    slip. Both are counted from the `anchor`, the instant from which the piece is measured.
+    """
     s_q_minus_f_p = slip_combination(span.direction, span.friction)
     change_to_begin = float(
         combination_change(piece.anchor, span.segment, s_q_minus_f_p, span.begin.time)
@@ -947,9 +959,7 @@ def _work_at_passed_end(span: Span, radius: float, n_panels: int) -> Array:
     passing_time = span.segment.time_of(
         s_q_minus_f_p, change_to_eta - change_to_begin, span.begin.time, span.end.time
     )
-    load = span.segment.loads(passing_time)[0]
-    integral = float(np.sum(load_left_at_eta[is_passed] * (load - eta)))
-    return np.asarray(span.friction * integral * smooth_end.tilt_rate_form)
+    return span.segment.loads(passing_time)[0]
 
 
 # ------------------------------------------------------------------------------- where it holds

@@ -729,34 +729,50 @@ class PunchSuperposition:
             return self._error_of_dissipation_kernel(*argument_arrays)
         # 1 for moments, where the load stands in front of the integrand
         load_power = int(name.endswith("_moment"))
-        method_name = name.removesuffix("_moment")
-        # |x| of a field at points; the load again of the two others
-        point_or_load = argument_arrays[0]
         load = argument_arrays[-1]
-        advance = self.law.edge_advance(load)
-        half_width = self.least_half_width + advance
-        # The relative change of the value is that of `sensitive_length`, which round-off of a
-        # half-width changes most.
-        # an integral and the error of its Chebyshev series
-        if method_name == "pressure":
-            distance = np.abs(point_or_load)
-            value, error = self._pressure_and_error(load_power, distance, load)
-            error = error + self._pressure_change_by_last_digit(load_power, distance, advance)
-            sensitive_length = np.abs(half_width - distance)
-        elif method_name == "slip_integral":
-            distance = np.abs(point_or_load)
-            value, error = self._arccosh_integral_and_error(load_power, distance, load)
-            sensitive_length = np.minimum(half_width, distance) - self.least_half_width
-        else:
-            value, error = self._load_per_width_integral_and_error(load_power, advance)
-            value = value + np.abs(load) ** (1 + load_power) * np.abs(
-                self._log_datum_ratio(advance)
-            )
-            sensitive_length = half_width
+        half_width = self.least_half_width + self.law.edge_advance(load)
+        # |x| of a field at points; the load again of the two others
+        value, error, sensitive_length = self._value_error_and_sensitive_length(
+            name.removesuffix("_moment"), load_power, argument_arrays[0], load
+        )
         least_length = _EPS * np.maximum(half_width, np.finfo(float).tiny)
         # eight round-offs of the half-width over that length
         relative_last_digit = 8 * _EPS * half_width / np.maximum(sensitive_length, least_length)
         return error + (relative_last_digit + self.relative_roundoff + 50 * _EPS) * np.abs(value)
+
+    def _value_error_and_sensitive_length(
+        self, method_name: str, load_power: int, point_or_load: Array, load: Array
+    ) -> tuple[Array, Array, Array]:
+        """Value of an integral over flat punches, the error of its Chebyshev series, and the length
+        whose relative change is that of the value; round-off of a half-width changes it most.
+
+        That length is the distance to the edge of contact for "pressure"; for "slip_integral" the
+        length of the punches within the point, beyond `least_half_width`, the half-width without
+        load; for "approach_integral" the half-width.
+
+        Parameters
+        ----------
+        method_name
+            "pressure", "slip_integral" or "approach_integral"
+        load_power
+            1 where the load stands in front of the integrand, else 0
+        point_or_load, load
+            x of the first two; P [force per thickness]; arrays of one shape
+        """
+        advance = self.law.edge_advance(load)
+        half_width = self.least_half_width + advance
+        if method_name == "pressure":
+            distance = np.abs(point_or_load)
+            value, error = self._pressure_and_error(load_power, distance, load)
+            error = error + self._pressure_change_by_last_digit(load_power, distance, advance)
+            return value, error, np.abs(half_width - distance)
+        if method_name == "slip_integral":
+            distance = np.abs(point_or_load)
+            value, error = self._arccosh_integral_and_error(load_power, distance, load)
+            return value, error, np.minimum(half_width, distance) - self.least_half_width
+        value, error = self._load_per_width_integral_and_error(load_power, advance)
+        value = value + np.abs(load) ** (1 + load_power) * np.abs(self._log_datum_ratio(advance))
+        return value, error, half_width
 
     def _error_of_dissipation_kernel(self, load: Array, load_above_stick: Array) -> Array:
         """Estimated error of the kernel of friction work Lam(P, P_c) = int ln(a(eta)/c) d eta, not
