@@ -70,6 +70,10 @@ _RULES_BY_FAULT_TYPE = {
     "model_type": "should be a table of keys",
     "model_attributes_type": "should be a table of keys",
 }
+# Text that is a number, with a unit or without, such as "210 GPa".
+_NUMBER_WITH_UNIT = re.compile(
+    r"\s*[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?\s*[^\d\s.,]*\s*", re.IGNORECASE
+)
 # What loads state, asked for elsewhere or by another word.
 _WORDS_OF_LOADS = (
     "bulk",
@@ -153,6 +157,8 @@ def _fault_in_words(fault: ErrorDetails, key: str, model: type[Frozen]) -> str:
             )
         case "too_long":
             rule = f"should have at most {fault['ctx']['max_length']} entries"
+        case "float_type" | "int_type" if _NUMBER_WITH_UNIT.fullmatch(str(value)):
+            rule = f"{rule}; write it without quotation marks and unit"
         case "value_error":
             return f"{key} is refused: {rule}" if key else rule
     return f"{key} = {shortened_repr(value)} is refused: {rule}"

@@ -98,7 +98,12 @@ REFUSED = {
     "friction as text": (
         "coefficient = 0.5",
         'coefficient = "0.5"',
-        "friction.coefficient = '0.5'|valid number",
+        "friction.coefficient = '0.5'|valid number; write it without quotation marks and unit",
+    ),
+    "a number with its unit": (
+        "radius = 2.0",
+        'radius = "1.5e3 mm"',
+        "profile.radius = '1.5e3 mm'|valid number; write it without quotation marks and unit",
     ),
     "friction as date": (
         "coefficient = 0.5",
