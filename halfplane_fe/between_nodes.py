@@ -68,9 +68,9 @@ _RMS = 0.0155
 # on the coarse mesh and by 0.003 on the default one, beyond mid-side nodes by 0.0035 and 0.002,
 # three nodes from x = 0 by 0.06, and by 0.3 beside the start of slip. Seeds 289, 703 and 708 of
 # benchmarks/covered.py values.
-_BEYOND_CORNER = 0.023
-_BEYOND_MID_SIDE = 0.007
-_BY_UNEVENNESS = 0.8
+_BEYOND_CORNER = 0.022
+_BEYOND_MID_SIDE = 0.0065
+_BY_UNEVENNESS = 0.7
 _BY_FEW_NODES = 0.1
 # Share of the distance of two nodes, over how much farther a small load takes an edge of stick than
 # one of contact (`_leverage`): 0.0015 to 0.002 in the median where that is 6 to 100, on both
