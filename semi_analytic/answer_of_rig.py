@@ -98,13 +98,13 @@ class RiggedScene:
     compliance: Compliance
 
     def driven_path(
-        self, cycles: int, refinement: int, extra_times: Array | None = None
+        self, n_cycles: int, refinement: int, extra_times: Array | None = None
     ) -> DrivenPath:
         """Loads and gross sliding along the path of the actuators of the rig over so many cycles.
 
         Parameters
         ----------
-        cycles
+        n_cycles
             number of cycles after the initial loading
         refinement
             factor on the least number of steps
@@ -112,43 +112,49 @@ class RiggedScene:
             (k,) more instants at which a step ends; None: no more
         """
         path = self.scene.load.path_of_actuators()
-        return self.driven_path_of_rows(actuator_rows(path, cycles, refinement, extra_times))
+        return self.driven_path_of_rows(actuator_rows(path, n_cycles, refinement, extra_times))
 
-    def driven_path_of_rows(self, rows: ActuatorRows) -> DrivenPath:
+    def driven_path_of_rows(self, actuator_motion: ActuatorRows) -> DrivenPath:
         """Loads P and Q and gross sliding along a path of the actuators that is given by the ends
         of its steps.
 
-        `rows` are these instants with P, or the normal approach in its place, and the displacement
-        U of the tangential actuator. InputError where the bodies never touch, or where the
-        displacement of an actuator does not determine its load.
+        `actuator_motion` are these instants with P, or the normal approach in its place, and the
+        displacement U of the tangential actuator. InputError where the bodies never touch, or where
+        the displacement of an actuator does not determine its load.
         """
         # states_approach: whether the normal approach is prescribed, in the place of P.
         scene = self.scene
         if scene.load.states_approach:
             loads = loads_of_approach(
-                self.contact, self.modulus, self.compliance, rows.load_or_approach
+                self.contact, self.modulus, self.compliance, actuator_motion.load_or_approach
             )
-            rows = rows._replace(load_or_approach=loads)
+            actuator_motion = actuator_motion._replace(load_or_approach=loads)
         # Flat punches of the contact; largest_s: coordinate s of the widest of them.
-        table = self._punch_table(rows)
-        largest_load = float(np.max(rows.load_or_approach))
+        table = self._punch_table(actuator_motion)
+        largest_load = float(np.max(actuator_motion.load_or_approach))
         self.compliance.require_unique_force(float(table.half_width(table.largest_s)), largest_load)
-        return follow_actuator(table, scene.friction.coefficient, self.compliance, rows)
+        return follow_actuator(table, scene.friction.coefficient, self.compliance, actuator_motion)
 
-    def _punch_table(self, rows: ActuatorRows) -> PunchTable:
+    def _punch_table(self, actuator_motion: ActuatorRows) -> PunchTable:
         """Table of the flat punches that make up the contact, up to its largest half-width for any
         Q within the Coulomb limit. InputError where P is never positive.
         """
-        if not np.any(rows.load_or_approach > 0):
+        if not np.any(actuator_motion.load_or_approach > 0):
             raise InputError(
                 "load: P is never positive, so that the bodies never touch; it is a compression"
             )
         # Curvatures that the bodies add per load; normal_under_shear: N_Q, of the gap per Q.
         curvatures = self.compliance.curvatures
-        friction_limit = self.scene.friction.coefficient * rows.load_or_approach
+        friction_limit = self.scene.friction.coefficient * actuator_motion.load_or_approach
         # The Q at the Coulomb limit that widens the contact.
         widening_force = -np.sign(curvatures.normal_under_shear) * friction_limit
-        loads = PathRows(rows.time, rows.load_or_approach, widening_force, rows.end_rows, None)
+        loads = PathRows(
+            actuator_motion.time,
+            actuator_motion.load_or_approach,
+            widening_force,
+            actuator_motion.end_rows,
+            None,
+        )
         return punch_table_of(self.contact, self.modulus, loads, curvatures)
 
 
@@ -213,12 +219,12 @@ class _Slide(NamedTuple):
     work: float  # f P times the way [energy / thickness]
 
 
-def slides_of(driven_path: DrivenPath, rows: slice) -> list[_Slide]:
+def slides_of(driven_path: DrivenPath, row_range: slice) -> list[_Slide]:
     """Intervals of gross sliding, in which the bodies slide as a whole, within some rows of a path
     driven by an actuator: begin, end, distance and friction work of each.
 
-    A row is an instant at the end of a load step; the step up to the first of the `rows` does not
-    count. Neighbouring steps that slide in one direction make one interval. A sliding distance
+    A row is an instant at the end of a load step; the step up to the first of the `row_range` does
+    not count. Neighbouring steps that slide in one direction make one interval. A sliding distance
     below 1e-9 of the actuator's range is round-off.
 
     Parameters
@@ -226,11 +232,11 @@ def slides_of(driven_path: DrivenPath, rows: slice) -> list[_Slide]:
     driven_path
         for each row the time, the sliding distance and friction work of the step that ends there,
         and the displacement of the actuator, (n,) each
-    rows
+    row_range
         rows of the path that are looked at
     """
     # Sign of the slide of each step, 0 for round-off.
-    row_numbers = np.arange(len(driven_path.time))[rows]
+    row_numbers = np.arange(len(driven_path.time))[row_range]
     actuator_range = float(np.ptp(driven_path.actuator_displacement)) or 1.0
     slide_direction = np.sign(driven_path.slide_distance)
     largest_round_off = _ROUND_OFF_SLIDE_SHARE * actuator_range
@@ -538,7 +544,7 @@ class _ChangeByBodies(NamedTuple):
 
     @classmethod
     def of_driven_path(
-        cls, rig: RiggedScene, driven_path: DrivenPath, rows: slice
+        cls, rig: RiggedScene, driven_path: DrivenPath, cycle_rows: slice
     ) -> _ChangeByBodies:
         """Change of the friction work of slip by the finite bodies of a rig, in some rows of a
         path, against half-planes under the same P and Q.
@@ -553,10 +559,10 @@ class _ChangeByBodies(NamedTuple):
             scene with contact, E* and the effects of its bodies
         driven_path
             path with the loads, which were found with curvatures alone
-        rows
+        cycle_rows
             rows of the path, the ends of its steps
         """
-        if rig.scene.bodies.half_planes or _reason_without_next_order(driven_path, rows):
+        if rig.scene.bodies.half_planes or _reason_without_next_order(driven_path, cycle_rows):
             return cls()
         # The same loads three times: half-planes; bodies with all terms; bodies with curvatures
         # alone.
@@ -566,19 +572,19 @@ class _ChangeByBodies(NamedTuple):
         path_of_half_planes = PathSeries(
             follow(*table_and_loads, Curvatures()), rig.contact, rig.modulus, None
         )
-        work_of_half_planes = path_of_half_planes.work(rows)
+        work_of_half_planes = path_of_half_planes.work(cycle_rows)
         if not work_of_half_planes > 0:
             return cls()
         memory_of_bodies = follow(
             *table_and_loads, curvatures_of(rig.effects), path_of_half_planes.followed_path
         )
         path_with_bodies = PathSeries(memory_of_bodies, rig.contact, rig.modulus, rig.effects)
-        work_of_bodies = path_with_bodies.work(rows)
+        work_of_bodies = path_with_bodies.work(cycle_rows)
 
         # slip_work: of the step that ends at each row; that of the first row is before the cycle.
-        work_with_curvatures_alone = float(np.sum(driven_path.slip_work[rows][1:]))
+        work_with_curvatures_alone = float(np.sum(driven_path.slip_work[cycle_rows][1:]))
         relative_uncertainty = work_uncertainty_by_bodies(
-            path_with_bodies, path_of_half_planes, rows, rig.effects
+            path_with_bodies, path_of_half_planes, cycle_rows, rig.effects
         )
         return cls(
             relative_change=work_of_bodies / work_of_half_planes - 1,
@@ -765,19 +771,19 @@ def _times_near_slide_ends(driven_path: DrivenPath) -> Array:
     return (begin_times + fractions_of_two_steps * (end_times - begin_times)).ravel()
 
 
-def _times_in_all_cycles(scene: Scene, time: Array, cycles: int) -> Array:
+def _times_in_all_cycles(scene: Scene, time: Array, n_cycles: int) -> Array:
     """Given times (n,) moved by whole periods into every cycle of the path of the actuators, cycle
     after cycle, (k,). Before them come those given times that lie in the initial loading, as they
     are; they are moved into the cycles, too.
 
-    A path that does not repeat gets its times back. `cycles` is the number of cycles.
+    A path that does not repeat gets its times back. `n_cycles` is the number of cycles.
     """
     path = scene.load.path_of_actuators()
     if path.period is None:
         return time
     time_since_cycle_start = np.mod(time - path.cycle_start, path.period)
     times_in_cycles = (
-        path.cycle_start + time_since_cycle_start + path.period * np.arange(cycles)[:, None]
+        path.cycle_start + time_since_cycle_start + path.period * np.arange(n_cycles)[:, None]
     )
     return np.concatenate([time[time < path.cycle_start], times_in_cycles.ravel()])
 
@@ -822,23 +828,23 @@ def _rows_of_answer(
     return slice(first_row, last_row + 1), loads_up_to_end
 
 
-def _scene_of_loads(scene: Scene, rows: PathRows, last_cycle: slice) -> Scene:
+def _scene_of_loads(scene: Scene, path_rows: PathRows, last_cycle: slice) -> Scene:
     """The scene with the loads P and Q that were found, as a polygon, in the place of the
-    prescribed displacements. `rows` are the loads up to the end of the cycle whose rows are
+    prescribed displacements. `path_rows` are the loads up to the end of the cycle whose rows are
     `last_cycle`.
     """
-    loads = np.stack([rows.normal_load, rows.tangential_load], axis=1)
+    loads = np.stack([path_rows.normal_load, path_rows.tangential_load], axis=1)
     points = [(float(normal), float(tangential)) for normal, tangential in loads]
     # The first point is the unloaded state. A cycle comes back to its begin, so that its last point
     # is left out.
     loading = tuple(points[1:])
     cycle: tuple[tuple[float, float], ...] = ()
-    if rows.period is not None:
+    if path_rows.period is not None:
         loading = tuple(points[1 : last_cycle.start + 1])
         cycle = tuple(points[last_cycle.start + 1 : -1])
     # A scene without the displacements of the rig.
     polygon_of_loads = PolygonLoad(
-        initial_loading=loading, cycle=cycle, times=tuple(rows.time.tolist())
+        initial_loading=loading, cycle=cycle, times=tuple(path_rows.time.tolist())
     )
     return scene.vary(load=polygon_of_loads, rig=Rig(), cycles=1)
 

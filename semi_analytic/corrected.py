@@ -516,7 +516,11 @@ class _HalfPlanePath:
         return self.rows(instants)
 
     def rows_with_turning_points(
-        self, rows: PathRows, friction: float, curvatures: Curvatures, largest_parabola_load: float
+        self,
+        path_rows: PathRows,
+        friction: float,
+        curvatures: Curvatures,
+        largest_parabola_load: float,
     ) -> PathRows:
         """Ends of the straight steps of a load path, with further instants at which slip reverses
         for six flat punches inside the contact. A path that is a series of loads keeps its steps.
@@ -531,7 +535,7 @@ class _HalfPlanePath:
 
         Parameters
         ----------
-        rows
+        path_rows
             ends of the steps so far: `time` and the loads P and Q there, (n,) each
         friction
             f
@@ -541,9 +545,9 @@ class _HalfPlanePath:
             G of the widest punch [force per thickness times length]
         """
         if isinstance(self.path, LoadSeries):
-            return rows
-        normal_load = rows.normal_load
-        tangential_load = rows.tangential_load
+            return path_rows
+        normal_load = path_rows.normal_load
+        tangential_load = path_rows.tangential_load
 
         # kn and kt at the rows.
         gap_curvature = curvatures.gap_curvature_under(normal_load, tangential_load)
@@ -560,17 +564,19 @@ class _HalfPlanePath:
                 bound_of_punch = (
                     load_term + parabola_fraction * largest_parabola_load * curvature_factor
                 )
-                turning_times_of_punches.append(_turning_points(rows.time, bound_of_punch))
+                turning_times_of_punches.append(_turning_points(path_rows.time, bound_of_punch))
         turning_times = np.concatenate(turning_times_of_punches)
 
         # Turning points next to the end of a step, within 2 % of it, are left out.
-        row_after = np.clip(np.searchsorted(rows.time, turning_times), 1, len(rows.time) - 1)
-        step_duration = rows.time[row_after] - rows.time[row_after - 1]
-        fraction_of_step = (turning_times - rows.time[row_after - 1]) / step_duration
+        row_after = np.clip(
+            np.searchsorted(path_rows.time, turning_times), 1, len(path_rows.time) - 1
+        )
+        step_duration = path_rows.time[row_after] - path_rows.time[row_after - 1]
+        fraction_of_step = (turning_times - path_rows.time[row_after - 1]) / step_duration
         is_inside_step = (fraction_of_step > _STEP_SHARE_AT_ROW) & (
             fraction_of_step < 1 - _STEP_SHARE_AT_ROW
         )
-        return self.rows(np.concatenate([rows.time, turning_times[is_inside_step]]))
+        return self.rows(np.concatenate([path_rows.time, turning_times[is_inside_step]]))
 
 
 def _turning_points(time: Array, values: Array) -> Array:
@@ -865,9 +871,9 @@ class PathSeries:
         shear_signs[rows_to_check] = np.where(excess > tolerance, signs_of_shear, 0)
         return shear_signs
 
-    def _excess_over_limit(self, rows: Indices, n_places: int) -> tuple[Array, Array]:
+    def _excess_over_limit(self, row_numbers: Indices, n_places: int) -> tuple[Array, Array]:
         """Largest excess of the shear of the memory curve over the Coulomb limit, max(|q| - f p),
-        at instants `rows` (n,), and the sign of q there: (n,) each, the excess in [stress].
+        at instants `row_numbers` (n,), and the sign of q there: (n,) each, the excess in [stress].
 
         The memory curve is the locked-in tangential force over the half-width of the flat punches.
         The maximum is over `n_places` places from the middle to the edge of the path's largest
@@ -877,13 +883,13 @@ class PathSeries:
         fields_of_places = PointFields(
             self, float(np.max(self.half_width)) * fractions_of_half_width
         )
-        largest_excess = np.zeros(len(rows))
-        signs_of_shear = np.zeros(len(rows))
+        largest_excess = np.zeros(len(row_numbers))
+        signs_of_shear = np.zeros(len(row_numbers))
         # Many instants at once, _ROWS_AT_ONCE = 2000, to bound the memory.
-        for chunk_start in range(0, len(rows), _ROWS_AT_ONCE):
+        for chunk_start in range(0, len(row_numbers), _ROWS_AT_ONCE):
             chunk = slice(chunk_start, chunk_start + _ROWS_AT_ONCE)
-            shear = fields_of_places.shear_of_memory(rows[chunk])
-            limit = self.followed_path.friction * fields_of_places.pressure(rows[chunk])
+            shear = fields_of_places.shear_of_memory(row_numbers[chunk])
+            limit = self.followed_path.friction * fields_of_places.pressure(row_numbers[chunk])
             excess = np.nan_to_num(np.abs(shear) - limit)
             place_of_largest_excess = np.argmax(excess, axis=1)[:, None]
             largest_excess[chunk] = np.take_along_axis(excess, place_of_largest_excess, axis=1)[
@@ -899,16 +905,17 @@ class PathSeries:
         """Extra slip by the number of its instant, as far as it was asked for."""
         return {}
 
-    def inner_slips(self, rows: Indices) -> Iterator[tuple[int, InnerSlip]]:
-        """Extra slip inside the contact, each with the index of its instant in `rows`: for those of
-        these instants at which the shear |q| of the memory curve exceeds the Coulomb limit f p.
+    def inner_slips(self, row_numbers: Indices) -> Iterator[tuple[int, InnerSlip]]:
+        """Extra slip inside the contact, each with the index of its instant in `row_numbers`: for
+        those of these instants at which the shear |q| of the memory curve exceeds the Coulomb limit
+        f p.
 
         The memory curve is the locked-in tangential force over the half-width of the flat punches.
         Extra slip that was computed before is taken from a cache.
         """
         # _shear_signs_beyond_limit: sign of q where it exceeds the limit, else 0, by instant.
-        for index in np.flatnonzero(self._shear_signs_beyond_limit[rows]).tolist():
-            row = int(rows[index])
+        for index in np.flatnonzero(self._shear_signs_beyond_limit[row_numbers]).tolist():
+            row = int(row_numbers[index])
             if row not in self._inner_slips:
                 self._inner_slips[row] = self._inner_slip(row)
             yield index, self._inner_slips[row]
@@ -956,25 +963,27 @@ class PathSeries:
             self.modulus,
         )
 
-    def loop_work(self, rows: slice) -> float:
+    def loop_work(self, cycle_rows: slice) -> float:
         """Work of the loads in a cycle, the closed integral of Q dU + P d(approach), for its
-        instants `rows` [energy per thickness].
+        instants `cycle_rows` [energy per thickness].
         """
         # area_of_loop: integral of a load over its displacement, by the trapezoidal rule.
         followed_path = self.followed_path
         tangential_work = area_of_loop(
-            followed_path.tangential_load[rows], self.tangential_displacement[rows]
+            followed_path.tangential_load[cycle_rows], self.tangential_displacement[cycle_rows]
         )
-        normal_work = area_of_loop(followed_path.normal_load[rows], self.normal_approach[rows])
+        normal_work = area_of_loop(
+            followed_path.normal_load[cycle_rows], self.normal_approach[cycle_rows]
+        )
         return tangential_work + normal_work
 
-    def work(self, rows: slice) -> float:
-        """Friction work of all steps of a cycle, or of the path, for its instants `rows` [energy
-        per thickness].
+    def work(self, cycle_rows: slice) -> float:
+        """Friction work of all steps of a cycle, or of the path, for its instants `cycle_rows`
+        [energy per thickness].
         """
         # step_work: work of the step that ends at each instant, without the factor A/pi; the first
         # instant ends none of this cycle.
-        return self.unit_compliance * float(np.sum(self.followed_path.step_work[rows][1:]))
+        return self.unit_compliance * float(np.sum(self.followed_path.step_work[cycle_rows][1:]))
 
 
 class PointFields:
@@ -997,35 +1006,35 @@ class PointFields:
         # The last slip (n, k) that was computed, and the numbers of its instants, ascending (n,).
         self._known_slip: tuple[Indices, Array] = (np.zeros(0, dtype=np.int64), np.zeros((0, 0)))
 
-    def pressure(self, rows: Indices) -> Array:
-        """Contact pressure p at instants number `rows` (n,), at the k points, (n, k) [stress]: that
-        of the profile plus that by the curvature which the bodies add to the gap.
+    def pressure(self, row_numbers: Indices) -> Array:
+        """Contact pressure p at instants number `row_numbers` (n,), at the k points, (n, k)
+        [stress]: that of the profile plus that by the curvature which the bodies add to the gap.
         """
         # followed_path: friction memory, loads, edges of contact and stick at all instants.
         followed_path = self._followed_path
         # Load that the flat punches of the profile carry up to the edge of contact, coordinate
         # edge_s.
-        profile_load = followed_path.table.profile_load(followed_path.edge_s[rows])[:, None]
+        profile_load = followed_path.table.profile_load(followed_path.edge_s[row_numbers])[:, None]
         # series.contact: normal contact of half-planes; self._x: |x| of the k points.
         profile_pressure = self.series.contact.pressure(self._x, profile_load)
         # kn and n4 at these instants: factors of x^2/2 and x^4/24 in the gap.
-        gap_curvature = followed_path.normal_curvature[rows]
-        fourth_coefficient = followed_path.normal_fourth[rows]
+        gap_curvature = followed_path.normal_curvature[row_numbers]
+        fourth_coefficient = followed_path.normal_fourth[row_numbers]
         return profile_pressure + self._traction_of_curvature(
-            self.series.half_width[rows], gap_curvature, fourth_coefficient
+            self.series.half_width[row_numbers], gap_curvature, fourth_coefficient
         )
 
-    def shear(self, rows: Indices) -> Array:
-        """Shear traction q at instants number `rows` (n,), at the k points, (n, k) [stress], with
-        the extra slip inside the contact.
+    def shear(self, row_numbers: Indices) -> Array:
+        """Shear traction q at instants number `row_numbers` (n,), at the k points, (n, k) [stress],
+        with the extra slip inside the contact.
         """
-        shear = self.shear_of_memory(rows)
-        for index, extra_slip in self.inner_slips(rows):
+        shear = self.shear_of_memory(row_numbers)
+        for index, extra_slip in self.inner_slips(row_numbers):
             shear[index] += extra_slip.shear
         return shear
 
-    def shear_of_memory(self, rows: Indices) -> Array:
-        """Shear traction q at instants number `rows` (n,), at the k points, (n, k) [stress],
+    def shear_of_memory(self, row_numbers: Indices) -> Array:
+        """Shear traction q at instants number `row_numbers` (n,), at the k points, (n, k) [stress],
         without the extra slip inside the contact.
 
         It is the shear of the memory curve (locked-in tangential force over the half-width of the
@@ -1036,11 +1045,11 @@ class PointFields:
         # By kt and t4, the factors of x^2/2 and x^4/24 in the tangential displacement of the faces.
         # series: the followed path, with its contact half-width.
         shear_of_faces = self._traction_of_curvature(
-            self.series.half_width[rows],
-            followed_path.tangential_curvature[rows],
-            followed_path.tangential_fourth[rows],
+            self.series.half_width[row_numbers],
+            followed_path.tangential_curvature[row_numbers],
+            followed_path.tangential_fourth[row_numbers],
         )
-        return self._shear_of_memory_curves(rows) + shear_of_faces
+        return self._shear_of_memory_curves(row_numbers) + shear_of_faces
 
     def shear_at(self, row: int) -> Array:
         """Shear traction q at the k points at the single instant number `row`, (k,) [stress],
@@ -1080,9 +1089,9 @@ class PointFields:
         )
         return np.asarray(shear + shear_of_faces[0])
 
-    def slip(self, rows: Indices) -> Array:
-        """Relative slip s of the faces at instants number `rows` (n,), at the k points, (n, k)
-        [length].
+    def slip(self, row_numbers: Indices) -> Array:
+        """Relative slip s of the faces at instants number `row_numbers` (n,), at the k points, (n,
+        k) [length].
 
         The last slip that was computed is kept. It is used again if it contains all of these
         instants.
@@ -1090,16 +1099,19 @@ class PointFields:
         # Numbers of the instants of the kept slip, ascending, and that slip.
         known_rows, known_slip = self._known_slip
         if len(known_rows):
-            index_in_known_rows = np.minimum(np.searchsorted(known_rows, rows), len(known_rows) - 1)
-            if np.array_equal(known_rows[index_in_known_rows], rows):
+            index_in_known_rows = np.minimum(
+                np.searchsorted(known_rows, row_numbers), len(known_rows) - 1
+            )
+            if np.array_equal(known_rows[index_in_known_rows], row_numbers):
                 return known_slip[index_in_known_rows]
-        slip = self._slip(rows)
-        if np.all(np.diff(rows) > 0):  # ascending, as a search among them needs
-            self._known_slip = (rows, slip)
+        slip = self._slip(row_numbers)
+        if np.all(np.diff(row_numbers) > 0):  # ascending, as a search among them needs
+            self._known_slip = (row_numbers, slip)
         return slip
 
-    def _slip(self, rows: Indices) -> Array:
-        """Relative slip s of the faces at n instants `rows`, at the k points, (n, k) [length].
+    def _slip(self, row_numbers: Indices) -> Array:
+        """Relative slip s of the faces at n instants `row_numbers`, at the k points, (n, k)
+        [length].
 
         It is the sum of four parts: slip by the memory curves, the curvature of the faces outside
         the contact, sliding as a whole, and the extra slip inside the contact. A memory curve is
@@ -1107,33 +1119,36 @@ class PointFields:
         """
         # followed_path: friction memory, loads, edges of contact and stick at all instants.
         followed_path = self._followed_path
-        slip = self._slip_of_memory_curves(rows)
+        slip = self._slip_of_memory_curves(row_numbers)
         # kt and t4: factors of x^2/2 and x^4/24 in the tangential displacement of the faces.
         # Inside the contact what sticks follows the curvature of the faces; outside it does not.
-        face_curvature = followed_path.tangential_curvature[rows, None]
-        fourth_coefficient = followed_path.tangential_fourth[rows, None]
+        face_curvature = followed_path.tangential_curvature[row_numbers, None]
+        fourth_coefficient = followed_path.tangential_fourth[row_numbers, None]
         if np.any(face_curvature) or np.any(fourth_coefficient):
             # Displacements per curvature that punches up to the edge of contact make at the points.
-            parabola_integral, fourth_integral = self._slip_integrals(self.series.half_width[rows])
+            parabola_integral, fourth_integral = self._slip_integrals(
+                self.series.half_width[row_numbers]
+            )
             # self._x: |x| of the k points.
             slip = slip + face_curvature * (parabola_integral - self._x**2 / 2)
             slip = slip + fourth_coefficient * (fourth_integral - self._x**4 / 24)
         # rigid_displacement: sliding as a whole and movement while apart, (n,) [length].
         if self.series.rigid_displacement is not None:
-            slip = slip + self.series.rigid_displacement[rows, None]
-        for index, extra_slip in self.inner_slips(rows):
+            slip = slip + self.series.rigid_displacement[row_numbers, None]
+        for index, extra_slip in self.inner_slips(row_numbers):
             slip[index] += extra_slip.slip
         return np.asarray(slip)
 
-    def inner_slips(self, rows: Indices) -> Iterator[tuple[int, SlipAtPoints]]:
+    def inner_slips(self, row_numbers: Indices) -> Iterator[tuple[int, SlipAtPoints]]:
         """Shear and slip that the extra slip adds at the k points, each with the index of its
-        instant in `rows`: for those of these instants at which |q| of the memory curve exceeds f p.
+        instant in `row_numbers`: for those of these instants at which |q| of the memory curve
+        exceeds f p.
 
         The memory curve is the locked-in tangential force over the half-width of the flat punches.
         What was computed before for an instant is taken from a cache.
         """
-        for index, inner_slip_of_row in self.series.inner_slips(rows):
-            row = int(rows[index])
+        for index, inner_slip_of_row in self.series.inner_slips(row_numbers):
+            row = int(row_numbers[index])
             if row not in self._inner_slips:
                 # self._x: |x| of the k points.
                 self._inner_slips[row] = inner_slip_of_row.at_points(self._x)
@@ -1144,16 +1159,16 @@ class PointFields:
         """Extra slip at the points by the number of its instant, as far as it was asked for."""
         return {}
 
-    def work_density(self, rows: slice) -> Array:
+    def work_density(self, cycle_rows: slice) -> Array:
         """Friction work per area W(x) of one cycle at the points, (k,) [force per length], for the
-        instants `rows` of that cycle.
+        instants `cycle_rows` of that cycle.
 
         Each step adds the mean of f p at its two ends times the distance that the point slips. A
         step in full stick adds nothing. Nor does any step at points inside the smaller of the stick
         zones at its two ends. A pressure that is not finite counts as 0.
         """
         # edge_s has one entry per instant: its length is the number of instants.
-        row_numbers = np.arange(len(self._followed_path.edge_s))[rows]
+        row_numbers = np.arange(len(self._followed_path.edge_s))[cycle_rows]
         friction_limit = self._followed_path.friction * self.pressure(row_numbers)
         friction_limit = np.where(np.isfinite(friction_limit), friction_limit, 0.0)
         mean_limit = (friction_limit[1:] + friction_limit[:-1]) / 2
@@ -1168,9 +1183,9 @@ class PointFields:
         point_slips = step_has_slip & (self._x >= least_stick_half_width)
         return np.asarray(np.sum(np.where(point_slips, mean_limit * slip_distance, 0.0), axis=0))
 
-    def _shear_of_memory_curves(self, rows: Indices) -> Array:
-        """Shear traction that the memory curves carry at n instants `rows`, at the k points, (n, k)
-        [stress].
+    def _shear_of_memory_curves(self, row_numbers: Indices) -> Array:
+        """Shear traction that the memory curves carry at n instants `row_numbers`, at the k points,
+        (n, k) [stress].
 
         A memory curve is the locked-in tangential force F over the half-width of the flat punches.
         On each of its pieces dF = profile_slope d eta + parabola_slope dG + fourth_slope dG_4. The
@@ -1184,7 +1199,7 @@ class PointFields:
         # Only the pieces that these instants need, with the number of the outermost piece of each
         # curve.
         pieces, uppermost_pieces = followed_path.pieces.pieces_of_curves(
-            followed_path.uppermost_piece[rows]
+            followed_path.uppermost_piece[row_numbers]
         )
         # Pressures of the punches up to the top of each piece, (pieces, k). top_s: coordinate s of
         # the top in the table of punches.
@@ -1202,8 +1217,8 @@ class PointFields:
         # Sums along each curve from the middle of the contact to the top of each piece.
         return pieces.integrals_at_tops(*slopes_and_pressures)[uppermost_pieces]
 
-    def _slip_of_memory_curves(self, rows: Indices) -> Array:
-        """Slip by the memory curves at n instants `rows`, at the k points, (n, k) [length].
+    def _slip_of_memory_curves(self, row_numbers: Indices) -> Array:
+        """Slip by the memory curves at n instants `row_numbers`, at the k points, (n, k) [length].
 
         A memory curve is the locked-in tangential force F over the half-width of the flat punches.
         The slip is the integral of dF times the slip that a punch under unit force makes outside of
@@ -1218,7 +1233,7 @@ class PointFields:
         # Only the pieces that these instants need, with the number of the outermost piece of each
         # curve.
         pieces, uppermost_pieces = followed_path.pieces.pieces_of_curves(
-            followed_path.uppermost_piece[rows]
+            followed_path.uppermost_piece[row_numbers]
         )
         # Integrals over the punches up to the top of each piece, (pieces, k): of arccosh(|x|/c) d
         # eta, then of the slip under x^2/2 and x^4/24. unit_compliance: A/pi. top_s: coordinate s
@@ -1561,7 +1576,7 @@ def _require_symmetric(question: Question) -> None:
 
 
 def punch_table_of(
-    contact: SymmetricContact, modulus: float, rows: PathRows, curvatures: Curvatures
+    contact: SymmetricContact, modulus: float, path_rows: PathRows, curvatures: Curvatures
 ) -> PunchTable:
     """Table of the flat punches that make up the contact, wide enough for the largest contact of a
     load path, with the curvatures of finite bodies and without.
@@ -1576,7 +1591,7 @@ def punch_table_of(
         P(a) of the profile on half-planes
     modulus
         E* [stress]
-    rows
+    path_rows
         instants of the path with P and Q
     curvatures
         what P and Q add to the curvature of gap and faces
@@ -1588,9 +1603,9 @@ def punch_table_of(
         each other so that the contact would split.
     """
     # Half-width of half-planes at the largest P; kn without p_2, and n4, at each instant.
-    largest_half_width = float(contact.half_width(float(np.max(rows.normal_load))))
-    gap_curvature = curvatures.gap_curvature_under(rows.normal_load, rows.tangential_load)
-    gap_fourth_coefficient = curvatures.normal_fourth * rows.normal_load
+    largest_half_width = float(contact.half_width(float(np.max(path_rows.normal_load))))
+    gap_curvature = curvatures.gap_curvature_under(path_rows.normal_load, path_rows.tangential_load)
+    gap_fourth_coefficient = curvatures.normal_fourth * path_rows.normal_load
 
     # _MOST_WIDENINGS: 60, each by _TABLE_WIDTH_FACTOR = 1.02; extent: largest half-width of the
     # profile. largest_s: coordinate s of the widest punch of the table.
@@ -1600,7 +1615,7 @@ def punch_table_of(
         )
         # The second moment p_2 of the pressure is at most that of a flat punch, P c^2/2.
         # normal_mixed: N_22, by which p_2 adds 2 N_22 p_2 to kn.
-        largest_moment = rows.normal_load * float(table.half_width(table.largest_s)) ** 2 / 2
+        largest_moment = path_rows.normal_load * float(table.half_width(table.largest_s)) ** 2 / 2
         least_curvature = gap_curvature + 2 * min(curvatures.normal_mixed, 0.0) * largest_moment
         # Load that the punches up to the widest carry, with the least kn that is possible.
         load_at_table_end = float(table.profile_load(table.largest_s)) + least_curvature * float(
@@ -1609,7 +1624,7 @@ def punch_table_of(
         load_at_table_end = load_at_table_end + gap_fourth_coefficient * float(
             table.fourth_load(table.largest_s)
         )
-        if np.all(load_at_table_end >= rows.normal_load):
+        if np.all(load_at_table_end >= path_rows.normal_load):
             break
         if largest_half_width >= contact.extent:
             raise InputError(
@@ -1674,16 +1689,16 @@ def contact_splits_error() -> InputError:
     )
 
 
-def _first_steady_cycle(followed_path: FollowedPath, rows: PathRows) -> int | None:
+def _first_steady_cycle(followed_path: FollowedPath, path_rows: PathRows) -> int | None:
     """Index of the first cycle, 0 or 1, that ends in the friction state it started from; None where
     neither does. A path without cycles counts as steady (0) if it ends unloaded.
 
-    `followed_path` holds the friction state at each instant. `rows` has the instants with their
-    loads; its `end_rows` are those at which the initial loading and each cycle end.
+    `followed_path` holds the friction state at each instant. `path_rows` has the instants with
+    their loads; its `end_rows` are those at which the initial loading and each cycle end.
     """
-    if rows.period is None:
-        return 0 if rows.normal_load[-1] <= 0 else None
-    return followed_path.first_steady_cycle(rows.end_rows)
+    if path_rows.period is None:
+        return 0 if path_rows.normal_load[-1] <= 0 else None
+    return followed_path.first_steady_cycle(path_rows.end_rows)
 
 
 def _covered_cycles(
@@ -1721,7 +1736,7 @@ def _covered_cycles(
 
 
 def instants_and_row_numbers(
-    question: Question, rows: PathRows, last_cycle: slice
+    question: Question, path_rows: PathRows, last_cycle: slice
 ) -> tuple[Array, Indices]:
     """Instants of the answer, (n,), and the number of the followed instant nearest to each, (n,).
 
@@ -1732,7 +1747,7 @@ def instants_and_row_numbers(
     ----------
     question
         instants `time` that are asked for, None if none are; whether only the last cycle is wanted
-    rows
+    path_rows
         the followed instants, `time` (r,), and the `period` of the path
     last_cycle
         rows of the last cycle of the answer; the path may be followed beyond it
@@ -1740,15 +1755,15 @@ def instants_and_row_numbers(
     if question.time is None:
         first_row = last_cycle.start if question.wants_last_cycle_alone else 0
         row_numbers = np.arange(first_row, last_cycle.stop)
-        return rows.time[row_numbers], row_numbers
+        return path_rows.time[row_numbers], row_numbers
     # Later instants go back by whole periods to the followed part of the path.
     time_in_path, _ = time_in_followed_path(
-        question.time, float(rows.time[0]), float(rows.time[-1]), rows.period
+        question.time, float(path_rows.time[0]), float(path_rows.time[-1]), path_rows.period
     )
-    row_after = np.clip(np.searchsorted(rows.time, time_in_path), 1, len(rows.time) - 1)
+    row_after = np.clip(np.searchsorted(path_rows.time, time_in_path), 1, len(path_rows.time) - 1)
     # The nearer of the rows before and after each instant.
-    time_since_row = time_in_path - rows.time[row_after - 1]
-    row_before_is_nearer = time_since_row < rows.time[row_after] - time_in_path
+    time_since_row = time_in_path - path_rows.time[row_after - 1]
+    row_before_is_nearer = time_since_row < path_rows.time[row_after] - time_in_path
     return question.time, row_after - row_before_is_nearer
 
 
@@ -2115,7 +2130,10 @@ def _errors_of_last_work(
 
 
 def work_uncertainty_by_bodies(
-    path_with_bodies: PathSeries, path_of_half_planes: PathSeries, rows: slice, effects: BodyEffects
+    path_with_bodies: PathSeries,
+    path_of_half_planes: PathSeries,
+    cycle_rows: slice,
+    effects: BodyEffects,
 ) -> float:
     """Uncertainty of the friction work of a cycle that the effects of finite bodies leave, relative
     to the work of half-planes; at least 3e-5.
@@ -2130,17 +2148,17 @@ def work_uncertainty_by_bodies(
     ----------
     path_with_bodies, path_of_half_planes
         the path followed with the finite bodies, and with half-planes
-    rows
+    cycle_rows
         instants of the cycle, in which half-planes must do friction work
     effects
         curvatures of the bodies
     """
     # By kind of curvature, for the largest half-width of the cycle.
     uncertain_fractions = uncertain_fraction_of_curvatures(
-        effects, float(np.max(path_of_half_planes.half_width[rows]))
+        effects, float(np.max(path_of_half_planes.half_width[cycle_rows]))
     )
-    work_of_half_planes = path_of_half_planes.work(rows)
-    change_by_bodies = path_with_bodies.work(rows) / work_of_half_planes - 1
+    work_of_half_planes = path_of_half_planes.work(cycle_rows)
+    change_by_bodies = path_with_bodies.work(cycle_rows) / work_of_half_planes - 1
     curvatures = curvatures_of(effects)
 
     # are_of_mirrored_bodies: no gap curvature under Q and no face curvature under P. normal: N, gap
@@ -2166,7 +2184,7 @@ def work_uncertainty_by_bodies(
             curvatures_of_kind,
             path_of_half_planes.followed_path,
         )
-        work = path_with_bodies.unit_compliance * float(np.sum(memory.step_work[rows][1:]))
+        work = path_with_bodies.unit_compliance * float(np.sum(memory.step_work[cycle_rows][1:]))
         change_by_kind = work / work_of_half_planes - 1
         uncertainty += abs(change_by_kind) * uncertain_fractions[kind]
         change_by_interaction -= change_by_kind
@@ -2421,7 +2439,7 @@ def _exact_theory(
 
 
 def permanent_stick_half_width(
-    path_with_bodies: PathSeries, rows: slice, centre: Array | float = 0.0
+    path_with_bodies: PathSeries, cycle_rows: slice, centre: Array | float = 0.0
 ) -> float:
     """Half-width of the permanent stick zone, which sticks all through a cycle [length]; NaN where
     no point does.
@@ -2430,14 +2448,14 @@ def permanent_stick_half_width(
     ----------
     path_with_bodies
         the followed path with the finite bodies
-    rows
+    cycle_rows
         instants of the cycle
     centre
         (n,) centre x of the stick zone at these instants [length]
     """
     # NaN, no stick zone, counts as 0.
     stick_half_width = np.nan_to_num(
-        np.minimum(path_with_bodies.stick_half_width, path_with_bodies.half_width)[rows]
+        np.minimum(path_with_bodies.stick_half_width, path_with_bodies.half_width)[cycle_rows]
     )
     least_right_edge = np.min(centre + stick_half_width)
     largest_left_edge = np.max(centre - stick_half_width)

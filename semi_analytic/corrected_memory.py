@@ -757,9 +757,9 @@ class Pieces(list[Piece]):
         """
         return self.append_and_number(self.piece_above(number_below, top_s, loads, slopes))
 
-    def keep_first(self, count: int) -> None:
-        """Keep the first `count` pieces: those of a trial that was rejected go."""
-        del self[count:]
+    def keep_first(self, n_pieces: int) -> None:
+        """Keep the first `n_pieces` pieces: those of a trial that was rejected go."""
+        del self[n_pieces:]
 
 
 class _Bound(NamedTuple):

@@ -217,7 +217,7 @@ class ActuatorRows(NamedTuple):
 
 def actuator_rows(
     path: LoadPath,
-    cycles: int,
+    n_cycles: int,
     refinement: int = 1,
     extra_times: Array | None = None,
     *,
@@ -234,7 +234,7 @@ def actuator_rows(
     ----------
     path
         of the actuators: P or the normal approach in the place of P, U_act in that of Q
-    cycles
+    n_cycles
         number of cycles after the initial loading
     refinement
         factor on the number of equal steps
@@ -253,9 +253,9 @@ def actuator_rows(
         For more steps than can be followed.
     """
     # Times between which each actuator moves one way.
-    turning_times = np.array(_turning_times_of_actuators(path, cycles))
-    n_cycles = max(cycles, 1) if path.period is not None else 1
-    n_steps = refinement * _steps_between(len(turning_times), steps_per_cycle * n_cycles)
+    turning_times = np.array(_turning_times_of_actuators(path, n_cycles))
+    n_cycles_of_steps = max(n_cycles, 1) if path.period is not None else 1
+    n_steps = refinement * _steps_between(len(turning_times), steps_per_cycle * n_cycles_of_steps)
     _require_few_steps(n_steps * len(turning_times))
     time = _times_of_steps(path, turning_times, n_steps, one_step_at_constant_load)
     if extra_times is not None:
@@ -271,7 +271,7 @@ def actuator_rows(
     # period: duration of a cycle, None for a path that does not repeat.
     cycle_end_times = [turning_times[-1]]
     if path.period is not None:
-        cycle_end_times = [path.cycle_start + cycle * path.period for cycle in range(cycles + 1)]
+        cycle_end_times = [path.cycle_start + cycle * path.period for cycle in range(n_cycles + 1)]
     end_rows = tuple(int(np.argmin(np.abs(time - cycle_end))) for cycle_end in cycle_end_times)
     return ActuatorRows(time, np.maximum(load_or_approach, 0.0), displacement, end_rows)
 
@@ -316,14 +316,14 @@ def _times_of_steps(
     return np.append(step_times.ravel(), turning_times[-1])
 
 
-def _turning_times_of_actuators(path: LoadPath, cycles: int) -> list[float]:
+def _turning_times_of_actuators(path: LoadPath, n_cycles: int) -> list[float]:
     """Ascending times between which the motion of each actuator of a rig is monotonic: turning
     points, ends of segments of the path, and instants at which the bodies separate or touch.
 
     `path` has the normal actuator in the place of P, the tangential one in that of Q; it is
-    followed over the initial loading and the given number of `cycles`.
+    followed over the initial loading and the first `n_cycles` cycles.
     """
-    segments = list(path.segments(cycles))
+    segments = list(path.segments(n_cycles))
     # Segments of the initial loading and of each cycle, in order of time. NORMAL_LOAD: the normal
     # actuator, TANGENTIAL_LOAD: the tangential one.
     times = [segments[0].start]
@@ -589,11 +589,11 @@ class DrivenPath:
         """Friction work of partial slip of the same steps, (n,) [energy / thickness]."""
         return self.compliance.unit_compliance * self.followed_path.step_work
 
-    def work(self, rows: slice) -> float:
+    def work(self, cycle_rows: slice) -> float:
         """Friction work of partial slip and of sliding in a cycle or the path [energy per
         thickness]. The first of its rows ends the step before it, which does not count.
         """
-        return float(np.sum((self.slip_work + self.slide_work)[rows][1:]))
+        return float(np.sum((self.slip_work + self.slide_work)[cycle_rows][1:]))
 
     @cached_property
     def first_steady_cycle(self) -> int | None:
@@ -602,11 +602,13 @@ class DrivenPath:
         """
         return self.followed_path.first_steady_cycle(self.end_rows)
 
-    def loop_work(self, rows: slice) -> float:
+    def loop_work(self, cycle_rows: slice) -> float:
         """Closed integral of Q dU by straight steps, for the rows of a cycle: the second way to the
         work at constant P [energy per thickness].
         """
-        return area_of_loop(self.followed_path.tangential_load[rows], self.displacement[rows])
+        return area_of_loop(
+            self.followed_path.tangential_load[cycle_rows], self.displacement[cycle_rows]
+        )
 
 
 def follow_actuator(
@@ -1112,9 +1114,9 @@ class _StepSolver:
             self._logarithm_integrals.append(integral_below + logarithm_integral)
             self._second_moments.append(moment_below + second_moment)
 
-    def _discard_pieces(self, count: int) -> None:
-        """Keep the first `count` pieces of memory curve: those of a rejected trial go."""
-        self._memory.pieces.keep_first(count)
-        del self._sums_at_tops[count:]
-        del self._logarithm_integrals[count:]
-        del self._second_moments[count:]
+    def _discard_pieces(self, n_pieces: int) -> None:
+        """Keep the first `n_pieces` pieces of memory curve: those of a rejected trial go."""
+        self._memory.pieces.keep_first(n_pieces)
+        del self._sums_at_tops[n_pieces:]
+        del self._logarithm_integrals[n_pieces:]
+        del self._second_moments[n_pieces:]

@@ -767,11 +767,11 @@ def _loads_at_places(parts: Records, places: Array) -> tuple[Array, Array]:
     return load, slip_zone_load
 
 
-def _gauss_rule(count: int) -> QuadratureRule:
-    """Gauss' quadrature rule of `count` nodes, as a function of begin and end of ranges (n,) that
+def _gauss_rule(n_nodes: int) -> QuadratureRule:
+    """Gauss' quadrature rule of `n_nodes` nodes, as a function of begin and end of ranges (n,) that
     returns nodes and weights (n, count).
     """
-    nodes, weights = gauss_rule(count)
+    nodes, weights = gauss_rule(n_nodes)
 
     def rule(begin: ArrayLike, end: ArrayLike) -> tuple[Array, Array]:
         begin_column = np.asarray(begin, dtype=float)[..., None]
