@@ -109,12 +109,14 @@ def _phrases_on_equilibrium(discrepancy: Discrepancy) -> Iterator[str]:
     if abs(ratio - 1) < _LARGEST_IMBALANCE:
         sum_in_words += ", so that no load, thickness or unit of it is wrong"
     yield sum_in_words
-    friction = discrepancy.comparison.scene.friction.coefficient
-    if discrepancy.has_shear and friction:
+    friction_coefficient = discrepancy.comparison.scene.friction.coefficient
+    if discrepancy.has_shear and friction_coefficient:
         sum_of_shear = np.trapezoid(shear, x, axis=1)
         loaded_instants = discrepancy.instants_of_cycle[is_loaded]
         tangential_load = discrepancy.comparison.reference_cycle.tangential_load[loaded_instants]
-        differences_from_load = np.abs(sum_of_shear - tangential_load) / (friction * normal_load)
+        differences_from_load = np.abs(sum_of_shear - tangential_load) / (
+            friction_coefficient * normal_load
+        )
         largest_difference = float(np.max(differences_from_load))
         yield f"the sum of q differs from Q by {largest_difference:.2g} f P at most"
     if not discrepancy.unsymmetric:

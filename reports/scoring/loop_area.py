@@ -362,9 +362,9 @@ def _area_per_sigma(loop: MasingLoop, fit: MasingFit, rows: NDArray[np.intp]) ->
     displacement_before, load_before = loop.points_at_rows(np.mod((place_before + place) / 2, 2.0))
     displacement_after, load_after = loop.points_at_rows(np.mod((place + place_after) / 2, 2.0))
     area_by_load_error = (
-        unit_normal[:, 1] * fit.sigma.load * (displacement_after - displacement_before)
+        unit_normal[:, 1] * fit.sigma.of_load * (displacement_after - displacement_before)
     )
     area_by_displacement_error = (
-        unit_normal[:, 0] * fit.sigma.displacement * (load_after - load_before)
+        unit_normal[:, 0] * fit.sigma.of_displacement * (load_after - load_before)
     )
     return np.asarray(area_by_load_error - area_by_displacement_error)

@@ -72,8 +72,8 @@ _ROWS_AT_ONCE = 8192
 class RowNoise(NamedTuple):
     """Standard deviations of the noise of U [length] and of Q [force / thickness] in a row."""
 
-    displacement: float
-    load: float
+    of_displacement: float
+    of_load: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -453,16 +453,18 @@ class LoopsOverFriction:
         terms
             (4,) highest Q, lowest Q, and C and U0 of the rig
         noise
-            sigma, the standard deviation of the noise of U (`displacement`) and of Q (`load`)
+            sigma, the standard deviation of the noise of U and of Q
 
         # notation: C compliance of the rig, f coefficient of friction, P normal load, Q tangential
         #           load, U relative tangential displacement, U0 its origin
         """
         # Rows and loop in sigmas, (2, n) and (2, m): U, then Q.
-        row_points = np.array([rows.displacement / noise.displacement, rows.load / noise.load])
+        row_points = np.array(
+            [rows.displacement / noise.of_displacement, rows.load / noise.of_load]
+        )
         displacement_of_loop, load_of_loop = self.displacement_and_load_of_loop(friction, terms)
         loop_points = np.array(
-            [displacement_of_loop / noise.displacement, load_of_loop / noise.load]
+            [displacement_of_loop / noise.of_displacement, load_of_loop / noise.of_load]
         )
 
         # Nearest points on all pieces of the loop where a row of the branch may lie. Of each row:
@@ -520,8 +522,8 @@ class LoopsOverFriction:
         derivatives = (
             -nearest_points.displacement_part[:, None]
             * displacement_derivatives
-            / noise.displacement
-            - nearest_points.load_part[:, None] * load_derivatives / noise.load
+            / noise.of_displacement
+            - nearest_points.load_part[:, None] * load_derivatives / noise.of_load
         )
         return nearest_points.distance, derivatives
 
@@ -1065,7 +1067,7 @@ def fit_loop(
 
     # how the distances of neighbouring rows go together, which widens the interval of f
     distances = search.residuals(friction, terms)[:-2]
-    misfit = misfit_of(distances, search.noise.displacement)
+    misfit = misfit_of(distances, search.noise.of_displacement)
     lowest_friction, highest_friction = search.friction_interval(
         friction, terms, least_sum, misfit.widening
     )
@@ -1078,8 +1080,8 @@ def fit_loop(
         lowest_load=float(terms[1]),
         compliance=float(terms[2]),
         origin=float(terms[3]),
-        displacement_noise=search.noise.displacement,
-        load_noise=search.noise.load,
+        displacement_noise=search.noise.of_displacement,
+        load_noise=search.noise.of_load,
         misfit=misfit,
     )
 
@@ -1115,8 +1117,8 @@ def _noise_of_neighbouring_rows(rows: LoopRows, least_noise: RowNoise) -> RowNoi
     # notation: Q tangential load, U relative tangential displacement
     """
     return RowNoise(
-        max(row_noise(rows.displacement), least_noise.displacement),
-        max(rows.branches.load_noise, least_noise.load),
+        max(row_noise(rows.displacement), least_noise.of_displacement),
+        max(rows.branches.load_noise, least_noise.of_load),
     )
 
 
@@ -1151,8 +1153,8 @@ def _search_with_noise_of_fit(
         # noise that the fit leaves, over the noise it was weighted with
         noise_ratio = math.sqrt(sum_of_squares / search.degrees_of_freedom)
         noise = RowNoise(
-            max(noise_ratio * search.noise.displacement, least_noise.displacement),
-            max(noise_ratio * search.noise.load, least_noise.load),
+            max(noise_ratio * search.noise.of_displacement, least_noise.of_displacement),
+            max(noise_ratio * search.noise.of_load, least_noise.of_load),
         )
         noise_changes = np.array(noise) / np.array(search.noise) - 1
         search = replace(search, noise=noise)

@@ -188,13 +188,13 @@ def memory_curve(scene: Scene, sliding_friction_per_load: float) -> MemoryCurve:
     """
     from scipy.interpolate import CubicSpline
 
-    friction = scene.friction.coefficient
+    friction_coefficient = scene.friction.coefficient
     path_of_scene = scene.load.path()
     normal_loads, _ = path_of_scene.at(np.array([path_of_scene.cycle_start]))
     normal_load = float(np.asarray(normal_loads)[0])
     # of h/f: a millionth of P below gross sliding
     largest_argument = normal_load * (1 - _RELATIVE_GAP_TO_SLIDING)
-    largest_load = friction * largest_argument
+    largest_load = friction_coefficient * largest_argument
     polygon_of_loads = {
         "kind": "polygon",
         # vertices (P, Q)
@@ -212,7 +212,7 @@ def memory_curve(scene: Scene, sliding_friction_per_load: float) -> MemoryCurve:
         nearly_sliding_scene, x=0.0, time=times, fields="tangential_displacement", cycles="steady"
     )
     displacement = solution.tangential_displacement
-    memory_values = (displacement[0] - displacement) / (2 * friction)
+    memory_values = (displacement[0] - displacement) / (2 * friction_coefficient)
     spline = CubicSpline(largest_argument * share_of_branch, memory_values)
     return MemoryCurve(largest_argument, sliding_friction_per_load, spline, spline.derivative())
 
@@ -531,8 +531,8 @@ def distances_from_loop(
     displacement_derivatives[:, DRIFT_RATE] = rows.share_of_time
     load_derivatives[:, MIDDLE] = 1.0
     # a distance shrinks by what the point of the loop moves along the normal
-    derivatives = -normal_displacement[:, None] * displacement_derivatives / sigma.displacement
-    derivatives -= normal_load[:, None] * load_derivatives / sigma.load
+    derivatives = -normal_displacement[:, None] * displacement_derivatives / sigma.of_displacement
+    derivatives -= normal_load[:, None] * load_derivatives / sigma.of_load
     share_of_branch = np.clip(place_on_branch, 0.0, 2.0) / 2
     return Distances(
         signed_distance=distance,
@@ -576,7 +576,7 @@ def _distances_from_branch(
     # notation: Q tangential load, U relative tangential displacement
     """
     row_points = np.array(
-        [branch_sign * displacement / sigma.displacement, branch_sign * load / sigma.load]
+        [branch_sign * displacement / sigma.of_displacement, branch_sign * load / sigma.of_load]
     )
     # index of the chord plus the fraction of it that is passed
     place_on_polygon, _, _, _ = nearest_on_polyline(row_points, polygon)
@@ -591,11 +591,11 @@ def _distances_from_branch(
 
     # U and Q at the place, from the middle of the loop
     displacement_of_loop, load_of_loop = loop.points(place)
-    displacement_from_loop = row_points[0] - displacement_of_loop / sigma.displacement
-    load_from_loop = row_points[1] - load_of_loop / sigma.load
+    displacement_from_loop = row_points[0] - displacement_of_loop / sigma.of_displacement
+    load_from_loop = row_points[1] - load_of_loop / sigma.of_load
     tangent_displacement, tangent_load = loop.tangents(place)
-    tangent_displacement = tangent_displacement / sigma.displacement
-    tangent_load = tangent_load / sigma.load
+    tangent_displacement = tangent_displacement / sigma.of_displacement
+    tangent_load = tangent_load / sigma.of_load
     tangent_length = np.hypot(tangent_displacement, tangent_load)
     normal_displacement = tangent_load / tangent_length
     normal_load = -tangent_displacement / tangent_length

@@ -720,7 +720,7 @@ def _likeliest_noise(
     from scipy.optimize import minimize
 
     # log_factors: ln of the factors by which sigma of U and sigma of Q change
-    expected_log_ratio = log_noise_ratio - math.log(sigma.displacement / sigma.load)
+    expected_log_ratio = log_noise_ratio - math.log(sigma.of_displacement / sigma.of_load)
     # a fitted loop lies nearer to the rows than the true one
     squared_distances = (
         distances.signed_distance**2 * len(distances.signed_distance) / degrees_of_freedom
@@ -747,7 +747,7 @@ def _likeliest_noise(
         options={"xatol": 1e-3},
     )
     factors = np.exp(np.maximum(minimum.x, least_log_factors))
-    return RowNoise(float(factors[0]) * sigma.displacement, float(factors[1]) * sigma.load)
+    return RowNoise(float(factors[0]) * sigma.of_displacement, float(factors[1]) * sigma.of_load)
 
 
 @dataclass(frozen=True, eq=False)
@@ -843,7 +843,7 @@ class BestLoop:
         rise_of_load = self.parameters[RANGE] * sign_of_branch * share_of_slide
         # component in Q of the unit normal of the loop, in sigma
         load_normal = self.distances.unit_normal[:, 1]
-        added_derivative = -load_normal * rise_of_load / self.search.sigma.load
+        added_derivative = -load_normal * rise_of_load / self.search.sigma.of_load
         # added_values of this change: the rise over R
         change = explained_change(
             self.distances.signed_distance,
@@ -911,9 +911,9 @@ def _misfit_of_loop(distances: Distances, sigma: RowNoise, least_noise: RowNoise
         np.where(distances.place_on_loop > 1, -1.0, 1.0) * distances.signed_distance
     )
     # misfit_of: correlation of neighbours in this order of the rows
-    misfit_in_time = misfit_of(distances.signed_distance, sigma.displacement, least_significance)
+    misfit_in_time = misfit_of(distances.signed_distance, sigma.of_displacement, least_significance)
     misfit_on_loop = misfit_of(
-        distance_to_inside[order_on_loop], sigma.displacement, least_significance
+        distance_to_inside[order_on_loop], sigma.of_displacement, least_significance
     )
     larger_misfit = max(misfit_in_time, misfit_on_loop, key=lambda misfit: misfit.correlation)
     return replace(larger_misfit, systematic_rms=0.0) if digits_explain_all else larger_misfit
@@ -939,8 +939,8 @@ def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
     least_noise = noise_of_last_digits(rows.displacement, rows.load, rows.resolution)
     # row_noise: what neighbouring rows differ by
     sigma = RowNoise(
-        max(row_noise(rows.displacement), least_noise.displacement),
-        max(row_noise(rows.load), least_noise.load),
+        max(row_noise(rows.displacement), least_noise.of_displacement),
+        max(row_noise(rows.load), least_noise.of_load),
     )
     # of either kind as many parameters are fitted: six, or five beside a stated compliance
     n_fitted = len(_fitted_parameters(rows, is_gross=False))
@@ -979,7 +979,7 @@ def _fits_with_likeliest_noise(
 
     # notation: Q tangential load, U relative tangential displacement
     """
-    log_noise_ratio = math.log(search.sigma.displacement / search.sigma.load)
+    log_noise_ratio = math.log(search.sigma.of_displacement / search.sigma.of_load)
     # standard deviation of ln(sigma of U/sigma of Q): 1 to begin with
     scatter_of_log_ratio = _LARGEST_SCATTER_OF_NOISE_RATIO
     fits = search.best_fits()
@@ -1117,7 +1117,7 @@ def _error_by_digits(rows: MeasuredRows, curve: MemoryCurve, sigma: RowNoise) ->
     step_of_load = rows.resolution[1]
     # noise beyond the step's own variance, of more than 0.4 of the step, changes digits
     if (
-        sigma.load**2 - step_of_load**2 / 12
+        sigma.of_load**2 - step_of_load**2 / 12
         > (_LEAST_NOISE_THAT_CHANGES_DIGITS * step_of_load) ** 2
     ):
         return 0.0

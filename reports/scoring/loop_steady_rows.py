@@ -372,7 +372,9 @@ def _tested_candidate(
     # part of the rows' distances that is no scatter, over the mean opening of the loop in U
     # (its area over the range of Q)
     share_of_opening = _share_of_opening(loop, fitted_loop.misfit, branches.phase)
-    sigma_over_opening = fitted_loop.search.sigma.displacement / _mean_opening(loop, branches.phase)
+    sigma_over_opening = fitted_loop.search.sigma.of_displacement / _mean_opening(
+        loop, branches.phase
+    )
     # noise alone moves the nearest points of the loop by as much: a tenth of sigma
     if share_of_opening < _SIGMAS_OF_NEAREST_POINTS * sigma_over_opening:
         share_of_opening = 0.0
@@ -708,8 +710,8 @@ def _fit_at_constant_load(
         n_cycles=candidate.branches.n_cycles,
         scale=scale,
         offset=fit.lowest_load - scale * float(load_of_cycle.min()),
-        displacement_noise=fit.sigma.displacement,
-        load_noise=fit.sigma.load,
+        displacement_noise=fit.sigma.of_displacement,
+        load_noise=fit.sigma.of_load,
         sentences=tuple(sentences),
         misfit=fit.misfit,
         masing_loop=MasingLoop(curve, fit.parameters),

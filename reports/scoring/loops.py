@@ -373,17 +373,17 @@ def _partial_loops(
     loops = []
     sentences = []
     # WITH_SCENE_FRICTION: words for the scene's f
-    for name, friction in (
+    for name, trial_friction in (
         ("best f", fit.friction),
         (WITH_SCENE_FRICTION, scene.friction.coefficient),
     ):
         # The scene's Q is that of the rows over `fit.scale`, at the same P. With f over it too,
         # shear and U are smaller by that factor everywhere.
-        friction_at_scene_q = friction / fit.scale
+        friction_at_scene_q = trial_friction / fit.scale
         if friction_at_scene_q < friction_at_gross_sliding(scene):
             sentences.append(
-                f"With {name}, {friction:.4g}, the measured loads slide grossly: there is no such"
-                " loop"
+                f"With {name}, {trial_friction:.4g}, the measured loads slide grossly: there is no"
+                " such loop"
             )
             continue
         # U through the cycle, by name of the loop (the engine and its f), as the table names it
@@ -395,7 +395,7 @@ def _partial_loops(
         loops += [
             # _LoopOfScene: name, f at the loads of the rows, U at those of the scene
             _loop_with_rig(
-                loop, fit, _LoopOfScene(name_of_loop, friction, displacement), rig_compliance
+                loop, fit, _LoopOfScene(name_of_loop, trial_friction, displacement), rig_compliance
             )
             for name_of_loop, displacement in displacements.items()
         ]

@@ -814,8 +814,8 @@ def _slip_direction_of_reference(discrepancy: Discrepancy) -> Array:
     """Direction of slip at each of the k instants and n points, (k, n): 1 or -1, the sign of the
     reference's shear, where the reference slips; 0 where it sticks or is open.
     """
-    state = discrepancy.comparison.reference_cycle.state[discrepancy.instants_of_cycle]
-    is_slipping = (state == SLIP_FORWARD) | (state == SLIP_REVERSE)
+    states = discrepancy.comparison.reference_cycle.state[discrepancy.instants_of_cycle]
+    is_slipping = (states == SLIP_FORWARD) | (states == SLIP_REVERSE)
     return np.where(is_slipping, np.sign(discrepancy.reference_tractions[SHEAR]), 0.0)
 
 

@@ -137,8 +137,8 @@ def find_full_slip(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     # notation: f coefficient of friction, p pressure, q shear
     """
     comparison = discrepancy.comparison
-    friction = discrepancy.comparison.scene.friction.coefficient
-    if not friction or not discrepancy.has_shear:
+    friction_coefficient = discrepancy.comparison.scene.friction.coefficient
+    if not friction_coefficient or not discrepancy.has_shear:
         return
     # fields (instants, points) of both through the last cycle
     result_cycle = comparison.result_cycle
@@ -147,10 +147,10 @@ def find_full_slip(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     # comparison.is_judged: instants with enough load to be judged
     is_pressed = has_pressure & comparison.is_judged[:, None]
     # points that stick for certain: |q| below 0.9 f p
-    stick_limit = _LARGEST_STICK_SHARE_OF_LIMIT * friction * reference_cycle.pressure
+    stick_limit = _LARGEST_STICK_SHARE_OF_LIMIT * friction_coefficient * reference_cycle.pressure
     is_well_below_limit = np.abs(reference_cycle.shear) < stick_limit
     should_stick = is_pressed & (reference_cycle.state == STICK) & is_well_below_limit
-    coulomb_limit = friction * result_cycle.pressure
+    coulomb_limit = friction_coefficient * result_cycle.pressure
     distance_to_limit = np.abs(np.abs(result_cycle.shear) - coulomb_limit)
     # on the Coulomb limit: to 1 %; at 90 % of the points at least
     is_at_limit = distance_to_limit <= _LARGEST_DISTANCE_TO_LIMIT * coulomb_limit
@@ -267,10 +267,10 @@ def _changes_in_stick(discrepancy: Discrepancy, shear_sign: float) -> _ChangesIn
     # notation: f coefficient of friction, p pressure, q shear
     """
     comparison = discrepancy.comparison
-    friction = comparison.scene.friction.coefficient
+    friction_coefficient = comparison.scene.friction.coefficient
     result_cycle = comparison.result_cycle
     reference_cycle = comparison.reference_cycle
-    if not friction or not discrepancy.has_shear or len(result_cycle.time) < 2:
+    if not friction_coefficient or not discrepancy.has_shear or len(result_cycle.time) < 2:
         return None
     if not (np.isfinite(result_cycle.slip).all() and np.isfinite(reference_cycle.slip).all()):
         return None
@@ -279,7 +279,8 @@ def _changes_in_stick(discrepancy: Discrepancy, shear_sign: float) -> _ChangesIn
     for cycle in (result_cycle, reference_cycle):
         is_well_inside &= cycle.pressure > 0.01 * comparison.scales.pressure
         is_well_inside &= (
-            np.abs(cycle.shear) < _LARGEST_STICK_SHARE_OF_LIMIT * friction * cycle.pressure
+            np.abs(cycle.shear)
+            < _LARGEST_STICK_SHARE_OF_LIMIT * friction_coefficient * cycle.pressure
         )
     slip_change = np.diff(result_cycle.slip, axis=0)
     slip_change_of_reference = np.diff(reference_cycle.slip, axis=0)

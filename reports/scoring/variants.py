@@ -430,17 +430,21 @@ def _tractions_without_memory(scene: Scene, x: Array, time: Array) -> Tractions:
 
     # notation: f coefficient of friction, P normal load, Q tangential load
     """
-    friction = scene.friction.coefficient
+    friction_coefficient = scene.friction.coefficient
     loads = scene.load.path().at(time)
     normal_load = np.asarray(loads[0])[:, None]
     tangential_load = np.asarray(loads[1])[:, None]
-    stick_load = normal_load - np.abs(tangential_load) / friction
+    stick_load = normal_load - np.abs(tangential_load) / friction_coefficient
     if not np.all(stick_load > 0):
         raise InputError("the loads slide")
     # closed form of the profile: pressure at x under any load
     contact = contact_of(scene.profile, scene.material)
     pressure = contact.pressure(x, normal_load)
-    shear = np.sign(tangential_load) * friction * (pressure - contact.pressure(x, stick_load))
+    shear = (
+        np.sign(tangential_load)
+        * friction_coefficient
+        * (pressure - contact.pressure(x, stick_load))
+    )
     return np.array([pressure, shear])
 
 

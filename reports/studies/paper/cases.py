@@ -593,22 +593,22 @@ class Sweep:
     peak_fraction: Array
 
 
-def _sweep(case: Case, largest_ratio: float = 6.0, count: int = 33) -> Sweep:
+def _sweep(case: Case, largest_ratio: float = 6.0, n_ratios: int = 33) -> Sweep:
     """The dissipation W of a steady cycle, and the peak over x of the dissipation per area W(x),
     for many circles of loads about Q = 0. They have all coefficients of friction f of the paper,
-    and `count` ratios P0/P1 from gross sliding up to `largest_ratio`. P0 is the mean normal load,
-    P1 the radius of the circle.
+    and `n_ratios` ratios P0/P1 from gross sliding up to `largest_ratio`. P0 is the mean normal
+    load, P1 the radius of the circle.
 
     `case` gives the profile, whose radius is changed with each ratio: the half-width a0 = a(P0) and
     the flat's half-length b stay what they are. Its `unit_load`, a third of its mean load, is P1,
     and `unit_length` is a0.
     """
-    # Ratios, (m, count). The first is 1e-9, relative, above the limit of gross sliding: at the
+    # Ratios, (m, n_ratios). The first is 1e-9, relative, above the limit of gross sliding: at the
     # limit itself round-off would decide whether the contact slides.
     # FRICTIONS: 1, 0.8, 0.6 and 0.4
     friction = np.array(FRICTIONS)
     ratio = sliding_limit(friction)[:, None] * (1 + 1e-9)
-    ratio = ratio * (largest_ratio / ratio) ** (np.linspace(0, 1, count) ** 2)
+    ratio = ratio * (largest_ratio / ratio) ** (np.linspace(0, 1, n_ratios) ** 2)
 
     # P0 is `ratio` times P1: the radius falls as P0 grows, so that a(P0) stays
     profile = case.scene.profile.model_dump()

@@ -493,8 +493,8 @@ def slip_speed(case: Case, x: float = POINTS[0]) -> VerdictAndNumbers:
             # Times of a span are its load segment's own; on the load path they are later by the
             # delay, whole cycles.
             times_on_path = [start_time + span.delay, end_time + span.delay]
-            slip = case.solve(time=times_on_path, x=[x], fields=("slip",)).slip[:, 0]
-            distance[direction] += abs(float(slip[1] - slip[0])) / case.unit_slip
+            slip_at_ends = case.solve(time=times_on_path, x=[x], fields=("slip",)).slip[:, 0]
+            distance[direction] += abs(float(slip_at_ends[1] - slip_at_ends[0])) / case.unit_slip
             duration[direction] += end_time - start_time
 
     # the same distances over the whole phases

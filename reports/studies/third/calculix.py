@@ -495,19 +495,21 @@ def _limits_in_words(deck: Deck) -> list[str]:
     `stiffness` is the pressure per penetration, `stick_slope` the shear per elastic slip, with
     which CalculiX replaces rigid contact and stick.
     """
-    friction = deck.scene.friction.coefficient
+    friction_coefficient = deck.scene.friction.coefficient
     path = deck.scene.load.path()
     # over a, so that penetration and creep are in a
     mean_pressure_over_a = deck.mean_pressure / deck.scales.half_width
     load_of_cycle = deck.normal_load[deck.time >= path.cycle_start]
     load_varies = (
-        friction and path.period is not None and np.ptp(load_of_cycle) > 1e-9 * load_of_cycle.max()
+        friction_coefficient
+        and path.period is not None
+        and np.ptp(load_of_cycle) > 1e-9 * load_of_cycle.max()
     )
     kinds = (deck.scene.bodies.lower.kind, deck.scene.bodies.upper.kind)
     # radius of the half-discs that stand for half-planes, over a; False without half-planes
     far_radius = "half_plane" in kinds and deck.settings.far_radius
     penetration = mean_pressure_over_a / deck.stiffness
-    creep = friction * mean_pressure_over_a / deck.stick_slope
+    creep = friction_coefficient * mean_pressure_over_a / deck.stick_slope
     # a template of sentences, one a line
     limits_in_words = words_of("limits_of_calculix")(penetration, creep, load_varies, far_radius)
     return [line.strip() for line in str(limits_in_words).split("\n") if line.strip()]

@@ -361,11 +361,11 @@ def _meshed_bodies(
     )
     lower_body = _body("LOWER", lower_mesh, lower_mesh.mesh.p, 1, 1)
     # a curved face is meshed as it is; between flat faces the profile is the gap
-    profile = None if scene.bodies.faces_are_true else scene.profile
+    gap_profile = None if scene.bodies.faces_are_true else scene.profile
     upper_body = _body(
         "UPPER",
         upper_mesh,
-        _places_of_upper_body(upper_mesh, profile),
+        _places_of_upper_body(upper_mesh, gap_profile),
         len(lower_body.nodes) + 1,
         len(lower_body.elements) + 1,
     )
