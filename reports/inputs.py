@@ -339,8 +339,7 @@ def values_of_theory(scene: Scene, effects: BodyEffects | None = None) -> _Value
     Long records, and scenes whose bulk stress or tilt needs grids, have dissipation and half-widths
     only: the other values take too long. Under a prescribed displacement (`load.is_driven`) slip
     and edge tension are not among them. The largest |Q| is, and with friction the largest ratio
-    |Q|/(f P). The values are then the largest among the instants and places x at which the solution
-    is computed; a parabola has its largest pressure at x = 0.
+    |Q|/(f P).
 
     Parameters
     ----------
@@ -357,27 +356,10 @@ def values_of_theory(scene: Scene, effects: BodyEffects | None = None) -> _Value
     """
     import semi_analytic
 
-    # A displacement is prescribed instead of Q.
     if scene.load.is_driven:
-        places = 0.0 if isinstance(scene.profile, Hertz) else None  # the default places
-        # WORK, PEAK, RATIO: "dissipation", "peak_pressure" and "sliding_ratio"
-        solution = semi_analytic.solve(scene, x=places, effects=effects, fields=(WORK, "pressure"))
-        # Indices of the solution's instants in the last cycle.
-        cycle_indices = solution.last_cycle
-        values = {
-            WORK: solution.dissipation,
-            PEAK: float(solution.pressure[cycle_indices].max()),
-            "half_width": float(np.max(solution.contact_half_width[cycle_indices])),
-            "permanent_stick": solution.permanent_stick_half_width,
-            "largest_tangential_load": float(
-                np.max(np.abs(solution.tangential_load[cycle_indices]))
-            ),
-        }
-        if scene.friction.coefficient:
-            values[RATIO] = largest_load_ratio(solution)
-        return values
-
+        return _values_under_displacement(scene, effects)
     # P and Q are given: only the work and the half-widths follow from the solution itself.
+    # WORK, PEAK: "dissipation" and "peak_pressure"
     solution = semi_analytic.solve(scene, x=0.0, fields=(WORK,))
     # pressure, slip and edge tension are found by a search, which takes too long for these scenes
     if _is_long_record(scene) or _needs_grids(scene):
@@ -396,6 +378,34 @@ def values_of_theory(scene: Scene, effects: BodyEffects | None = None) -> _Value
         "slip": largest_values.slip,
         "edge_tension": largest_values.edge_tension,
     }
+
+
+def _values_under_displacement(scene: Scene, effects: BodyEffects | None) -> _ValueByName:
+    """Theory's values of the last cycle by name where a displacement is prescribed instead of Q:
+    dissipation, largest pressure, half-widths, largest |Q|, and with friction the largest ratio
+    |Q|/(f P).
+
+    They are the largest among the instants and places x at which the solution is computed; a
+    parabola has its largest pressure at x = 0. `effects` are the elastic responses that finite
+    bodies add to half-planes, None for half-planes.
+    """
+    import semi_analytic
+
+    places = 0.0 if isinstance(scene.profile, Hertz) else None  # the default places
+    # WORK, PEAK, RATIO: "dissipation", "peak_pressure" and "sliding_ratio"
+    solution = semi_analytic.solve(scene, x=places, effects=effects, fields=(WORK, "pressure"))
+    # Indices of the solution's instants in the last cycle.
+    cycle_indices = solution.last_cycle
+    values = {
+        WORK: solution.dissipation,
+        PEAK: float(solution.pressure[cycle_indices].max()),
+        "half_width": float(np.max(solution.contact_half_width[cycle_indices])),
+        "permanent_stick": solution.permanent_stick_half_width,
+        "largest_tangential_load": float(np.max(np.abs(solution.tangential_load[cycle_indices]))),
+    }
+    if scene.friction.coefficient:
+        values[RATIO] = largest_load_ratio(solution)
+    return values
 
 
 def _is_long_record(scene: Scene) -> bool:

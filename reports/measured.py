@@ -42,6 +42,8 @@ _LEAST_RANGE_RATIO_OF_MEANS = 0.999
 _MOST_LISTED_CYCLES = 1000
 _MOST_LISTED_INSTANTS = 400
 _MOST_SHOWN_CYCLES = 10
+# Keys of a record of loads by which no row is left out.
+_NO_REDUCTION: dict[str, Any] = {"reduce": None, "threshold": None}
 # Columns of rows: time, P, Q.
 _TIME, _NORMAL, _TANGENTIAL = range(3)
 
@@ -98,67 +100,65 @@ def check_record(scene: Scene) -> RecordCheck | None:
 
     Reduction leaves out rows between turning points of P or Q, or within a threshold of the path.
     Every W is None for records that repeat or have more than 200,000 rows.
-
-    `load_record.average` is the number of rows of one mean, 1 for none; `reduce` the kind of
-    reduction, None for none; `threshold` its limits in P and Q, None for none.
     """
     load_record = scene.load
     if not isinstance(load_record, TimeSeriesLoad):
         return None
     rows = load_record.used_rows().values
-    # Rows that the load path goes through, after averaging and reduction.
-    n_path_rows = len(load_record.kept_rows())
     # Standard deviation of the noise of P and of Q; 0 where none is seen.
     # _NORMAL, _TANGENTIAL: columns of P and of Q
     sigmas_of_loads = (sigma_of_noise(rows[:, _NORMAL]), sigma_of_noise(rows[:, _TANGENTIAL]))
+    record_check = RecordCheck(
+        n_rows=len(rows),
+        # rows that the load path goes through, after averaging and reduction
+        n_path_rows=len(load_record.kept_rows()),
+        work_of_path=None,
+        work_without_reduction=None,
+        work_of_all_rows=None,
+        work_at_half_threshold=None,
+        noise=sigmas_of_loads,
+        rows_per_mean=1,
+        work_of_means=None,
+    )
     # _MOST_ROWS_FOR_WORK: 200,000 rows
     if len(rows) > _MOST_ROWS_FOR_WORK or load_record.repeats:
-        return RecordCheck(
-            n_rows=len(rows),
-            n_path_rows=n_path_rows,
-            work_of_path=None,
-            work_without_reduction=None,
-            work_of_all_rows=None,
-            work_at_half_threshold=None,
-            noise=sigmas_of_loads,
-            rows_per_mean=1,
-            work_of_means=None,
-        )
+        return record_check
+    record_check = _with_works_by_reduction(record_check, scene, load_record)
+    # W of means over several rows, which remove noise.
+    rows_per_mean = _most_rows_per_mean(rows, sigmas_of_loads) if any(sigmas_of_loads) else 1
+    if rows_per_mean == 1:
+        return record_check
+    work_of_means = _work_of_record(scene, average=rows_per_mean, **_NO_REDUCTION)
+    return replace(record_check, rows_per_mean=rows_per_mean, work_of_means=work_of_means)
 
-    no_reduction: dict[str, Any] = {"reduce": None, "threshold": None}
-    # W of the record as it is, then without these keys.
+
+def _with_works_by_reduction(
+    record_check: RecordCheck, scene: Scene, load_record: TimeSeriesLoad
+) -> RecordCheck:
+    """The check of a record with W of its load path, W without reduction, W of all rows without
+    averaging either, and W with half the threshold where it has one.
+
+    `load_record.average` is the number of rows of one mean, 1 for none; `reduce` the kind of
+    reduction, None for none; `threshold` its limits in P and Q, None for none.
+    """
     work_of_path = _work_of_record(scene)
     work_without_reduction = work_of_path
     if load_record.reduce is not None:
-        work_without_reduction = _work_of_record(scene, **no_reduction)
+        work_without_reduction = _work_of_record(scene, **_NO_REDUCTION)
     work_of_all_rows = work_without_reduction
     if load_record.average != 1:
-        work_of_all_rows = _work_of_record(scene, average=1, **no_reduction)
+        work_of_all_rows = _work_of_record(scene, average=1, **_NO_REDUCTION)
     work_at_half_threshold = None
-    if (
-        load_record.threshold is not None
-        and max(load_record.threshold.P, load_record.threshold.Q) > 0
-    ):
-        half_thresholds = {"P": load_record.threshold.P / 2, "Q": load_record.threshold.Q / 2}
+    threshold = load_record.threshold
+    if threshold is not None and max(threshold.P, threshold.Q) > 0:
+        half_thresholds = {"P": threshold.P / 2, "Q": threshold.Q / 2}
         work_at_half_threshold = _work_of_record(scene, threshold=half_thresholds)
-
-    # W of means over several rows, which remove noise.
-    rows_per_mean = 1
-    work_of_means = None
-    if any(sigmas_of_loads):
-        rows_per_mean = _most_rows_per_mean(rows, sigmas_of_loads)
-        if rows_per_mean > 1:
-            work_of_means = _work_of_record(scene, average=rows_per_mean, **no_reduction)
-    return RecordCheck(
-        n_rows=len(rows),
-        n_path_rows=n_path_rows,
+    return replace(
+        record_check,
         work_of_path=work_of_path,
         work_without_reduction=work_without_reduction,
         work_of_all_rows=work_of_all_rows,
         work_at_half_threshold=work_at_half_threshold,
-        noise=sigmas_of_loads,
-        rows_per_mean=rows_per_mean,
-        work_of_means=work_of_means,
     )
 
 

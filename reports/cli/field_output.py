@@ -292,20 +292,34 @@ def _parts(
         both engines; empty where none was requested
     pvd_file
         path of the collection that ParaView opens
+    """
+    yield from _instants_shown(scene, instants)
+    yield from notes
+    n_vtu_files = sum(name.endswith(".vtu") for name in files)
+    n_pictures = sum(name.endswith(".svg") for name in files)
+    yield (
+        f"written: {n_vtu_files} VTU files, {n_pictures} pictures, and what they are in"
+        " fields/fields.json"
+    )
+    if measures:
+        yield from _measures_shown(scene, measures)
+    yield pvd_file
 
-    A `Sheet` is a table: title, heads, rows, and the columns that are flush right.
+
+def _instants_shown(scene: Scene, instants: Sequence[dict[str, Any]]) -> Iterator[Part]:
+    """What the terminal shows of the instants whose fields were written: a table with loads and
+    stresses of each, of more than 12 instants the one with the largest stress; and lines that
+    explain it. `instants` are the values of each as in fields.json.
     """
     from reports.field_output.files import NO_PEAK
     from reports.units import load_unit, units
 
     _, unit_of_length, unit_of_stress = units(scene)
     unit_of_load = load_unit(scene)
-    # in the table: of more than 12 instants the one with the largest stress
     instants_listed = instants
     if len(instants) > _ROWS:
         instants_listed = [max(instants, key=_largest_stress)]
-    rows_of_instants = [_row_of_instant(instant) for instant in instants_listed]
-    heads_of_instants = (
+    heads = (
         "instant",
         "time",
         f"P [{unit_of_load}]",
@@ -313,7 +327,9 @@ def _parts(
         f"nodal von Mises [{unit_of_stress}]",
         f"tension at the edge [{unit_of_stress}]",
     )
-    yield Sheet(scene.title or scene.name, heads_of_instants, rows_of_instants, (1, 2, 3))
+    rows = [_row_of_instant(instant) for instant in instants_listed]
+    # Sheet: title, heads, rows, and the columns that are flush right
+    yield Sheet(scene.title or scene.name, heads, rows, (1, 2, 3))
     yield (
         f"places x, y in {unit_of_length}, on the undeformed bodies; tension: the largest stress"
         " along a face at an edge of contact"
@@ -324,28 +340,30 @@ def _parts(
             f"shown: of {len(instants)} instants the one with the largest stress; all are in"
             " fields/fields.json"
         )
-    yield from notes
-    n_vtu_files = sum(name.endswith(".vtu") for name in files)
-    n_pictures = sum(name.endswith(".svg") for name in files)
-    yield (
-        f"written: {n_vtu_files} VTU files, {n_pictures} pictures, and what they are in"
-        " fields/fields.json"
+
+
+def _measures_shown(scene: Scene, measures: Sequence[dict[str, Any]]) -> Iterator[Part]:
+    """What the terminal shows of fatigue measures: a table with the largest value of each in each
+    body by both engines, and a line that explains it. `measures` are these values as in
+    fields.json.
+    """
+    from reports.units import units
+
+    _, unit_of_length, unit_of_stress = units(scene)
+    heads = (
+        "largest through the last cycle",
+        "theory",
+        "finite elements",
+        "difference",
+        f"at (x, y) [{unit_of_length}]",
     )
-    if measures:
-        heads_of_measures = (
-            "largest through the last cycle",
-            "theory",
-            "finite elements",
-            "difference",
-            f"at (x, y) [{unit_of_length}]",
-        )
-        rows_of_measures = _largest_measures(measures, unit_of_stress)
-        yield Sheet("Measures of fatigue", heads_of_measures, rows_of_measures, (1, 2, 3))
-        yield (
-            "linear elastic stress of contact and bulk stress, planes that contain z; places beside"
-            " the contact: fatigue.csv"
-        )
-    yield pvd_file
+    rows = _largest_measures(measures, unit_of_stress)
+    # Sheet: title, heads, rows, and the columns that are flush right
+    yield Sheet("Measures of fatigue", heads, rows, (1, 2, 3))
+    yield (
+        "linear elastic stress of contact and bulk stress, planes that contain z; places beside"
+        " the contact: fatigue.csv"
+    )
 
 
 def _largest_measures(
@@ -443,9 +461,9 @@ def _draw(
         # all figures have the same scales of stress and displacement
         scales = pictures.scales_of([snapshot for _, snapshot in instants_and_snapshots])
         n_figures = 1 + len(instants_and_snapshots)
-        for number, (instant, snapshot) in enumerate(instants_and_snapshots):
-            show_progress(number + 1, n_figures, f"time {snapshot.time:.6g}")
-            name = f"von_mises_{number:03d}"
+        for picture_number, (instant, snapshot) in enumerate(instants_and_snapshots):
+            show_progress(picture_number + 1, n_figures, f"time {snapshot.time:.6g}")
+            name = f"von_mises_{picture_number:03d}"
             figure = pictures.stress(solution, [snapshot], [instant], scales, name, pixels=1000)
             names.append(_write_picture(figure, folder))
     return names

@@ -290,10 +290,30 @@ def moving_instant(view: CycleView) -> Plate:
         (width, 300.0),
         moves_with_slider=True,
     )
+    states_differ = view.reference_cycle.state != view.result_cycle.state
+    table = {
+        "time": view.result_cycle.time,
+        "fraction": view.result_cycle.fraction,
+        "P": view.result_cycle.normal_load,
+        "Q": view.result_cycle.tangential_load,
+        "U_reference": view.reference_cycle.tangential_displacement,
+        "U_result": view.result_cycle.tangential_displacement,
+        "points_where_states_differ": states_differ.sum(axis=1).astype(np.int64),
+    }
+    panels = (traction_panel, _state_panel(view, width), difference_panel)
+    return figure_with_texts("cycle", panels, table, traction_keys(view), n_columns=1)
+
+
+def _state_panel(view: CycleView, width: float) -> Panel:
+    """A panel with a strip along x for each engine, coloured by open, stick and slip at the instant
+    that the page shows first. It has no axes, is `width` pixels wide, and its heights count
+    downwards in pixels. `view` holds both engines.
+    """
     marks: list[Mark] = []
     for strip_number, engine in enumerate(view.engines):
         marks += _strip_of_states(view, engine, strip_number)
-    state_panel = Panel(
+    # Panel: name, both axes, marks, description, width and height
+    return Panel(
         "zones",
         view.over_x(""),
         Axis(84.0, 0.0, ""),
@@ -305,18 +325,6 @@ def moving_instant(view: CycleView) -> Plate:
         without_axes=True,
         room=(72.0, 0.0, 20.0, 0.0),
     )
-    states_differ = view.reference_cycle.state != view.result_cycle.state
-    table = {
-        "time": view.result_cycle.time,
-        "fraction": view.result_cycle.fraction,
-        "P": view.result_cycle.normal_load,
-        "Q": view.result_cycle.tangential_load,
-        "U_reference": view.reference_cycle.tangential_displacement,
-        "U_result": view.result_cycle.tangential_displacement,
-        "points_where_states_differ": states_differ.sum(axis=1).astype(np.int64),
-    }
-    panels = (traction_panel, state_panel, difference_panel)
-    return figure_with_texts("cycle", panels, table, traction_keys(view), n_columns=1)
 
 
 def _strip_of_states(view: CycleView, engine: EngineView, strip_number: int) -> Iterator[Mark]:

@@ -190,15 +190,23 @@ def loop_figure(solution: ContactSolution) -> Figure:
         words_of_axis += f", datum length {scene.profile.datum_length:g} {unit_of_length}"
     axes.set_xlabel(words_of_axis)
     axes.set_ylabel(f"Q [{unit_of_force}/{unit_of_length}]")
-    title = scene.title or scene.name
-    if np.isfinite(solution.dissipation):
-        repeats = scene.load.path().period is not None
-        part_in_words = "per cycle" if repeats else f"of the {part_of_path(scene)}"
-        unit_of_work = f"{unit_of_force}·{unit_of_length}/{unit_of_length}"
-        work_in_words = f"W = {solution.dissipation:.4g} {unit_of_work} {part_in_words}"
-        title = "\n".join(filter(None, (title, work_in_words)))
-    axes.set_title(title, loc="left")
+    title_lines = filter(None, (scene.title or scene.name, _work_in_words(solution)))
+    axes.set_title("\n".join(title_lines), loc="left")
     return figure
+
+
+def _work_in_words(solution: ContactSolution) -> str:
+    """The friction work W of a solution with its unit, per cycle or of the whole path; "" where it
+    is not known.
+    """
+    if not np.isfinite(solution.dissipation):
+        return ""
+    scene = solution.scene
+    unit_of_force, unit_of_length, _ = scene.unit_words
+    repeats = scene.load.path().period is not None
+    part_in_words = "per cycle" if repeats else f"of the {part_of_path(scene)}"
+    unit_of_work = f"{unit_of_force}·{unit_of_length}/{unit_of_length}"
+    return f"W = {solution.dissipation:.4g} {unit_of_work} {part_in_words}"
 
 
 def _axes(n_axes: int, size: tuple[float, float]) -> tuple[Figure, list[Axes]]:
