@@ -56,10 +56,16 @@ Offered to the rest of reports, `Comparison` `compare` first; each file imports 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
-from reports.comparison.cycles import cycle_interpolated_by_time, interpolated_cycle, last_cycle
+from reports.comparison.cycles import (
+    Cycle,
+    cycle_interpolated_by_time,
+    interpolated_cycle,
+    last_cycle,
+)
 from reports.comparison.datum import cycle_from_supports, lacks_datum
 from reports.comparison.dimensionless import scales_of_reference
 from reports.comparison.judged import JudgedPair
@@ -204,17 +210,66 @@ def compare(
     >>> compare(exact, exact).metric("dissipation").value
     0.0
     """
-    for key in tolerances or {}:
+    _refuse_unknown_metrics(tolerances or {})
+    _refuse_other_question(reference, result)
+    if polygon_reference is not None:
+        _refuse_other_question(polygon_reference, result)
+    cycles = _comparable_cycles(reference, result, effects)
+    # both solutions and their last cycles on common points and instants
+    pair = Pair(
+        reference,
+        result,
+        polygon_reference,
+        plain_reference or reference,
+        scales_of_reference(scales_from or reference),
+        reference_cycle=cycles.reference_cycle,
+        result_cycle=cycles.result_cycle,
+        effects=cycles.effects,
+        lacks_common_datum=cycles.lacks_common_datum,
+    )
+    # a comparison has all fields of the pair, then metrics, laws of contact and notes
+    return Comparison(
+        **{name: getattr(pair, name) for name in Pair.__dataclass_fields__},
+        metrics=judged_metrics(
+            pair, tolerances_of(result.scene, are_half_planes(result.scene), tolerances)
+        ),
+        reference_certificates=certificates(reference),
+        result_certificates=certificates(result),
+        notes=tuple(_notes_on_pair(pair)),
+    )
+
+
+def _refuse_unknown_metrics(tolerances: Iterable[str]) -> None:
+    """InputError for a key of `tolerances` that is no metric."""
+    for key in tolerances:
         # `METRICS`: the table of all metrics, by key
         if key not in METRICS:
             raise InputError(
                 f"tolerances: {key!r} is no metric; the metrics are {', '.join(METRICS)}"
             )
-    _refuse_other_question(reference, result)
-    if polygon_reference is not None:
-        _refuse_other_question(polygon_reference, result)
+
+
+class _ComparableCycles(NamedTuple):
+    """The last cycles of reference and result, on the points and instants of the result."""
+
+    reference_cycle: Cycle
+    result_cycle: Cycle
+    # compliances of finite bodies by which the displacements of one were counted from the supports,
+    # as those of the other; None where that was not needed, or they are not known
+    effects: BodyEffects | None
+    lacks_common_datum: bool  # whether displacements still count from two places
+
+
+def _comparable_cycles(
+    reference: ContactSolution, result: ContactSolution, effects: BodyEffects | None
+) -> _ComparableCycles:
+    """The last cycle of the result, and that of the reference interpolated to its points and
+    instants. `effects` are the compliances that finite bodies add to half-planes, None where they
+    are not known: with them displacements of half-plane theory are counted from the supports.
+
+    Instants are matched by the share of the period; those that are no whole cycle by their times.
+    """
     result_cycle = last_cycle(result)
-    # matched by the share of the period; instants that are no whole cycle by their times
     if result_cycle.is_whole:
         reference_cycle = interpolated_cycle(last_cycle(reference), result_cycle, reference.engine)
     else:
@@ -228,28 +283,8 @@ def compare(
         reference_cycle = cycle_from_supports(reference_cycle, effects)
     elif effects is not None:
         result_cycle = cycle_from_supports(result_cycle, effects)
-    # both solutions and their last cycles on common points and instants
-    pair = Pair(
-        reference,
-        result,
-        polygon_reference,
-        plain_reference or reference,
-        scales_of_reference(scales_from or reference),
-        reference_cycle=reference_cycle,
-        result_cycle=result_cycle,
-        effects=effects,
-        lacks_common_datum=has_other_datum and effects is None,
-    )
-    # a comparison has all fields of the pair, then metrics, laws of contact and notes
-    return Comparison(
-        **{name: getattr(pair, name) for name in Pair.__dataclass_fields__},
-        metrics=judged_metrics(
-            pair, tolerances_of(result.scene, are_half_planes(result.scene), tolerances)
-        ),
-        reference_certificates=certificates(reference),
-        result_certificates=certificates(result),
-        notes=tuple(_notes_on_pair(pair)),
-    )
+    lacks_common_datum = has_other_datum and effects is None
+    return _ComparableCycles(reference_cycle, result_cycle, effects, lacks_common_datum)
 
 
 def _refuse_other_question(reference: ContactSolution, result: ContactSolution) -> None:
