@@ -740,7 +740,7 @@ def _cycle_ends_between_rows(rows: Array, *, repeats: bool) -> Array:
     within 1e-9 of the spacing of a row counts as on it, and is left out. Where the rows repeat, an
     end beyond the last row counts a period earlier.
 
-    `rows` (n, 3) are time, P and Q.
+    `rows` (n, 3) are time, P and Q. `repeats`: whether the rows are one period of a record.
     """
     row_times = rows[:, _TIME]
     period_duration = np.ptp(row_times)

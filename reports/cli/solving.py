@@ -1094,6 +1094,8 @@ def _parts_of_rig(
     """What the terminal shows of a rig: the `answer` of one engine, the summary of the finite
     elements' solution without its notes where they were solved beside theory (else None), and the
     path of the page.
+
+    `page` is that path.
     """
     from reports.comparison.words import summary_rows
 

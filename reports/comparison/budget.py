@@ -220,7 +220,8 @@ def coarser_mesh_and_settings(
 
     Element sizes in `mesh` are over a. The stiffnesses of a penalty layer are stated in E*/h, E*
     the contact modulus, h the element size. They are multiplied by the factor too, so that the
-    layer keeps its stiffness wherever no size is limited.
+    layer keeps its stiffness wherever no size is limited. `settings` are those of the solver, whose
+    `method` may be a penalty layer.
     """
     # elements in the middle of the contact, and at its edges
     middle_size = min(_LARGEST_ELEMENT_SIZE, factor * mesh.element_size)

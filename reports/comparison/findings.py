@@ -257,6 +257,8 @@ def _values_of_solution(
     """The values of one solution by keys that begin with `name`, that of its engine or its role:
     dissipation, largest pressure, ...; those of bulk stress and tilt where the file has them; and
     counts of the work, such as "steps solved", which only a change of the code can move.
+
+    `content_of_solution` is the content of its JSON file.
     """
     keys = (
         *_KEYS_OF_SOLUTION,

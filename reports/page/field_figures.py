@@ -438,6 +438,7 @@ def _table_of_states(
     codes.
 
     `view` holds the last cycles of both solutions, with states (k instants, n points).
+    `instant_indices` (k,) and `point_indices` (n,) are those of the rows.
     """
     grid = np.ix_(instant_indices, point_indices)
     # STATE_NAMES: code of a state -> its name, such as 1 -> "stick"

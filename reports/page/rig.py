@@ -315,6 +315,7 @@ def loops(rig_motions: Sequence[RigMotion]) -> Plate:
     The figure's table holds the loop of the contact alone, not that by finite elements.
 
     A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
+    `rig_motions` hold loads and displacements (k,) of each rig at its shown instants.
     """
     panels = []
     panel_width, panel_height = 440.0, 300.0  # pixels
@@ -509,6 +510,8 @@ def _rows_of_elements(by_theory: RigMotion, by_elements: RigMotion) -> list[tupl
     """Rows (label with unit, value) on a rig by finite elements: dissipation with its difference
     from theory's, range of Q, and the sliding distance where the bodies slide as a whole: where it
     is more than 1e-6 of the stroke of the actuator.
+
+    `by_theory` and `by_elements` are the motion of the rig by each engine.
     """
     unit_of_load = load_unit(by_theory.scene)
     unit_of_length = units(by_theory.scene)[1]
@@ -549,6 +552,8 @@ def _sentence(rig_motion: RigMotion) -> str:
     dissipation W. Where they do not slide, the uncertainties of the inputs may allow it. The middle
     of the contact slips only while all of it slides; `slide_distance` is the distance that it slips
     in a motion.
+
+    `rig_motion` holds the solution, and what the contact does at the shown instants.
     """
     unit_of_length = units(rig_motion.scene)[1]
     part_of_path = rig_motion.part_of_path
