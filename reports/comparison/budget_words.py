@@ -18,21 +18,26 @@ def negligible_terms(budget: ErrorBudget) -> tuple[str, ...]:
     """Names of the sources of error that are negligible in every metric of the page's first table:
     below a thousandth of the discrepancy with its uncertainty.
     """
-    first_budgets = [entry for entry in budget.budgets if entry.metric.headline]
+    first_budgets = [
+        budget_of_metric for budget_of_metric in budget.budgets if budget_of_metric.metric.headline
+    ]
     names = []
     # all budgets have the same sources of error, in the same order
     for index, term in enumerate(first_budgets[0].terms if first_budgets else ()):
-        if all(_is_negligible(entry, entry.terms[index]) for entry in first_budgets):
+        if all(
+            _is_negligible(budget_of_metric, budget_of_metric.terms[index])
+            for budget_of_metric in first_budgets
+        ):
             names.append(term.name)
     return tuple(names)
 
 
-def _is_negligible(entry: Budget, term: Term) -> bool:
+def _is_negligible(budget_of_metric: Budget, term: Term) -> bool:
     """Whether `term` was measured, and is too small to matter in the budget of a metric."""
     if term.uncertainty is None:
         return False
     size_of_term = abs(term.value or 0.0) + term.uncertainty
-    size_of_error = abs(entry.error) + (entry.uncertainty or 0.0)
+    size_of_error = abs(budget_of_metric.error) + (budget_of_metric.uncertainty or 0.0)
     return size_of_term <= _NEGLIGIBLE_SHARE * size_of_error
 
 
@@ -52,7 +57,7 @@ def budget_table(
     """
     # sources of error, the same for all metrics: mesh, penalty layer, ...
     term_names = [term.name for term in budget.budgets[0].terms] if budget.budgets else []
-    are_half_planes = all(entry.are_half_planes for entry in budget.budgets)
+    are_half_planes = all(budget_of_metric.are_half_planes for budget_of_metric in budget.budgets)
     name_of_rest = "unexplained" if are_half_planes else "idealisation"
     heads = (
         "metric",
@@ -62,35 +67,42 @@ def budget_table(
         "± u",
         "covered" if are_half_planes else "resolved",
     )
-    rows = [_budget_row(entry) for entry in budget.budgets]
+    rows = [_budget_row(budget_of_metric) for budget_of_metric in budget.budgets]
     shown_columns = []
-    for column, head in enumerate(heads):
-        is_none_everywhere = all(row[column] == "none" for row in rows)
+    for column_number, head in enumerate(heads):
+        is_none_everywhere = all(row[column_number] == "none" for row in rows)
         if head not in sources_left_out and not is_none_everywhere:
-            shown_columns.append(column)
+            shown_columns.append(column_number)
     first_rows = []
     other_rows = []
-    for entry, row in zip(budget.budgets, rows, strict=True):
-        cells = tuple(row[column] for column in shown_columns)
-        if entry.metric.headline:
+    for budget_of_metric, row in zip(budget.budgets, rows, strict=True):
+        cells = tuple(row[column_number] for column_number in shown_columns)
+        if budget_of_metric.metric.headline:
             first_rows.append(cells)
         else:
             other_rows.append(cells)
-    return tuple(heads[column] for column in shown_columns), first_rows, other_rows
+    return tuple(heads[column_number] for column_number in shown_columns), first_rows, other_rows
 
 
-def _budget_row(budget: Budget) -> tuple[str, ...]:
+def _budget_row(budget_of_metric: Budget) -> tuple[str, ...]:
     """Cells of one metric: name, error, terms, the rest that they leave, uncertainty, verdict. A
     term is the error by one source; the rest is the error minus all terms.
     """
-    metric = budget.metric
+    metric = budget_of_metric.metric
     uncertainty = "not measured"
-    if budget.uncertainty is not None:
-        uncertainty = term_in_words(budget.uncertainty, metric)
-    terms = [cell_of_term(term, metric) for term in budget.terms]
-    rest = term_in_words(budget.rest_of_error, metric, plus=True)
+    if budget_of_metric.uncertainty is not None:
+        uncertainty = term_in_words(budget_of_metric.uncertainty, metric)
+    cells_of_terms = [cell_of_term(term, metric) for term in budget_of_metric.terms]
+    rest_of_error = term_in_words(budget_of_metric.rest_of_error, metric, plus=True)
     label = metric.short or metric.label
-    return (label, value_in_words(metric), *terms, rest, uncertainty, _judgement_in_short(budget))
+    return (
+        label,
+        value_in_words(metric),
+        *cells_of_terms,
+        rest_of_error,
+        uncertainty,
+        _verdict_in_short(budget_of_metric),
+    )
 
 
 def cell_of_term(term: Term, metric: Metric) -> str:
@@ -105,24 +117,28 @@ def cell_of_term(term: Term, metric: Metric) -> str:
     return value if is_exact else f"{value} ± {uncertainty}"
 
 
-def _verdict_in_words(budget: Budget) -> str:
+def _verdict_in_words(budget_of_metric: Budget) -> str:
     """The verdict in words: for half-planes, whether the uncertainty covers the rest; for real
     bodies, whether the idealisation error is larger than its uncertainty.
     """
-    if budget.is_resolved is None:
+    if budget_of_metric.is_resolved is None:
         return "not known: a term was not measured"
-    if budget.are_half_planes:
-        return "not covered" if budget.is_resolved else "covered"
-    return "resolved" if budget.is_resolved else "not resolved"
+    if budget_of_metric.are_half_planes:
+        return "not covered" if budget_of_metric.is_resolved else "covered"
+    return "resolved" if budget_of_metric.is_resolved else "not resolved"
 
 
-def _judgement_in_short(budget: Budget) -> str:
+def _verdict_in_short(budget_of_metric: Budget) -> str:
     """The verdict in a word, "yes", "no" or "unknown": for half-planes, whether the uncertainty
     covers the rest; for real bodies, whether the idealisation error is larger than its uncertainty.
     """
-    if budget.is_resolved is None:
+    if budget_of_metric.is_resolved is None:
         return "unknown"
-    is_good = not budget.is_resolved if budget.are_half_planes else budget.is_resolved
+    is_good = (
+        not budget_of_metric.is_resolved
+        if budget_of_metric.are_half_planes
+        else budget_of_metric.is_resolved
+    )
     return "yes" if is_good else "no"
 
 
@@ -140,8 +156,15 @@ def is_covered(budget: ErrorBudget | None, metric: Metric) -> bool | None:
     """Whether the stated uncertainty of a metric covers its known error; None where the error is
     not known, or there is no budget.
     """
-    entries = () if budget is None else budget.budgets
-    return next((entry.is_covered for entry in entries if entry.metric.key == metric.key), None)
+    budgets_of_metrics = () if budget is None else budget.budgets
+    return next(
+        (
+            budget_of_metric.is_covered
+            for budget_of_metric in budgets_of_metrics
+            if budget_of_metric.metric.key == metric.key
+        ),
+        None,
+    )
 
 
 def are_covered(comparison: JudgedPair, budget: ErrorBudget | None) -> bool | None:
@@ -158,22 +181,27 @@ def budget_content(budget: ErrorBudget) -> dict[str, Any]:
         "cost": budget.cpu_time_ratio,
         "words": cost_in_words(budget),
         "honest": budget.coverage_in_words,
-        "metrics": {entry.metric.key: _entry_content(entry) for entry in budget.budgets},
+        "metrics": {
+            budget_of_metric.metric.key: _content_of_metric(budget_of_metric)
+            for budget_of_metric in budget.budgets
+        },
     }
 
 
-def _entry_content(budget: Budget) -> dict[str, Any]:
+def _content_of_metric(budget_of_metric: Budget) -> dict[str, Any]:
     """The budget of one metric for comparison.json: its error E, the part of each source, what they
     leave, uncertainty u, and whether u covers the rest ("honest").
     """
     return {
-        "E": budget.error,
-        "terms": {term.name: _term_content(term) for term in budget.terms},
-        "unexplained" if budget.are_half_planes else "idealisation": budget.rest_of_error,
-        "u": budget.uncertainty,
-        "resolved": budget.is_resolved,
-        "honest": budget.is_covered,
-        "verdict": _verdict_in_words(budget),
+        "E": budget_of_metric.error,
+        "terms": {term.name: _term_content(term) for term in budget_of_metric.terms},
+        "unexplained"
+        if budget_of_metric.are_half_planes
+        else "idealisation": budget_of_metric.rest_of_error,
+        "u": budget_of_metric.uncertainty,
+        "resolved": budget_of_metric.is_resolved,
+        "honest": budget_of_metric.is_covered,
+        "verdict": _verdict_in_words(budget_of_metric),
     }
 
 

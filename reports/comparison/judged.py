@@ -14,8 +14,18 @@ from scenes import Scene
 
 @dataclass(frozen=True, eq=False)
 class JudgedPair(Pair):
-    """Reference and result, every metric of both with its verdict, and the laws that each obeys:
-    see `Comparison` for the names.
+    """Reference and result, every metric of both with its verdict, and the laws that each obeys.
+
+    Attributes
+    ----------
+    metrics
+        in the order of the table, each with its value, uncertainty and verdict
+    reference_certificates, result_certificates
+        the laws of contact that each solution was checked for, with its largest violation
+    notes
+        sentences that a reader must not miss
+    why
+        the difference of the dissipation split by its causes; None where that was not asked for
     """
 
     metrics: tuple[Metric, ...]

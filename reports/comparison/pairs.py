@@ -70,7 +70,25 @@ def are_half_planes(scene: Scene) -> bool:
 class Pair:
     """Reference and result of a comparison, the one put on the other's points and instants.
 
-    `Comparison` explains the fields.
+    Attributes
+    ----------
+    reference, result
+        the solution taken as true, and the one that is judged
+    polygon_reference
+        the reference for loads that run straight from one instant of the result to the next; None
+        where it was not solved
+    plain_reference
+        the reference by its own rules, where `reference` follows those of an external result; else
+        the same
+    scales
+        load, half-width, pressure, ... of the reference, which make the metrics dimensionless
+    reference_cycle, result_cycle
+        last cycle of each, on the points and instants of the result
+    effects
+        compliances of finite bodies by which displacements of half-planes are counted from the
+        supports; None where that is not needed, or they are not known
+    lacks_common_datum
+        whether the displacements of the two are counted from different places
     """
 
     reference: ContactSolution

@@ -266,7 +266,7 @@ class _Stack(NamedTuple):
         return max(right_length, left_length, abs(self.total) + self.uncertainty)
 
 
-def _stack_of(budget: Budget, is_judged: bool) -> _Stack:
+def _stack_of(budget_of_metric: Budget, is_judged: bool) -> _Stack:
     """The budget of a metric as lengths of a stacked bar: over its tolerance where `is_judged`,
     else in per cent. What is unknown or infinite has no length.
 
@@ -274,18 +274,18 @@ def _stack_of(budget: Budget, is_judged: bool) -> _Stack:
     """
     unit = 0.01
     if is_judged:
-        unit = budget.metric.tolerance or 1.0
+        unit = budget_of_metric.metric.tolerance or 1.0
 
     def length_of(value: float | None) -> float:
         """Length of the block for an error."""
         length = (value or 0.0) / unit
         return length if math.isfinite(length) else 0.0
 
-    lengths = [length_of(term.value) for term in budget.terms]
-    lengths.append(length_of(budget.rest_of_error))
-    length_of_total = length_of(budget.error)
-    uncertainty = length_of(budget.uncertainty)
-    return _Stack(budget, np.array(lengths), length_of_total, uncertainty)
+    lengths = [length_of(term.value) for term in budget_of_metric.terms]
+    lengths.append(length_of(budget_of_metric.rest_of_error))
+    length_of_total = length_of(budget_of_metric.error)
+    uncertainty = length_of(budget_of_metric.uncertainty)
+    return _Stack(budget_of_metric, np.array(lengths), length_of_total, uncertainty)
 
 
 def _half_width_of_bars(stacks: Sequence[_Stack], is_judged: bool) -> float:
@@ -351,14 +351,16 @@ def _budget_table(budgets: Sequence[Budget], term_names: Sequence[str], rest_nam
     one metric, in the order of `term_names`.
     """
     columns: dict[str, list[float | None]] = {
-        "tolerance": [budget.metric.tolerance for budget in budgets],
-        "E": [budget.error for budget in budgets],
+        "tolerance": [budget_of_metric.metric.tolerance for budget_of_metric in budgets],
+        "E": [budget_of_metric.error for budget_of_metric in budgets],
     }
     for index, name in enumerate(term_names):
-        columns[name] = [budget.terms[index].value for budget in budgets]
-    columns[rest_name] = [budget.rest_of_error for budget in budgets]
-    columns["u"] = [budget.uncertainty for budget in budgets]
-    table: dict[str, Any] = {"metric": [budget.metric.key for budget in budgets]}
+        columns[name] = [budget_of_metric.terms[index].value for budget_of_metric in budgets]
+    columns[rest_name] = [budget_of_metric.rest_of_error for budget_of_metric in budgets]
+    columns["u"] = [budget_of_metric.uncertainty for budget_of_metric in budgets]
+    table: dict[str, Any] = {
+        "metric": [budget_of_metric.metric.key for budget_of_metric in budgets]
+    }
     for name, values in columns.items():
         table[name] = [math.nan if value is None else value for value in values]
     return table
