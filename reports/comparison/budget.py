@@ -694,8 +694,8 @@ def _unmeasured_term(
 def _extrapolated_term(
     name: str, metric: Metric, refinements: Refinements, runs: tuple[Run, ...], formal_order: float
 ) -> Term:
-    """The error of a metric by one source: its value in the run itself (size 1) minus the limit of
-    `runs` at size zero.
+    """The error of a metric by one source: its value in the run itself (size 1) minus the value at
+    size zero, extrapolated from `runs`.
 
     The term has no value where the values of the runs oscillate or diverge. It is not measured
     where fewer than three runs have a finite value, or the run itself has none.
@@ -740,9 +740,9 @@ def _extrapolated_term(
 
 
 def _mesh_term(metric: Metric, comparison: Comparison, refinements: Refinements) -> Term:
-    """The error that the mesh makes in a metric: value of the run minus its limit for size zero.
+    """The error that the mesh makes in a metric: value of the run minus that at size zero.
 
-    The limit comes from the coarser meshes; the term is not measured where they give none. Where
+    That comes from the coarser meshes; the term is not measured where they give none. Where
     the run states an uncertainty of its amount, such as its W, three cases are distinguished:
 
     - the error by the coarser meshes is larger than that: both error and uncertainty are theirs;

@@ -768,21 +768,21 @@ def rise_by_gap(solution: FiniteElementSolution, body: BodyFields) -> Array:
 
 def state_blocks(
     solution: FiniteElementSolution,
-    step: int,
-    half_length: float,
+    instant_index: int,
+    largest_x: float,
     lower_y: float,
     upper_y: float,
 ) -> list[Block]:
     """Rectangles that show the state (open, stick, slip) of the contact points along x at one
-    stored instant, the one of index `step`, for |x| up to `half_length` [length]. Neighbouring
+    stored instant, that of `instant_index`, for |x| up to `largest_x` [length]. Neighbouring
     points of one state share a rectangle. In y all rectangles go from `lower_y` to `upper_y`.
 
     The solution's `x` are the contact points (n,), ascending; `state` (n_instants, n) is a number
     from 0 to 3 each.
     """
-    is_drawn = np.abs(solution.x) <= half_length
+    is_drawn = np.abs(solution.x) <= largest_x
     x = solution.x[is_drawn]
-    states = solution.state[step][is_drawn]
+    states = solution.state[instant_index][is_drawn]
     # a rectangle ends in the middle between two points of different state
     borders = np.concatenate([x[:1], (x[1:] + x[:-1]) / 2, x[-1:]])
     # index of the first point of each rectangle, and the end of all

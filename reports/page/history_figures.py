@@ -204,7 +204,7 @@ def discrepancies(view: CycleView) -> Plate:
         for metric in drawn_metrics
     ]
     largest_ratio = max(
-        (float(np.nanmax(metric.ratios, initial=0.0)) for metric in drawn_ratios), default=0.0
+        (float(np.nanmax(drawn.ratios, initial=0.0)) for drawn in drawn_ratios), default=0.0
     )
     panel = _panel_of_discrepancies(view, drawn_ratios, largest_ratio, has_tolerances)
     legend_entries = _legend_of_discrepancies(view, drawn_ratios, "" if has_tolerances else " %")
@@ -247,11 +247,11 @@ def _legend_of_discrepancies(
     """
     legend_entries = []
     # `LINE_LOOKS`: classes of lines in the style sheet, one for each metric
-    for metric, css in zip(drawn_ratios, LINE_LOOKS, strict=False):
-        is_known = np.isfinite(metric.ratios)
-        worst_index = int(np.nanargmax(metric.ratios)) if is_known.any() else 0
+    for drawn, css in zip(drawn_ratios, LINE_LOOKS, strict=False):
+        is_known = np.isfinite(drawn.ratios)
+        worst_index = int(np.nanargmax(drawn.ratios)) if is_known.any() else 0
         text = (
-            f"{metric.label}: {metric.ratios[worst_index]:.2g}{unit_in_words} at"
+            f"{drawn.label}: {drawn.ratios[worst_index]:.2g}{unit_in_words} at"
             f" {view.time[worst_index]:.3g}"
         )
         # `minus`: with a real minus sign
@@ -277,8 +277,8 @@ def _panel_of_discrepancies(
         marks.append(Rule(1.0, "limit"))
     # `LINE_LOOKS`: classes of lines in the style sheet, one for each metric
     marks += [
-        Curve(view.time, metric.ratios, css, metric.label)
-        for metric, css in zip(drawn_ratios, LINE_LOOKS, strict=False)
+        Curve(view.time, drawn.ratios, css, drawn.label)
+        for drawn, css in zip(drawn_ratios, LINE_LOOKS, strict=False)
     ]
     if has_tolerances:
         last_time = float(view.time[-1])
