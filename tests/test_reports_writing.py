@@ -450,6 +450,7 @@ def plate(name: str = "all") -> Plate:
 def test_subscripts_are_set_all_else_is_escaped_and_looks_are_those_of_a_light_page() -> None:
     rendered = {
         "x / a_ref": "x / a<sub>ref</sub>",
+        "r_fine.csv, h_0.05.csv": "r_fine.csv, h_0.05.csv",
         "A f² P_ref²": "A f² P<sub>ref</sub>²",
         "‖p_ref‖ <b>": "‖p<sub>ref</sub>‖ &lt;b&gt;",
         "my_scene": "my_scene",

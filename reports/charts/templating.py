@@ -69,13 +69,16 @@ def colours_of(values: ArrayLike, name: str = "viridis") -> list[str]:
 
 def parts_with_subscripts(text: str) -> list[tuple[str, bool]]:
     """The parts of a text, in order, each with whether it is a subscript: the letters and digits
-    behind "_" after a symbol of one letter, such as ref in p_ref.
+    behind "_" after a symbol of one letter, such as ref in p_ref. The names of files, such as
+    r_fine.csv, have none.
 
     >>> parts_with_subscripts("p/p_ref, q/(f p_ref)")
     [('p/p', False), ('ref', True), (', q/(f p', False), ('ref', True), (')', False)]
+    >>> parts_with_subscripts("r_fine.csv beside a_ref.")
+    [('r_fine.csv beside a', False), ('ref', True), ('.', False)]
     """
     # text, symbol, subscript, text, symbol, subscript, ..., text
-    pieces = re.split(r"(?<![^\W_])([^\W\d_])_([A-Za-z0-9]+)", text)
+    pieces = re.split(r"(?<![^\W_])([^\W\d_])_([A-Za-z0-9]+)(?![A-Za-z0-9_]|\.[A-Za-z0-9])", text)
     parts: list[tuple[str, bool]] = []
     for index in range(0, len(pieces) - 2, 3):
         text_before, symbol, subscript = pieces[index : index + 3]

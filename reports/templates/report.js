@@ -14,9 +14,9 @@
   };
   const tickWords = (v) => minus(v !== 0 && Math.abs(v) < 1e-3 ? v.toExponential() : String(v)).replace("+", "");
   const nearest = (list, wanted) => list.reduce((best, v, k) => (Math.abs(v - wanted) < Math.abs(list[best] - wanted) ? k : best), 0);
-  /* Words with subscripts: a_ref. Inside a drawing they are moved down and back. */
+  /* Words with subscripts: a_ref, but no names of files: r_fine.csv. Inside a drawing they are moved down and back. */
   const typeset = (node, text) => {
-    const parts = text.split(/(?<![\p{L}\p{N}])(\p{L})_([A-Za-z0-9]+)/u), drawn = node.namespaceURI === SVG;
+    const parts = text.split(/(?<![\p{L}\p{N}])(\p{L})_([A-Za-z0-9]+)(?![A-Za-z0-9_]|\.[A-Za-z0-9])/u), drawn = node.namespaceURI === SVG;
     node.replaceChildren();
     let low = false;
     for (let k = 0; k < parts.length; k += 3) {
