@@ -817,11 +817,11 @@ def test_whatever_stands_in_a_table_is_numbers_or_a_sentence(
     else:
         lines = (head + text).split("\n")
         assert np.all(np.abs(table.values) <= 1e100)
-        assert table.values.shape == (len(table.lines), 3)
+        assert table.values.shape == (len(table.line_numbers), 3)
         # each number stands on its line
-        for row, line in zip(table.values.tolist(), table.lines.tolist(), strict=True):
+        for row, line in zip(table.values.tolist(), table.line_numbers.tolist(), strict=True):
             cells = re.split(
-                r"[;\t, ]+" if table.decimal == "point" else r"[;\t ]+",
+                r"[;\t, ]+" if table.decimal_sign == "point" else r"[;\t ]+",
                 lines[line - 1].split("#")[0].replace('"', " "),
             )
             numbers = [float(cell.replace(",", ".")) for cell in cells if cell]
@@ -869,8 +869,8 @@ def test_two_million_rows_are_streamed(tmp_path: Path) -> None:
     table = text_table(path, ("time", "P", "Q"))
     most = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
-    assert (len(table.values), table.lines[-1]) == (count, count + 1)
-    assert most < 2.2 * table.values.nbytes + 2 * table.lines.nbytes + 16e6
+    assert (len(table.values), table.line_numbers[-1]) == (count, count + 1)
+    assert most < 2.2 * table.values.nbytes + 2 * table.line_numbers.nbytes + 16e6
 
 
 def test_tables_lie_beside_the_scene_file_and_their_rows_go_with_the_scene(
