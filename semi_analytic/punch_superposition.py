@@ -655,8 +655,7 @@ class PunchSuperposition:
         at the load of the next corner. a(eta), the contact half-width under the load eta, is a
         smooth function of sqrt(eta - P_b), and Gauss' rule in that root holds. P_c is the load at
         the stick edge. Close to no load a goes as any power of eta: there a rule for singular ends
-        is used. `law.edge_advance` is a - a_0 as a function of the load, `law.stiffness` dP/da as
-        one of the advance, `least_half_width` a_0.
+        is used.
 
         Parameters
         ----------
@@ -688,8 +687,8 @@ class PunchSuperposition:
                 continue
             begin_column = begin_load[uses_rule, None]
             range_column = load_range[uses_rule, None]
+            # nodes, as eta minus the load at the begin of the part, and weights, (parts, nodes)
             if takes_gauss_rule:
-                # nodes, as eta minus the load at the begin of the part, and weights, (parts, nodes)
                 loads_from_begin, weights = _nodes_in_root(
                     begin_column - corner_loads[number_of_corner_below[uses_rule], None],
                     range_column,
@@ -698,17 +697,22 @@ class PunchSuperposition:
                 loads_from_begin, weights = (
                     values[:, 0] for values in graded_nodes(0.0, range_column)
                 )
-            # a(eta) - a_0, a_0 the half-width without load
-            advance = self.law.edge_advance(begin_column + loads_from_begin)
-            # dP/d ln(a) = a dP/da
-            log_stiffness = (self.least_half_width + advance) * self.law.stiffness(advance)
             # P - eta from P - P_c, which keeps its digits
             load_above_node = load_above_stick[uses_rule, None] - (
                 (begin_column - stick_edge_load[uses_rule, None]) + loads_from_begin
             )
+            log_stiffness = self._log_stiffness(begin_column + loads_from_begin)
             integrand = load_above_node / np.where(log_stiffness > 0, log_stiffness, np.inf)
             integrals[uses_rule] = np.sum(weights * integrand, axis=-1)
         return integrals
+
+    def _log_stiffness(self, load: Array) -> Array:
+        """dP/d ln(a) = a dP/da of the contact under loads of any shape [force per thickness], a its
+        half-width. `least_half_width` is a without load; `law` is that of the advance of a beyond
+        it.
+        """
+        advance = self.law.edge_advance(load)
+        return (self.least_half_width + advance) * self.law.stiffness(advance)
 
     # --- errors
 

@@ -912,7 +912,6 @@ def _dissipation_of_group(
 
     # choose the method of each ellipse
     slip_zone_share = ellipses.slip_zone_load_scale / ellipses.mean_load
-    kernel_of_contact = contact.dissipation_kernel
     # _DEEP_SLIP_SHARE: 0.002
     has_deep_slip = slip_zone_share > _DEEP_SLIP_SHARE
     uses_table = np.zeros(len(slip_zone_share), dtype=bool)
@@ -936,31 +935,46 @@ def _dissipation_of_group(
         works_and_error[:, uses_contact] = _work_over_phases(
             ellipses.take(uses_contact),
             contact,
-            kernel_of_contact,
+            contact.dissipation_kernel,
             _PHASE_RULES,
             _CONVERGED_COEFFICIENT_SHARE,
         )
 
     # Lam by the table of ln a
     if table is not None and np.any(uses_table):
-        works_by_series = _work_over_phases(
-            ellipses.take(uses_table),
-            contact,
-            table.dissipation_kernel_by_series,
-            _PHASE_RULES,
-            _CONVERGED_COEFFICIENT_SHARE,
+        works_and_error[:, uses_table] = _work_by_table(
+            ellipses.take(uses_table), contact, table, slip_zone_share[uses_table]
         )
-        # Lam by series has the last digits of P - P_c times the slope of ln a, not of itself:
-        # _LAM_ERROR_OF_SERIES is 1e-13.
-        forward_work, reverse_work, error = works_by_series
-        work = np.abs(forward_work + reverse_work)
-        error += _LAM_ERROR_OF_SERIES / slip_zone_share[uses_table] * work
-        works_and_error[:, uses_table] = works_by_series
     # no kernel: integrals of ln a over the loads
     if np.any(has_deep_slip):
         works_and_error[:, has_deep_slip] = _work_over_loads(
             ellipses.take(has_deep_slip), corner_loads, log_half_width
         )
+    return works_and_error
+
+
+def _work_by_table(
+    ellipses: Ellipses, contact: SymmetricContact, table: LogHalfWidth, slip_zone_share: Array
+) -> Array:
+    """Friction work of forward and of reverse slip times pi E*/(2 f^2), and an upper bound of the
+    error of their sum, (3, m), with the kernel Lam = int ln(a(eta)/a(P_c)) d eta by a table of ln
+    a.
+
+    a is the contact half-width, P_c the load at the stick edge. `slip_zone_share` (m,) is the
+    largest P - P_c over the mean load, to a factor of two. Lam by the series of the `table` has the
+    last digits of P - P_c times the slope of ln a, not of itself: that error is added.
+    """
+    works_and_error = _work_over_phases(
+        ellipses,
+        contact,
+        table.dissipation_kernel_by_series,
+        _PHASE_RULES,
+        _CONVERGED_COEFFICIENT_SHARE,
+    )
+    forward_work, reverse_work, error = works_and_error
+    work = np.abs(forward_work + reverse_work)
+    # _LAM_ERROR_OF_SERIES: 1e-13
+    error += _LAM_ERROR_OF_SERIES / slip_zone_share * work
     return works_and_error
 
 
