@@ -97,35 +97,45 @@ def events(scene: Scene) -> tuple[Event, ...]:
     scene = validated(scene, Scene)
     # initial loading, and cycles up to the first steady one
     history = history_of(followed_path(scene), scene.friction.coefficient, scene.cycles)
-    # empty without such an ellipse
-    time_by_letter = _time_by_letter(history)
-
-    # events of one instant become one
-    merged_events: list[Event] = []
-    for event in sorted(_unlettered_events(history), key=lambda event: event.time):
-        former_event = merged_events[-1] if merged_events else None
-        # _SAME_TIME_SHARE: 1e-9
-        tolerance = _SAME_TIME_SHARE * max(abs(event.time), 1.0)
-        if former_event is not None and abs(former_event.time - event.time) <= tolerance:
-            merged_events[-1] = _merged_event(former_event, event)
-        else:
-            merged_events.append(event)
-
     # without what merely goes on
     named_events = [
-        event for event in merged_events if not event.name.endswith(_CONTINUATION_ENDING)
+        named_event
+        for named_event in _events_by_time(history)
+        if not named_event.name.endswith(_CONTINUATION_ENDING)
     ]
-    # each letter stands at the nearest event
+    return _with_letters(named_events, _time_by_letter(history))
+
+
+def _events_by_time(history: History) -> list[Event]:
+    """Events of a load path in the order of time, without letters; those of one instant, within
+    1e-9 of the time, are one.
+    """
+    merged_events: list[Event] = []
+    for later_event in sorted(_unlettered_events(history), key=lambda event: event.time):
+        former_event = merged_events[-1] if merged_events else None
+        # _SAME_TIME_SHARE: 1e-9
+        tolerance = _SAME_TIME_SHARE * max(abs(later_event.time), 1.0)
+        if former_event is not None and abs(former_event.time - later_event.time) <= tolerance:
+            merged_events[-1] = _merged_event(former_event, later_event)
+        else:
+            merged_events.append(later_event)
+    return merged_events
+
+
+def _with_letters(named_events: list[Event], time_by_letter: dict[str, float]) -> tuple[Event, ...]:
+    """The same events, each letter of the paper at the event nearest to its time, if that is within
+    1e-7; events near no letter keep "". Without an ellipse of loads there are no letters.
+    """
     letters_of_events = [""] * len(named_events)
     for letter, time in time_by_letter.items():
-        time_differences = [abs(event.time - time) for event in named_events]
+        time_differences = [abs(named_event.time - time) for named_event in named_events]
         nearest_event = time_differences.index(min(time_differences))
         # _LETTER_TOLERANCE: 1e-7
         if time_differences[nearest_event] <= _LETTER_TOLERANCE:
             letters_of_events[nearest_event] += letter
     return tuple(
-        replace(event, letter=letters)
-        for event, letters in zip(named_events, letters_of_events, strict=True)
+        replace(named_event, letter=letters)
+        for named_event, letters in zip(named_events, letters_of_events, strict=True)
     )
 
 
@@ -308,8 +318,8 @@ def _time_by_letter(history: History) -> dict[str, float]:
     friction = history.spans[0].friction
     ellipse = history.ellipse_of_cycle.ellipse
     assert ellipse is not None  # for the type checker: `ellipse_of_cycle` is one
-    # Over pi; positive for an anticlockwise ellipse.
-    # amplitudes of P and Q, and the lag of Q
+    # of the ellipse over pi, positive for an anticlockwise one: from the amplitudes of P and Q and
+    # the lag of Q
     area = ellipse.amplitude[0] * ellipse.amplitude[1] * math.sin(ellipse.phase_radians)
     if abs(area) <= 1e-12 * ellipse.amplitude[0] * ellipse.amplitude[1]:
         return {}
