@@ -105,14 +105,14 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
     (0.004256098192, 0.004256098192)
     """
     # one range of time for each span with slip; without a sticking piece the whole contact slips
-    ranges_of_spans = [
+    spans_with_ranges = [
         _range_of_span(span) for span in spans if span.direction and span.sticking_piece is not None
     ]
 
     # A/pi times the integrals, summed by direction of slip; `_span_by_span` takes one span after
     # the other
     work_by_direction = _work_over_spans(
-        contact, modulus, ranges_of_spans, 1, _span_by_span(partial(_work_in_range, contact))
+        contact, modulus, spans_with_ranges, 1, _span_by_span(partial(_work_in_range, contact))
     )
     return WorkByDirection(
         work_by_direction.forward[0], work_by_direction.reverse[0], work_by_direction.error[0]
@@ -134,15 +134,15 @@ class SpanRanges(NamedTuple):
     end: Array
 
 
-def _work_in_range(contact: Contact, span_range: SpanRanges, rule: QuadratureRule) -> Array:
+def _work_in_range(contact: Contact, span_with_ranges: SpanRanges, rule: QuadratureRule) -> Array:
     """Friction work W pi/A of a range of time within a span of slip, by a quadrature `rule`, (1,):
     the integral of f w' Lam. w = +-Q - f P grows in slip; Lam is the integral of ln(a/c) over the
     loads from P_c, that at the stick edge, to P; a and c are the half-widths of contact and of
     stick, A = 2/E*.
     """
-    span = span_range.span
+    span = span_with_ranges.span
     # quadrature nodes and weights between begin and end of the range
-    times, weights = rule(span_range.begin, span_range.end)
+    times, weights = rule(span_with_ranges.begin, span_with_ranges.end)
     load, _ = span.segment.loads(times)
     slip_zone_load = span.slip_zone_load_at(times, load)  # P - P_c
     # Lam(P, P_c)
@@ -166,8 +166,10 @@ def _span_by_span(integral_along: Callable[[SpanRanges, QuadratureRule], Array])
     quadrature rule. It is made from `integral_along`, which integrates along a single span.
     """
 
-    def integrals_along(ranges: Sequence[SpanRanges], rule: QuadratureRule) -> list[Array]:
-        return [integral_along(span_range, rule) for span_range in ranges]
+    def integrals_along(
+        spans_with_ranges: Sequence[SpanRanges], rule: QuadratureRule
+    ) -> list[Array]:
+        return [integral_along(span_with_ranges, rule) for span_with_ranges in spans_with_ranges]
 
     return integrals_along
 
@@ -219,7 +221,7 @@ def _work_over_spans(
 
     # sum by the direction of slip
     is_forward = np.array(
-        [ranges_of_span.span.direction > 0 for ranges_of_span in spans_with_ranges], dtype=bool
+        [span_with_ranges.span.direction > 0 for span_with_ranges in spans_with_ranges], dtype=bool
     )
     compliance = 2 / (math.pi * modulus)  # A/pi
     return WorkByDirection(
@@ -253,16 +255,18 @@ class _Halving(NamedTuple):
         P(a), with the relative round-off of its P and dP/da.
         """
         corner_times_of_spans = [
-            corner_times(contact, ranges_of_span.span) for ranges_of_span in spans_with_ranges
+            corner_times(contact, span_with_ranges.span) for span_with_ranges in spans_with_ranges
         ]
         passes_corner = np.array(
             [len(times_at_corners) > 0 for times_at_corners in corner_times_of_spans], dtype=bool
         )
         needs_halving = np.array(
             [
-                len(ranges_of_span.integral_number) > 0
-                and (has_corner or has_uneven_edges(contact, ranges_of_span.span))
-                for has_corner, ranges_of_span in zip(passes_corner, spans_with_ranges, strict=True)
+                len(span_with_ranges.integral_number) > 0
+                and (has_corner or has_uneven_edges(contact, span_with_ranges.span))
+                for has_corner, span_with_ranges in zip(
+                    passes_corner, spans_with_ranges, strict=True
+                )
             ],
             dtype=bool,
         )
@@ -290,7 +294,7 @@ def _first_estimates(
     given rule.
     """
     has_ranges = np.array(
-        [len(ranges_of_span.integral_number) > 0 for ranges_of_span in spans_with_ranges],
+        [len(span_with_ranges.integral_number) > 0 for span_with_ranges in spans_with_ranges],
         dtype=bool,
     )
     integrals = np.zeros((len(spans_with_ranges), n_integrals))
@@ -298,12 +302,12 @@ def _first_estimates(
         span_numbers = np.flatnonzero(has_ranges & takes_rule).tolist()
         if not span_numbers:
             continue
-        ranges_of_rule = [spans_with_ranges[span_number] for span_number in span_numbers]
-        integrals_of_spans = integrals_along(ranges_of_rule, rule)
-        for span_number, ranges_of_span, integrals_of_span in zip(
-            span_numbers, ranges_of_rule, integrals_of_spans, strict=True
+        spans_of_rule = [spans_with_ranges[span_number] for span_number in span_numbers]
+        integrals_of_spans = integrals_along(spans_of_rule, rule)
+        for span_number, span_with_ranges, integrals_of_span in zip(
+            span_numbers, spans_of_rule, integrals_of_spans, strict=True
         ):
-            integrals[span_number, ranges_of_span.integral_number] = integrals_of_span
+            integrals[span_number, span_with_ranges.integral_number] = integrals_of_span
     return integrals
 
 
@@ -338,21 +342,21 @@ def _halve_ranges(
     allowed_error_of_span = halving.relative_error * size_of_integrals
 
     # one row for each range: the numbers of its span and of its integral
-    ranges_to_halve = [spans_with_ranges[span_number] for span_number in numbers_to_halve]
+    spans_to_halve = [spans_with_ranges[span_number] for span_number in numbers_to_halve]
     span_number = np.repeat(
         numbers_to_halve,
-        [len(ranges_of_span.integral_number) for ranges_of_span in ranges_to_halve],
+        [len(span_with_ranges.integral_number) for span_with_ranges in spans_to_halve],
     )
     integral_number = np.concatenate(
-        [ranges_of_span.integral_number for ranges_of_span in ranges_to_halve]
+        [span_with_ranges.integral_number for span_with_ranges in spans_to_halve]
     )
     corner_times_to_halve = [halving.corner_times[number] for number in numbers_to_halve]
     integrals_and_errors = integrals_by_halving(
         partial(
             _integrals_of_parts, spans_with_ranges, integrals_along, span_number, integral_number
         ),
-        np.concatenate([ranges_of_span.begin for ranges_of_span in ranges_to_halve]),
-        np.concatenate([ranges_of_span.end for ranges_of_span in ranges_to_halve]),
+        np.concatenate([span_with_ranges.begin for span_with_ranges in spans_to_halve]),
+        np.concatenate([span_with_ranges.end for span_with_ranges in spans_to_halve]),
         allowed_error_of_span[span_number],
         np.unique(np.concatenate(corner_times_to_halve)),
         first_estimate=integrals[span_number, integral_number],
@@ -362,7 +366,7 @@ def _halve_ranges(
 
 
 def _integrals_of_parts(
-    ranges: Sequence[SpanRanges],
+    spans_with_ranges: Sequence[SpanRanges],
     integrals_along: IntegralsAlong,
     span_number: Indices,
     integral_number: Indices,
@@ -375,7 +379,7 @@ def _integrals_of_parts(
 
     Parameters
     ----------
-    ranges
+    spans_with_ranges
         the spans of slip in one direction, with their ranges of time
     integrals_along
         integrates over given ranges by a given rule
@@ -386,24 +390,24 @@ def _integrals_of_parts(
     begins, ends
         (n,) times at which the parts begin and end
     """
-    spans_with_parts = np.unique(span_number[range_number]).tolist()
+    numbers_of_spans = np.unique(span_number[range_number]).tolist()
     parts_of_spans = [
         np.flatnonzero(span_number[range_number] == number_of_span)
-        for number_of_span in spans_with_parts
+        for number_of_span in numbers_of_spans
     ]
     # a range of time for each part, by span
-    part_ranges = [
+    spans_with_parts = [
         SpanRanges(
-            ranges[number_of_span].span,
+            spans_with_ranges[number_of_span].span,
             integral_number[range_number[part_numbers]],
             begins[part_numbers],
             ends[part_numbers],
         )
-        for number_of_span, part_numbers in zip(spans_with_parts, parts_of_spans, strict=True)
+        for number_of_span, part_numbers in zip(numbers_of_spans, parts_of_spans, strict=True)
     ]
     integrals = np.zeros(len(range_number))
     for part_numbers, integrals_in_span in zip(
-        parts_of_spans, integrals_along(part_ranges, crowded_nodes), strict=True
+        parts_of_spans, integrals_along(spans_with_parts, crowded_nodes), strict=True
     ):
         integrals[part_numbers] = integrals_in_span
     return integrals
@@ -469,7 +473,7 @@ def pointwise_dissipation(
     (0.0, 0.008438314611, 0.008438314611)
     """
     contact_edge_loads = contact.load(x)  # P_x, at which the edge of contact is at the point
-    ranges_of_spans = [
+    spans_with_ranges = [
         _ranges_with_slip(span, contact_edge_loads)
         for span in spans
         if span.direction and span.sticking_piece is not None
@@ -478,7 +482,7 @@ def pointwise_dissipation(
     # A/pi times the integrals, summed by direction of slip; `_span_by_span` takes one span after
     # the other
     return _work_over_spans(
-        contact, modulus, ranges_of_spans, len(x), _span_by_span(density_in_ranges)
+        contact, modulus, spans_with_ranges, len(x), _span_by_span(density_in_ranges)
     )
 
 
@@ -499,7 +503,7 @@ def _density_in_ranges(
     contact: Contact,
     x: Array,
     contact_edge_loads: Array,
-    span_range: SpanRanges,
+    span_with_ranges: SpanRanges,
     rule: QuadratureRule,
 ) -> Array:
     """Friction work per area W(x) pi/A in the ranges of time in which n points slip, by a
@@ -509,13 +513,13 @@ def _density_in_ranges(
     of the ranges are some of the |x| = `x` (k,); `contact_edge_loads` (k,) are the loads P_x at
     which the edge of contact is at each.
     """
-    span = span_range.span
-    times, weights = rule(span_range.begin, span_range.end)
+    span = span_with_ranges.span
+    times, weights = rule(span_with_ranges.begin, span_with_ranges.end)
     # |x| of the point of each range; P and P_c at the nodes, (n, nodes)
-    x_of_points = x[span_range.integral_number, None]
+    x_of_points = x[span_with_ranges.integral_number, None]
     load, _ = span.segment.loads(times)
     stick_edge_load = load - span.slip_zone_load_at(times, load)
-    contact_edge_load_of_points = contact_edge_loads[span_range.integral_number, None]
+    contact_edge_load_of_points = contact_edge_loads[span_with_ranges.integral_number, None]
     # P_x - P_c
     load_outside_stick = np.maximum(contact_edge_load_of_points - stick_edge_load, 0.0)
     arccosh_ratio = contact.arccosh_ratio(
@@ -636,11 +640,11 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
     integrals = KernelIntegrals(contact, np.zeros(1), "shift")
     roundoff = _roundoff_of_loop(contact, spans, largest_load)
     # one range of time for each span
-    ranges_of_spans = [_range_of_span(span) for span in spans]
+    spans_with_ranges = [_range_of_span(span) for span in spans]
     # -int U dQ over ranges of time, times pi/A
     work_along = partial(_works_of_ranges, integrals)
     # A/pi times the sum over all spans
-    integral_of_loop = _work_over_spans(contact, modulus, ranges_of_spans, 1, work_along).total[0]
+    integral_of_loop = _work_over_spans(contact, modulus, spans_with_ranges, 1, work_along).total[0]
     return LoopWork(float(integral_of_loop), 2 / (math.pi * modulus) * roundoff)
 
 
@@ -667,7 +671,7 @@ def _roundoff_of_loop(contact: Contact, spans: Sequence[Span], largest_load: flo
 
 
 def _works_of_ranges(
-    integrals: KernelIntegrals, ranges: Sequence[SpanRanges], rule: QuadratureRule
+    integrals: KernelIntegrals, spans_with_ranges: Sequence[SpanRanges], rule: QuadratureRule
 ) -> list[Array]:
     """pi/A times -int U dQ over the ranges of time of each span, (n,) for a span of n ranges.
 
@@ -675,20 +679,22 @@ def _works_of_ranges(
     quadrature nodes of all spans in one call; `rule` gives nodes and weights between begin and end
     of each range.
     """
-    nodes_of_spans = [rule(span_range.begin, span_range.end) for span_range in ranges]
+    nodes_of_spans = [
+        rule(span_with_ranges.begin, span_with_ranges.end) for span_with_ranges in spans_with_ranges
+    ]
     times_of_spans = [
-        (span_range.span, times.ravel())
-        for span_range, (times, _) in zip(ranges, nodes_of_spans, strict=True)
+        (span_with_ranges.span, times.ravel())
+        for span_with_ranges, (times, _) in zip(spans_with_ranges, nodes_of_spans, strict=True)
     ]
     # U pi/A, an integral over the memory curve (tangential force up to each load) at each time
     displacement_at_nodes = integrals.over_memory_curves(snapshot_of(times_of_spans))[:, 0]
     first_nodes = np.cumsum([len(times) for _, times in times_of_spans])[:-1]
     works_of_spans = []
-    for span_range, (times, weights), displacement_in_span in zip(
-        ranges, nodes_of_spans, np.split(displacement_at_nodes, first_nodes), strict=True
+    for span_with_ranges, (times, weights), displacement_in_span in zip(
+        spans_with_ranges, nodes_of_spans, np.split(displacement_at_nodes, first_nodes), strict=True
     ):
         displacement = displacement_in_span.reshape(times.shape)
-        force_rate = span_range.span.segment.rate_of(TANGENTIAL_LOAD, times)
+        force_rate = span_with_ranges.span.segment.rate_of(TANGENTIAL_LOAD, times)
         works_of_spans.append(-np.sum(displacement * force_rate * weights, axis=1))
     return works_of_spans
 
