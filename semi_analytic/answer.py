@@ -218,7 +218,7 @@ def solution_of(question: Question, findings: Findings) -> ContactSolution:
     The findings hold instants `time`, points `x`, and loads, fields and dissipations by their names
     in the solution, `values`. Fields that the question did not ask for, and whatever the findings
     name as skipped, stand in the solution's `work.skipped` with the reason. The closed integral of
-    Q dU, "loop_work", is NaN where it was not asked for.
+    Q dU, "loop_work", is NaN where it was not asked for. U is the relative tangential displacement.
     """
     values_by_name: dict[str, Any] = {"time": findings.time, "x": findings.x} | dict(
         findings.values

@@ -255,7 +255,7 @@ def _works_by_name(
     [energy per thickness, W(x) per area].
 
     `density` of the friction work is W(x) at the different |x|, `distance_index` (m,) of the
-    request the index of each point among these.
+    request the index of each point among these. U is the relative tangential displacement.
     """
     return {
         "dissipation": friction_work.of_last_cycle,
@@ -1126,7 +1126,7 @@ def _works_of_cycles(history: History, request: Request) -> dict[int, _WorkOfCyc
     A steady ellipse of P and Q has formulas that keep their digits, however small the slip. Other
     cycles are integrated over the times of slip. `covered` are the cycles of the answer,
     `steady_from` is the first steady one, None without one. The request holds the normal contact
-    and E*.
+    and E*, the composite modulus.
     """
     friction = history.spans[0].friction
     # loads and angles of the ellipse

@@ -509,7 +509,7 @@ def _loop_work_and_error(followed: _FollowedRig) -> tuple[float, float | None]:
     thickness], and its relative error: its change by steps twice as long.
 
     NaN without a steady cycle, where the loads have no `period`. The error is None where the
-    integral is not above 0.
+    integral is not above 0. U is the tangential displacement.
     """
     steady_from = followed.steady_from
     if steady_from is None or followed.loads_up_to_end.period is None:

@@ -115,7 +115,8 @@ class GridAnswer:
         `steady_cycle` is the answer for the steady cycle by a method without grids; None where
         there is none, or where grids found no steady cycle. W(x), permanent stick, loop work and W
         are taken from it, W also for each cycle from the first steady one on. A last cycle that is
-        not steady gets a note of how far its W may be from the steady one.
+        not steady gets a note of how far its W may be from the steady one. W(x) is the friction
+        work per area.
         """
         values = self._values()
         errors = self._errors_on_grids()
@@ -148,6 +149,7 @@ class GridAnswer:
         names in a solution; none of them is uncertain.
 
         W of each cycle is that on grids, `works_on_grids` (n_cycles,), up to the first steady one.
+        W(x) is the friction work per area.
         """
         n_cycles_before = self.path_on_grids.steady_from or 0
         is_before_steady = np.arange(len(works_on_grids)) < n_cycles_before
@@ -192,7 +194,7 @@ class GridAnswer:
         """Relative errors of the fields that were asked for, by name, as the grids estimate them.
 
         That of the friction work of a steady cycle also contains the difference of that work from
-        the closed integral of Q dU, `loop_work`.
+        the closed integral of Q dU, `loop_work`. U is the tangential displacement.
         """
         path_on_grids = self.path_on_grids
         errors = dict(path_on_grids.errors)

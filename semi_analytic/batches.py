@@ -160,7 +160,8 @@ def _density_function(ellipses: Ellipses, contact: SymmetricContact) -> Callable
     numbers, x, node_stride=1).
 
     It takes numbers of ellipses and places x, (k,) each, and gives W(x) of each pair, (k,), by
-    every `node_stride`-th quadrature node. `contact` is the normal contact of all.
+    every `node_stride`-th quadrature node. `contact` is the normal contact of all. E* is the
+    composite modulus, f the friction.
     """
 
     def density_at(ellipse_numbers: Indices, x: Array, node_stride: int = 1) -> Array:
@@ -212,7 +213,7 @@ def _local_maxima(samples: _Samples, density_at: Callable[..., Array]) -> _Local
     `samples` holds ellipse, place x and W(x), one ellipse after the other. A sample and its
     neighbours are a bracket. It is narrowed with every second quadrature node first, then with all.
     `density_at`(ellipse numbers, x, node_stride=1) gives W(x) pi E*/(2 f^2), with every
-    `node_stride`-th quadrature node.
+    `node_stride`-th quadrature node. E* is the composite modulus, f the friction.
     """
     # W(x)
     density_at_samples = samples.density
@@ -267,6 +268,7 @@ def _largest_maximum(
     W is 0 where nothing slips, NaN where it `is_unknown` (m,) at some sample. The error adds how
     far W may rise between the last three places about the maximum, the quadrature error and
     round-off. Where no maximum was found it is the largest W that may be lost in the last digits.
+    E* is the composite modulus, f the friction.
 
     Parameters
     ----------
@@ -332,7 +334,8 @@ def _largest_undetected_density(ellipses: Ellipses, places: Array) -> Array:
     W(x) is at most the product of p, 2 (u + v) and arccosh(|x|/c). That is 2 (u + v) (P - P_c)/(pi
     a), with the largest P - P_c, and the half-width c of permanent stick in the place of a where it
     is not 0. u and v are the amplitudes of (Q -+ f P)/f. `places` (m, n) are places x from c to the
-    half-width a of the largest contact.
+    half-width a of the largest contact. E* is the composite modulus, f the friction. P_c is the
+    load at the stick edge.
     """
     stick_edge = places[:, 0]
     largest_half_width = places[:, -1]
@@ -355,6 +358,7 @@ def _second_maximum(
     by more than twice its error. `sampled_density` is W(x) at all samples of all ellipses, one
     ellipse after the other. A local maximum holds the numbers of its ellipse and its sample, and
     the vertex of a parabola, with W and place. `peaks` holds the largest maximum of each ellipse.
+    E* is the composite modulus, f the friction.
     """
     n_ellipses = len(peaks.density)
     second_density = np.full(n_ellipses, np.nan)
@@ -410,8 +414,8 @@ def _sampled_density(
     """Samples of the friction work per area W(x) of each load ellipse at its `places` (m, n), and
     at more places where W is nearly level; and for which ellipses W is NaN at some place, (m,).
 
-    Of equal places one counts. At both ends of the slip zone W is set to 0.
-    `density_at`(ellipse numbers, x) gives W(x) pi E*/(2 f^2).
+    Of equal places one counts. At both ends of the slip zone W is set to 0. `density_at`(ellipse
+    numbers, x) gives W(x) pi E*/(2 f^2). E* is the composite modulus, f the friction.
     """
     slip_zone_widths = places[:, -1] - places[:, 0]
     # _SAME_POINT_WIDTH_SHARE: 1e-10
@@ -1151,7 +1155,8 @@ def _maxima_of_members(members: Members) -> Array:
     """The two largest maxima over x of the friction work per area W(x) of each member of a batch,
     (6, m), in units of the scene: the largest W(x) pi E*/(2 f^2), the second one, the error of the
     largest, their |x|, and that of the largest as a fraction of the slip zone. Groups by the shape
-    of the profile have one contact each, in units of length and load.
+    of the profile have one contact each, in units of length and load. E* is the composite modulus,
+    f the friction.
     """
     maxima = np.empty((6, len(members.is_mirrored)))
     for group in members.shape_groups():

@@ -627,7 +627,7 @@ def steady_curve(scene: Scene) -> OneCurve | None:
     The other initial loading presses to the first P of the cycle, then shears to its first Q. What
     changes in a steady cycle of like bodies does not depend on how it was reached, and so neither
     the friction work W nor W(x) depends on it (Andersson, Barber and Ponter, 2014). The traction
-    locked in the permanent stick zone depends on it.
+    locked in the permanent stick zone depends on it. W(x) is the friction work per area.
     """
     path = scene.load.path()
     if not path.cycle:

@@ -153,7 +153,8 @@ def cycle_of_punches(
         kn = N P + N_Q Q,    kt = T Q + T_P P
 
     kn x^2/2 and kt x^2/2 are what finite bodies add to the gap and to the tangential displacement
-    of the faces. The bounds hold for the tangential force that a punch keeps while it sticks.
+    of the faces. The bounds hold for the tangential force that a punch keeps while it sticks. E* is
+    the composite modulus.
 
     Parameters
     ----------
@@ -383,7 +384,7 @@ def _works_of_forward_and_reverse_slip(punches: _Punches, edges: _EdgesOfCycle) 
     w(c) dc/c over the punches of half-width c from permanent stick to the largest contact.
 
     w(c) is the work of a punch. Punches beyond the edge of the least contact open in a part of the
-    cycle: w has a kink there, at which the range is divided.
+    cycle: w has a kink there, at which the range is divided. E* is the composite modulus, A = 2/E*.
     """
     works = np.zeros((2, len(edges.contact_edge)))
     node_fractions, node_weights = _crowded_gauss_rule()

@@ -922,7 +922,8 @@ class FollowedPath:
         0 at the first one.
 
         Work is done in three places: the slip zone at the edge of contact, an inner slip zone, and
-        the strip that the receding contact leaves, which slips until it separates.
+        the strip that the receding contact leaves, which slips until it separates. A = 2/E*, E* the
+        composite modulus.
         """
         # Zones by direction of slip, inner and outer end; _s: coordinate s in the table of punches.
         edge_before = np.append(self.edge_s[:1], self.edge_s[:-1])
@@ -1120,7 +1121,8 @@ class FollowedPath:
         instant number `row`, from the outer end inwards: inner and outer end, and the number of the
         piece of the memory curve before the step, 0 where that was outside the contact.
 
-        They end where two pieces meet, and at whole numbers of s, the kinks of the profile.
+        They end where two pieces meet, and at whole numbers of s, the kinks of the profile. The
+        memory curve is the locked-in tangential force over s.
         """
         # top_s: outer end of each piece; numbers_below: number of the piece below it;
         # uppermost_pieces: number of the outermost piece of the memory curve at each instant

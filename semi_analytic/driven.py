@@ -730,6 +730,7 @@ class _GrowingPath:
 
         `memory` is the friction memory of the contact with all its pieces of memory curve.
         `end_rows` are the numbers of the instants at which the initial loading and each cycle end.
+        A memory curve is the tangential force that stuck punches keep.
         """
         memory_rows = np.array([solved_step.row for solved_step in self.steps]).T
         memory_steps = [solved_step.step for solved_step in self.steps]
@@ -1064,7 +1065,8 @@ class _StepSolver:
 
     def _compliance_at(self, step: MemoryStep, normal_load: float) -> float:
         """Compliance d(U + Q/k_s)/dQ of the actuator at the end of a step under P = `normal_load`
-        [1/stress], by the half-width that sticks there; at least 1e-9 of the table's largest.
+        [1/stress], by the half-width that sticks there; at least 1e-9 of the table's largest. U is
+        the displacement of contact and bodies, k_s the spring of the rig.
         """
         # Coordinates s in the table of punches: inner end of an inner slip zone, else the stick
         # edge.

@@ -290,7 +290,8 @@ class ArcIntegrals:
         resolved. On a panel near P_x the integral is taken by Gauss' rule in a variable that makes
         it smooth.
 
-        The kernel is the shear, slip or displacement by a unit of load on a flat punch.
+        The kernel is the shear, slip or displacement by a unit of load on a flat punch. An arc is a
+        part of a curved load segment, travelled in full stick.
         """
         # Of each panel: begin, end, Chebyshev coefficients and error, and which points are near.
         panels = self._resolved_panels(panel_ends[:-1], panel_ends[1:])
@@ -356,7 +357,8 @@ class ArcIntegrals:
         no longer count, or no number lies between their ends.
 
         The integrand is the rate of Q times the kernel: the shear, slip or displacement at a point
-        by a unit of load on a flat punch.
+        by a unit of load on a flat punch. An arc is a part of a curved load segment, travelled in
+        full stick.
         """
         resolved_panels: list[_Panels] = []
         largest_integral = 0.0
@@ -404,7 +406,8 @@ class ArcIntegrals:
         The variable of integration depends on the turning point of P, before or behind the arc. A
         range lies before or behind the middle of the arc and takes the turning point on its side.
 
-        The kernel is the shear, slip or displacement by a unit of load on a flat punch.
+        The kernel is the shear, slip or displacement by a unit of load on a flat punch. An arc is a
+        part of a curved load segment, travelled in full stick.
         """
         # _turn_at_begin and _turn_at_end: turning points of P at both ends of the arc.
         integrals = np.empty(len(begins))
@@ -492,7 +495,8 @@ def _first_panel_ends(piece: Piece, corner_loads: Array) -> Array:
     A smooth part lies between the times at which P had the loads of two corners. Its panels have
     equal lengths: one that began just behind a corner would not be smooth. `arc` of the piece are
     times of its ends, `anchor` is the instant at the end before any of the arc was cut off.
-    `corner_loads` are those at which the edge of contact is at a corner.
+    `corner_loads` are those at which the edge of contact is at a corner. An arc is a part of a
+    curved load segment, travelled in full stick.
     """
     assert piece.arc_times is not None  # for the type checker: only called for arcs
     first_time = piece.arc_times[0]
@@ -871,7 +875,8 @@ class KernelIntegrals:
 
         The memory curve M(eta) is the tangential force that the flat punches up to the load eta
         carry. K is the shear, slip or displacement by a unit of load on a flat punch. At constant P
-        the shear is that of Cattaneo and Mindlin, q = f [p(x, P) - p(x, P - Q/f)].
+        the shear is that of Cattaneo and Mindlin, q = f [p(x, P) - p(x, P - Q/f)]. A snapshot holds
+        the friction states at the instants.
 
         >>> from scenes.segments import straight_segments
         >>> from semi_analytic.hertz import HertzContact

@@ -924,7 +924,8 @@ def slip_work(contact: Contact, records: Records) -> tuple[Array, int]:
 
     A record is a portion of a load step with slip, w = +-Q - f P, which grows by `level_rise` along
     the record. Lam(P, P_c) is the integral of ln(a/c) over the loads from P_c to P, c = a(P_c) the
-    stick half-width, A = 2/E*; the quadrature takes its mean along the record.
+    stick half-width, A = 2/E*; the quadrature takes its mean along the record. P_c is the load at
+    the stick edge.
     """
     mean_kernels, n_nodes = _means_along_records(
         contact,
@@ -1109,7 +1110,8 @@ class _SlippingPairs(NamedTuple):
     def closeness_to_singularity(self) -> Array:
         """How close p arccosh(|x|/c) comes to its singularities, at P = P_x, P_c = P_x and P_c = 0,
         while the point slips, (n,): 0 far away, 1 where it reaches one. p is the pressure at the
-        point, c the stick half-width.
+        point, c the stick half-width. P_x is the load at which the edge of contact is at the point,
+        P_c that at the stick edge.
         """
         load_at_begin, stick_edge_load_at_begin = self.loads.at(self.begin_share[:, None])
         load_at_end, stick_edge_load_at_end = self.loads.at(self.end_share[:, None])
