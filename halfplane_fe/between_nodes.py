@@ -1041,13 +1041,8 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
     if not problem.has_shear:
         return no_excess
 
-    # Nodes of the permanent stick zone: closed all along, with a range of slip that is next to 0.
     slip = np.stack([state.slip for state in states])
-    slip_range = np.ptp(slip, axis=0)
-    is_closed = np.stack([state.is_closed for state in states])
-    largest_range = np.max(slip_range, where=is_closed.any(axis=0), initial=0.0)
-    # _STUCK: share of the largest range of slip below which a node sticks
-    sticks_all_along = is_closed.all(axis=0) & (slip_range <= _STUCK * largest_range)
+    sticks_all_along = _sticks_all_along(states, slip)
     stick_zone = np.flatnonzero(sticks_all_along)
     # _ZONE: three nodes, fewest of a zone
     if len(stick_zone) < _ZONE or np.diff(stick_zone).max() > 1:
@@ -1080,6 +1075,18 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
         is_unplaced=not works_at_edges,
         stick_zone=_stick_zone(problem, sticks_all_along, stick_edges),
     )
+
+
+def _sticks_all_along(states: Sequence[InterfaceState], slip: Array) -> Mask:
+    """Whether each node sticks through a whole load cycle, (n,): it is closed all along, and the
+    range of its slip is next to 0: 1e-6 of the largest at most. `slip` (k, n) is that of the nodes
+    at the k contact `states` of the cycle.
+    """
+    slip_range = np.ptp(slip, axis=0)
+    is_closed = np.stack([state.is_closed for state in states])
+    largest_range = np.max(slip_range, where=is_closed.any(axis=0), initial=0.0)
+    # _STUCK: share of the largest range of slip below which a node sticks
+    return np.asarray(is_closed.all(axis=0) & (slip_range <= _STUCK * largest_range))
 
 
 def _stick_zone(
@@ -1143,6 +1150,21 @@ class _StickEdgeAtTurns(NamedTuple):
     uncertainty: float
     turn_times: tuple[float, ...]
 
+    @classmethod
+    def mean_of(
+        cls,
+        edges_at_turns: Sequence[_EdgeAtTurn],
+        excess: _ExcessWork,
+        turn_times: tuple[float, ...],
+    ) -> _StickEdgeAtTurns:
+        """Edge of permanent stick at the mean place of the edges at both turning points, with their
+        mean uncertainty.
+        """
+        n_turns = len(edges_at_turns)
+        place = sum(edge.place for edge in edges_at_turns) / n_turns
+        uncertainty = sum(edge.uncertainty for edge in edges_at_turns) / n_turns
+        return cls(excess, place, uncertainty, turn_times)
+
 
 def _at_stick_edge(
     problem: ContactProblem,
@@ -1176,103 +1198,245 @@ def _at_stick_edge(
     side
         1 for the right edge, -1 for the left one
     """
-    # Nodes around the edge: the last one of the stick zone, the first one that slides; and that of
-    # the opposite edge.
-    leftmost_stuck_node, rightmost_stuck_node = np.flatnonzero(is_always_stuck)[[0, -1]].tolist()
-    last_stuck_node = rightmost_stuck_node if side > 0 else leftmost_stuck_node
-    opposite_stuck_node = leftmost_stuck_node if side > 0 else rightmost_stuck_node
-    first_sliding_node = last_stuck_node + side
-    opposite_sliding_node = opposite_stuck_node - side
-    if not _has_equal_elements(problem, first_sliding_node):
+    nodes = _NodesAtEdge.of_zone(is_always_stuck, side)
+    if not _has_equal_elements(problem, nodes.first_sliding):
+        return None
+    turns = _TurnsOfNode.found(states, slip, nodes.first_sliding)
+    if turns is None:
         return None
 
-    # States at the turning points of slip, by the sense of slip that ends there.
-    slip_of_node = slip[:, first_sliding_node]
-    slip_range = float(np.ptp(slip_of_node))
-    signs = slip_sign(np.array([state.node_states[first_sliding_node] for state in states]))
-    states_at_turns: dict[int, InterfaceState] = {}
-    turn_times: list[float] = []
-    for sign in (1, -1):
-        # _TURNED: share of its range of slip within which a node has turned round
-        is_at_turn = sign * slip_of_node >= np.max(sign * slip_of_node) - _TURNED * slip_range
-        turning_steps = np.flatnonzero((signs == sign) & is_at_turn)
-        # forces of a state that a long run has dropped are not known
-        if not len(turning_steps) or not states[turning_steps[-1]].is_complete:
-            return None
-        states_at_turns[sign] = states[turning_steps[-1]]
-        turn_times += [states[step].time for step in turning_steps.tolist()]
+    forces_to_limit_of_both = turns.added_forces_to_limit(problem.friction)
+    n_loads = len(states[0].loads)
 
-    # f p - s q of the nodes (n,), s the sense of slip, added up over both turning points.
-    friction = problem.friction
-    forces_to_limit = [
-        force_to_limit(state.pressure, state.shear, sign, friction)
-        for sign, state in states_at_turns.items()
-    ]
-    forces_to_limit_of_both = np.sum(forces_to_limit, axis=0)
+    def rates_by_load(node_states: States) -> Array:
+        """Derivatives (4, n) by Q of slip, normal force, shear force and gap of the nodes, for
+        given `node_states` (n,).
+        """
+        return nodal_values(problem.rates(node_states, n_loads)[1])
 
     excess_work = 0.0
     rms = 0.0
-    places: list[float] = []
-    uncertainties: list[float] = []
-    n_loads = len(states[0].loads)
-    for sign, turning_state in states_at_turns.items():
+    edges_at_turns: list[_EdgeAtTurn] = []
+    for sense, turning_state in turns.states_by_sense.items():
+        turn = TurnOfSlip(sense, turns.slip_range, float(forces_to_limit_of_both[nodes.last_stuck]))
         # Nodes that have only reached the Coulomb limit stick.
-        nodal_states = np.where(
-            is_always_stuck & (turning_state.node_states != OPEN), STICK, turning_state.node_states
-        ).astype(np.int8)
-        is_sliding = slip_sign(nodal_states) == sign
+        is_stuck = is_always_stuck & (turning_state.node_states != OPEN)
+        node_states = np.where(is_stuck, STICK, turning_state.node_states).astype(np.int8)
+        edge_at_turn = _edge_at_turn(
+            problem, nodes, turn, node_states, forces_to_limit_of_both, rates_by_load
+        )
+        if edge_at_turn is None:
+            return None
+        edges_at_turns.append(edge_at_turn)
+        excess_at_turn = _excess_at_turn(
+            nodes,
+            edge_at_turn.edge,
+            node_states,
+            problem.friction,
+            turning_state.pressure,
+            rates_by_load,
+        )
+        excess_work += excess_at_turn.work
+        rms += excess_at_turn.rms
+    return _StickEdgeAtTurns.mean_of(edges_at_turns, _ExcessWork(excess_work, rms), turns.times)
+
+
+class _NodesAtEdge(NamedTuple):
+    """Nodes at an edge of the permanent stick zone, on one side of x = 0.
+
+    Attributes
+    ----------
+    side
+        1 for the right edge, -1 for the left one
+    last_stuck, first_sliding
+        last node of the zone, and the next one outwards
+    opposite_sliding
+        first node beyond the opposite edge of the zone; it need not exist
+    """
+
+    side: int
+    last_stuck: int
+    first_sliding: int
+    opposite_sliding: int
+
+    @classmethod
+    def of_zone(cls, is_always_stuck: Mask, side: int) -> _NodesAtEdge:
+        """Nodes at the right (`side` 1) or left (-1) edge of the zone whose nodes `is_always_stuck`
+        (n,) states.
+        """
+        leftmost_stuck, rightmost_stuck = np.flatnonzero(is_always_stuck)[[0, -1]].tolist()
+        last_stuck = rightmost_stuck if side > 0 else leftmost_stuck
+        opposite_stuck = leftmost_stuck if side > 0 else rightmost_stuck
+        return cls(side, last_stuck, last_stuck + side, opposite_stuck - side)
+
+    def number_beyond_edge(self, is_sliding: Mask) -> int:
+        """Number of nodes that slide, of those from the first sliding one outwards; `is_sliding` is
+        (n,) of all nodes.
+        """
         slides_beyond_edge = (
-            is_sliding[first_sliding_node:] if side > 0 else is_sliding[: first_sliding_node + 1]
+            is_sliding[self.first_sliding :]
+            if self.side > 0
+            else is_sliding[: self.first_sliding + 1]
         )
-        # a single sliding node does not locate the edge; _ZONE: 3
-        if np.count_nonzero(slides_beyond_edge) < _ZONE - 1:
-            return None
+        return int(np.count_nonzero(slides_beyond_edge))
 
-        # Place of the edge, by slip and force to the limit from one turning point to the other, and
-        # by the derivatives (4, n) of slip, p, q and gap by Q.
-        turn = TurnOfSlip(sign, slip_range, float(forces_to_limit_of_both[last_stuck_node]))
-        rates_by_load = nodal_values(problem.rates(nodal_states, n_loads)[1])
-        edge = Edge.of_stick(problem, side, last_stuck_node, turn, rates_by_load)
-        if not edge.is_moved:  # no finite load takes it to the next node
-            return None
-        _, pressure_rates, shear_rates, _ = rates_by_load
-        rates_to_limit = force_to_limit(pressure_rates, shear_rates, sign, friction)
-        unevenness = _unevenness(edge, last_stuck_node, forces_to_limit_of_both, rates_to_limit)
-        places.append(_place_put_right(edge, last_stuck_node, unevenness))
-        # _OF_STICK: share of the uncertainty of edges of contact that those of stick have
-        share = _OF_STICK * math.hypot(*_shares_of_spacing(edge, last_stuck_node, unevenness))
-        uncertainties.append(edge.spacing * min(share, 1.0))
 
-        # Excess work: change of the slip rates as the edge meets its node, and the opposite edge
-        # its own, times the excess at the place of the edge.
-        opposite_slides = 0 <= opposite_sliding_node < len(is_sliding) and bool(
-            is_sliding[opposite_sliding_node]
-        )
-        nodes = (
-            (first_sliding_node, opposite_sliding_node)
-            if opposite_slides
-            else (first_sliding_node,)
-        )
+class _TurnsOfNode(NamedTuple):
+    """Turning points of the slip of one node in a load cycle.
 
-        def slip_by_load(node_states: States) -> Array:
-            """(n,) derivative of the nodal slip by Q."""
-            return np.asarray(nodal_values(problem.rates(node_states, n_loads)[1])[0])
+    Attributes
+    ----------
+    states_by_sense
+        sense of the slip that ends there, 1 and -1 -> the last contact state at the turning point
+    times
+        instants at both turning points
+    slip_range
+        slip of the node from one turning point to the other
+    """
 
-        change_of_slip_rates = _change_of_rates(slip_by_load, nodal_states, nodes, STICK)
-        work_by_load = problem.friction * float(turning_state.pressure @ change_of_slip_rates)
-        # `load_over_rate_jump`: load between the nodes over the dimensionless change of rates;
-        # `fraction_passed`: way of the edge from its node to its place, over that to the next node
-        work_of_unit_excess = work_by_load * edge.load_over_rate_jump
-        excess_at_place = float(edge.dimensionless_excess(edge.fraction_passed()))
-        excess_work -= work_of_unit_excess * excess_at_place
-        # _RMS: root mean square of the dimensionless excess over all places of an edge
-        rms += abs(work_of_unit_excess) * _RMS
-    return _StickEdgeAtTurns(
-        excess=_ExcessWork(excess_work, rms),
-        place=sum(places) / len(places),
-        uncertainty=sum(uncertainties) / len(uncertainties),
-        turn_times=tuple(turn_times),
+    states_by_sense: dict[int, InterfaceState]
+    times: tuple[float, ...]
+    slip_range: float
+
+    @classmethod
+    def found(cls, states: Sequence[InterfaceState], slip: Array, node: int) -> _TurnsOfNode | None:
+        """Turning points of the slip (k, n) of a node at the k contact `states` of a cycle; None
+        where it does not slide in both senses, or a long run has dropped the forces there.
+        """
+        slip_of_node = slip[:, node]
+        slip_range = float(np.ptp(slip_of_node))
+        senses = slip_sign(np.array([state.node_states[node] for state in states]))
+        states_by_sense: dict[int, InterfaceState] = {}
+        times: list[float] = []
+        for sense in (1, -1):
+            # _TURNED: share of its range of slip within which a node has turned round
+            is_at_turn = sense * slip_of_node >= (
+                np.max(sense * slip_of_node) - _TURNED * slip_range
+            )
+            turning_steps = np.flatnonzero((senses == sense) & is_at_turn)
+            if not len(turning_steps) or not states[turning_steps[-1]].is_complete:
+                return None
+            states_by_sense[sense] = states[turning_steps[-1]]
+            times += [states[step].time for step in turning_steps.tolist()]
+        return cls(states_by_sense, tuple(times), slip_range)
+
+    def added_forces_to_limit(self, friction: float) -> Array:
+        """Forces (n,) of all nodes to the Coulomb limit, f p - s q (s the sense of slip), added up
+        over both turning points; `friction` is f.
+        """
+        forces_to_limit = [
+            force_to_limit(state.pressure, state.shear, sense, friction)
+            for sense, state in self.states_by_sense.items()
+        ]
+        return np.asarray(np.sum(forces_to_limit, axis=0))
+
+
+class _EdgeAtTurn(NamedTuple):
+    """An edge of stick located by the load between two nodes, its corrected place, and how far this
+    may be from the true one by the mesh; scaled.
+    """
+
+    edge: Edge
+    place: float
+    uncertainty: float
+
+
+def _edge_at_turn(
+    problem: ContactProblem,
+    nodes: _NodesAtEdge,
+    turn: TurnOfSlip,
+    node_states: States,
+    forces_to_limit: Array,
+    rates: Callable[[States], Array],
+) -> _EdgeAtTurn | None:
+    """Edge of permanent stick at a turning point of slip, by the slip and the force to the Coulomb
+    limit from one turning point to the other, and their derivatives by Q. None where no finite load
+    takes it from node to node, and where a single node slides beyond it.
+
+    Parameters
+    ----------
+    problem
+        the contact problem, with its nodes and friction
+    nodes
+        around the edge
+    turn
+        sense and range of the slip of the first sliding node; force of the last stuck one to the
+        limit
+    node_states
+        (n,) open, stick or slip of all nodes
+    forces_to_limit
+        (n,) forces of all nodes to the Coulomb limit, added up over both turning points
+    rates
+        function from node states to the derivatives (4, n) by Q of slip, normal force, shear force
+        and gap
+    """
+    # a single sliding node does not locate the edge; _ZONE: 3
+    if nodes.number_beyond_edge(slip_sign(node_states) == turn.sense) < _ZONE - 1:
+        return None
+    rates_by_load = rates(node_states)
+    edge = Edge.of_stick(problem, nodes.side, nodes.last_stuck, turn, rates_by_load)
+    if not edge.is_moved:  # no finite load takes it to the next node
+        return None
+    _, pressure_rates, shear_rates, _ = rates_by_load
+    rates_to_limit = force_to_limit(pressure_rates, shear_rates, turn.sense, problem.friction)
+    unevenness = _unevenness(edge, nodes.last_stuck, forces_to_limit, rates_to_limit)
+    # _OF_STICK: share of the uncertainty of edges of contact that those of stick have
+    share = _OF_STICK * math.hypot(*_shares_of_spacing(edge, nodes.last_stuck, unevenness))
+    return _EdgeAtTurn(
+        edge,
+        place=_place_put_right(edge, nodes.last_stuck, unevenness),
+        uncertainty=edge.spacing * min(share, 1.0),
     )
+
+
+def _excess_at_turn(
+    nodes: _NodesAtEdge,
+    edge: Edge,
+    node_states: States,
+    friction: float,
+    pressure: Array,
+    rates: Callable[[States], Array],
+) -> _ExcessWork:
+    """Excess friction work at one turning point of slip, by the place of the stick edge between two
+    nodes: change of the slip rates as the edge meets its node, and the opposite edge its own, times
+    the excess at the place of the edge.
+
+    Parameters
+    ----------
+    nodes
+        around the edge, and the first one beyond the opposite edge: it counts if it slides in the
+        same sense
+    edge
+        located by the load
+    node_states
+        (n,) open, stick or slip of all nodes
+    friction
+        coefficient f
+    pressure
+        (n,) nodal normal forces at the turning point
+    rates
+        function from node states to the derivatives (4, n) by Q of slip, normal force, shear force
+        and gap
+    """
+    opposite_slides = 0 <= nodes.opposite_sliding < len(node_states) and (
+        node_states[nodes.opposite_sliding] == node_states[nodes.first_sliding]
+    )
+    changed_nodes = (
+        (nodes.first_sliding, nodes.opposite_sliding) if opposite_slides else (nodes.first_sliding,)
+    )
+
+    def slip_by_load(states: States) -> Array:
+        """(n,) derivative of the nodal slip by Q, for given states of the nodes."""
+        return np.asarray(rates(states)[0])
+
+    change_of_slip_rates = _change_of_rates(slip_by_load, node_states, changed_nodes, STICK)
+    work_by_load = friction * float(pressure @ change_of_slip_rates)
+    # `load_over_rate_jump`: load between the nodes over the dimensionless change of rates;
+    # `fraction_passed`: way of the edge from its node to its place, over that to the next node
+    work_of_unit_excess = work_by_load * edge.load_over_rate_jump
+    excess_at_place = float(edge.dimensionless_excess(edge.fraction_passed()))
+    # _RMS: root mean square of the dimensionless excess over all places of an edge
+    return _ExcessWork(-work_of_unit_excess * excess_at_place, abs(work_of_unit_excess) * _RMS)
 
 
 def _at_contact_edge(
@@ -1300,75 +1464,122 @@ def _at_contact_edge(
     side
         1 for the right edge, -1 for the left one
     """
-    n_loads = len(states[0].loads)
-    rates_of_contacts: dict[bytes, Array] = {}  # by the set of closed nodes
-
-    def rates_by_load(node_states: States) -> Array:
-        """Derivatives (4, n) by P of slip, normal force, shear force and gap of the nodes, for
-        given `node_states` (n,). Between like bodies they depend on the closed nodes alone; unlike
-        ones are taken in full stick.
-        """
-        if problem.interface.coupling is not None:
-            node_states = np.where(node_states != OPEN, STICK, OPEN).astype(np.int8)
-        closed_key = (node_states != OPEN).tobytes()
-        if closed_key not in rates_of_contacts:
-            rates_of_contacts[closed_key] = nodal_values(problem.rates(node_states, n_loads)[0])
-        return rates_of_contacts[closed_key]
-
-    def pressure_by_load(node_states: States) -> Array:
-        """(n,) derivative of the nodal normal force by P."""
-        return np.asarray(rates_by_load(node_states)[1])
-
+    rates = _RatesByNormalLoad(problem, len(states[0].loads), {})
     for state in states:
-        rates_by_load(state.node_states)  # cached in the order of the states
-
+        rates.by_load(state.node_states)  # cached in the order of the states
     excess_work = 0.0
     unit_works_at_nodes: dict[int, float] = {}  # by the node inside the edge
     slip_increments = np.abs(np.diff(slip, axis=0))
     for start_state, end_state, node_slips in zip(
         states[:-1], states[1:], slip_increments, strict=True
     ):
-        # Outermost closed node on this side, and on the opposite one.
-        closed_nodes = np.flatnonzero(start_state.is_closed)
-        node = int(closed_nodes[-1 if side > 0 else 0])
-        opposite_node = int(closed_nodes[0 if side > 0 else -1])
-        next_node = node + side
         if not node_slips.any():
             continue
-        # forces of a state that a long run has dropped are not known
-        if not start_state.is_complete or not _has_equal_elements(problem, node):
+        edge = _contact_edge_at(rates, start_state, side)
+        if edge is None:
             return None
-        if not 0 <= next_node < len(node_slips):
-            return None
-
+        work_of_unit_excess = _work_of_unit_excess(rates, edge, start_state, node_slips)
         # Way of the edge during the increment, as fractions of that from node to node.
-        edge = Edge.of_contact(
-            problem, side, node, start_state, rates_by_load(start_state.node_states)
-        )
-        if not edge.is_moved:  # no finite load takes it to the next node
-            return None
         fraction_at_start = edge.fraction_passed()
         fraction_at_end = edge.fraction_passed(end_state.loads[0] - start_state.loads[0])
         fraction_in_middle = (fraction_at_start + fraction_at_end) / 2
         fractions = [fraction_at_start, fraction_in_middle, fraction_at_end]
-
-        # Excess work: change of the pressure rates as the edge meets its node.
-        nodes = (node, opposite_node) if _has_equal_elements(problem, opposite_node) else (node,)
-        change_of_pressure_rates = _change_of_rates(
-            pressure_by_load, start_state.node_states, nodes, OPEN
-        )
-        work_by_load = problem.friction * float(node_slips @ change_of_pressure_rates)
-        # `load_over_rate_jump`: load between the nodes over the dimensionless change of rates
-        work_of_unit_excess = work_by_load * edge.load_over_rate_jump
         # Simpson's rule along the increment
         excess_work -= (
             work_of_unit_excess * float(edge.dimensionless_excess(fractions) @ [1, 4, 1]) / 6
         )
-        unit_works_at_nodes[node] = unit_works_at_nodes.get(node, 0.0) + abs(work_of_unit_excess)
+        unit_works_at_nodes[edge.node] = unit_works_at_nodes.get(edge.node, 0.0) + abs(
+            work_of_unit_excess
+        )
     # All along from node to node the excess has mean zero. What counts is the place at which the
     # edge stays while most slip happens.
     # _RMS: root mean square of the dimensionless excess over all places of an edge
     return _ExcessWork(excess_work, max(unit_works_at_nodes.values(), default=0.0) * _RMS)
+
+
+class _RatesByNormalLoad(NamedTuple):
+    """Derivatives of the nodal values by P for sets of node states, cached; scaled.
+
+    Attributes
+    ----------
+    problem
+        the contact problem; its `interface.coupling` is None of like bodies
+    n_loads
+        number of loads of the path: 2, or 5 with bulk stress or tilt
+    rates_of_contacts
+        derivatives (4, n) by the set of closed nodes, as they are found
+    """
+
+    problem: ContactProblem
+    n_loads: int
+    rates_of_contacts: dict[bytes, Array]
+
+    def by_load(self, node_states: States) -> Array:
+        """Derivatives (4, n) by P of slip, normal force, shear force and gap of the nodes, for
+        given `node_states` (n,). Between like bodies they depend on the closed nodes alone; unlike
+        ones are taken in full stick.
+        """
+        if self.problem.interface.coupling is not None:
+            node_states = np.where(node_states != OPEN, STICK, OPEN).astype(np.int8)
+        closed_key = (node_states != OPEN).tobytes()
+        if closed_key not in self.rates_of_contacts:
+            self.rates_of_contacts[closed_key] = nodal_values(
+                self.problem.rates(node_states, self.n_loads)[0]
+            )
+        return self.rates_of_contacts[closed_key]
+
+    def pressure_by_load(self, node_states: States) -> Array:
+        """(n,) derivative of the nodal normal force by P, for given `node_states` (n,)."""
+        return np.asarray(self.by_load(node_states)[1])
+
+
+def _contact_edge_at(rates: _RatesByNormalLoad, state: InterfaceState, side: int) -> Edge | None:
+    """Edge of contact at an instant, on the right (`side` 1) or left (-1) of x = 0, located by P
+    between the outermost closed node and the next one.
+
+    None where no finite load takes it to the next node, where there is none, where the elements
+    around the node are not quadratic and of equal size, and where a long run has dropped the
+    forces. `rates` has the derivatives by P, `state` nodal forces and gaps.
+    """
+    closed_nodes = np.flatnonzero(state.is_closed)
+    node = int(closed_nodes[-1 if side > 0 else 0])
+    if not state.is_complete or not _has_equal_elements(rates.problem, node):
+        return None
+    if not 0 <= node + side < len(state.node_states):
+        return None
+    edge = Edge.of_contact(rates.problem, side, node, state, rates.by_load(state.node_states))
+    return edge if edge.is_moved else None
+
+
+def _work_of_unit_excess(
+    rates: _RatesByNormalLoad, edge: Edge, start_state: InterfaceState, node_slips: Array
+) -> float:
+    """Friction work of an increment by a unit of the dimensionless excess of pressure: f |slip|
+    times the change of the pressure rates as the contact edge meets its node, and the opposite edge
+    its own; scaled.
+
+    Parameters
+    ----------
+    rates
+        derivatives of the nodal values by P
+    edge
+        of contact, located by P at the start of the increment
+    start_state
+        contact state at the start of the increment
+    node_slips
+        (n,) |slip| of the nodes in the increment
+    """
+    problem = rates.problem
+    opposite_node = int(np.flatnonzero(start_state.is_closed)[0 if edge.side > 0 else -1])
+    nodes = (
+        (edge.node, opposite_node) if _has_equal_elements(problem, opposite_node) else (edge.node,)
+    )
+    change_of_pressure_rates = _change_of_rates(
+        rates.pressure_by_load, start_state.node_states, nodes, OPEN
+    )
+    work_by_load = problem.friction * float(node_slips @ change_of_pressure_rates)
+    # `load_over_rate_jump`: load between the nodes over the dimensionless change of rates
+    return work_by_load * edge.load_over_rate_jump
 
 
 def _load_to(distance: float, rate: float) -> float:
