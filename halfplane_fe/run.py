@@ -223,6 +223,32 @@ class _Thinning:
             self.stride *= 2
 
 
+def _enclosed_areas(
+    states: Sequence[InterfaceState], segment: LoadSegment | None, load_units: tuple[float, ...]
+) -> Array | None:
+    """Areas between a curved load path and its chords in k increments, in the plane of each pair of
+    loads, (n_loads, n_loads, k), scaled; None on straight segments, where there are none.
+
+    Parameters
+    ----------
+    states
+        the k + 1 contact states around the increments, with their instants
+    segment
+        curved segment of the load path that they are on; None for a straight one
+    load_units
+        (5,) what each load is divided by: P, Q, both bulk stresses, tilt or moment
+    """
+    if segment is None:
+        return None
+    enclosed_areas = areas_between_path_and_chords(
+        segment, np.array([state.time for state in states])
+    )
+    if enclosed_areas is None:
+        return None
+    units = load_units[: len(enclosed_areas)]
+    return np.asarray(enclosed_areas / np.multiply.outer(units, units)[:, :, None])
+
+
 @dataclass(eq=False)
 class PathRun:
     """States, energies and checks of a load path, as far as it is solved; scaled. The first of
@@ -372,15 +398,7 @@ class PathRun:
             return
         states = [self.states[-1], *(increment.state for increment in increments)]
 
-        # Areas between a curved path and its chords, in the plane of each pair of loads; scaled.
-        enclosed_areas = None
-        if segment is not None:
-            enclosed_areas = areas_between_path_and_chords(
-                segment, np.array([state.time for state in states])
-            )
-        if enclosed_areas is not None:
-            units = load_units[: len(enclosed_areas)]
-            enclosed_areas = enclosed_areas / np.multiply.outer(units, units)[:, :, None]
+        enclosed_areas = _enclosed_areas(states, segment, load_units)
 
         # Energies and admissibility checks by name, (k,) each.
         node_states = [increment.solved_states for increment in increments]

@@ -237,9 +237,8 @@ def _load_of_approach(scene: Scene, work_counts: Counter[str]) -> float:
     """Estimate of the largest normal load [force per thickness] where an actuator prescribes the
     approach: the load that presses two half-planes together by the largest approach.
 
-    The approach of a half-plane is relative to its surface at a datum length from the contact: that
-    of the rig, or the geometric mean of both bodies' depths, each at most the datum length of the
-    profile. The load is found by bracketing its logarithm. `work_counts` counts condensations;
+    The approach of a half-plane is relative to its surface at a datum length from the contact. The
+    load is found by bracketing its logarithm. `work_counts` counts condensations;
     `scene` has the rig, bodies, materials and profile.
 
     Raises
@@ -249,27 +248,14 @@ def _load_of_approach(scene: Scene, work_counts: Counter[str]) -> float:
     """
     approach = largest_load(scene)
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
-    depths = [body.least_depth for body in (scene.bodies.lower, scene.bodies.upper)]
-    reference_lengths = [min(depth, scene.profile.datum_length) for depth in depths]
-    datum_length = scene.rig.datum_length or float(
-        np.sqrt(reference_lengths[0] * reference_lengths[1])
-    )
-    scene_on_half_planes = on_half_planes(scene, datum_length)
+    scene_on_half_planes = on_half_planes(scene, _datum_of_approach(scene))
     # bodies on a coarse mesh, with the load that they are pressed by
     coarse_pair = _CoarsePair(scene_on_half_planes, 1.0, modulus, work_counts)
 
     def excess_approach(logarithm: float) -> float:
         """Approach of the actuator at the load of this logarithm, minus the prescribed one."""
         coarse_pair.load = float(np.exp(logarithm))
-        face_half_width = _fitting_size(coarse_pair)  # of the finely meshed part of the face
-        pressed_state = _pressed(coarse_pair, face_half_width)[1]
-        actuator_compliance = actuators_of(scene_on_half_planes, face_half_width).normal_compliance
-        assert actuator_compliance is not None  # for the type checker: the approach is given
-        # scaled: under a load of 1 the actuator yields by its compliance
-        approach_of_actuator = (
-            (pressed_state.approach + actuator_compliance) * coarse_pair.load / modulus
-        )
-        return approach_of_actuator - approach
+        return _approach_of_actuator(coarse_pair) - approach
 
     # The bracket grows by a factor of e on both sides, around a load of E* times the approach;
     # _MOST_HALF_RANGES: 20.
@@ -287,6 +273,28 @@ def _load_of_approach(scene: Scene, work_counts: Counter[str]) -> float:
         f"load.approach: no load presses the bodies together by {approach:.6g}; check profile and"
         " units"
     )
+
+
+def _datum_of_approach(scene: Scene) -> float:
+    """Distance from the contact at which the surface of a half-plane counts as unmoved where an
+    actuator prescribes the approach [length]: that of the rig, or the geometric mean of both
+    bodies' depths, each at most the datum length of the profile.
+    """
+    depths = [body.least_depth for body in (scene.bodies.lower, scene.bodies.upper)]
+    reference_lengths = [min(depth, scene.profile.datum_length) for depth in depths]
+    return scene.rig.datum_length or float(np.sqrt(reference_lengths[0] * reference_lengths[1]))
+
+
+def _approach_of_actuator(coarse_pair: _CoarsePair) -> float:
+    """Approach that a normal actuator needs to press two coarse half-planes with a load, in which
+    it yields by its own compliance [length].
+    """
+    face_half_width = _fitting_size(coarse_pair)  # of the finely meshed part of the face
+    pressed_state = _pressed(coarse_pair, face_half_width)[1]
+    actuator_compliance = actuators_of(coarse_pair.scene, face_half_width).normal_compliance
+    assert actuator_compliance is not None  # for the type checker: the approach is given
+    # scaled: under a load of 1 the actuator yields by its compliance
+    return (pressed_state.approach + actuator_compliance) * coarse_pair.load / coarse_pair.modulus
 
 
 def on_half_planes(scene: Scene, datum: float) -> Scene:
@@ -367,7 +375,8 @@ def _scales_of_run(
     load_unit = pair.load
     modulus = pair.modulus
 
-    # Half-width at the largest load, and outermost place that touches; scaled.
+    # Half-width at the largest load, outermost place that touches, innermost place of an edge in
+    # the cycles; scaled.
     state_at_largest_load = max(run.states, key=lambda state: state.normal_load)
     half_width = float(
         np.nan_to_num(np.diff(_contact_edges(problem, [state_at_largest_load]))[0, 0] / 2)
@@ -376,18 +385,7 @@ def _scales_of_run(
         float(np.abs(problem.interface.x[state.is_closed]).max(initial=0.0)) for state in run.states
     )
 
-    # Innermost place of an edge of contact or stick in the cycles; scaled.
-    innermost_edge = 0.0
-    if prescribed_path(scene).period is not None:
-        # The first revolution too: the kink of q that it leaves where edges turned stays for good.
-        rows_of_cycles = slice(run.cycle_starts[0] + 1, None)
-        surface_states = reported_states(problem, run.states, run.cycle_starts)[rows_of_cycles]
-        innermost_edge = _innermost_edge(
-            problem,
-            run.states[rows_of_cycles],
-            surface_states == STICK,
-            stick_may_be_anywhere=scene.unsymmetric,
-        )
+    innermost_edge = _innermost_edge_of_cycles(scene, problem, run)
     # Rounded down, so that no last digit of the coarse run moves the mesh.
     # _ROUNDING_PARTS: 100
     innermost_edge = (
@@ -420,6 +418,25 @@ def _scales_of_run(
             displacement_unit=load_unit / modulus,
             stress_unit=load_unit / face_half_width,
         ),
+    )
+
+
+def _innermost_edge_of_cycles(scene: Scene, problem: ContactProblem, run: PathRun) -> float:
+    """Innermost |x| of an edge of contact or stick in all revolutions of a run, scaled; 0 where the
+    load path does not repeat.
+
+    The first revolution counts too: the kink of q that it leaves where edges turned stays for good.
+    `scene` has the load path; `problem` the places of the nodes.
+    """
+    if prescribed_path(scene).period is None:
+        return 0.0
+    rows_of_cycles = slice(run.cycle_starts[0] + 1, None)
+    surface_states = reported_states(problem, run.states, run.cycle_starts)[rows_of_cycles]
+    return _innermost_edge(
+        problem,
+        run.states[rows_of_cycles],
+        surface_states == STICK,
+        stick_may_be_anywhere=scene.unsymmetric,
     )
 
 

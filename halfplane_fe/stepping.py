@@ -203,16 +203,13 @@ def increments_along(
                 continue
 
             # Shorten it where slip ends within it, or its step error is too large.
-            end_of_slip = attempt.state.time
-            if is_curved:
-                end_of_slip = _end_of_lost_slip(problem, state, attempt, loads_at, tolerance)
-            is_long_enough = end_of_slip - state.time > error_control.shortest_duration
-            if is_long_enough and end_of_slip < attempt.state.time:
-                problem.work_counts["increments ended where slip ends"] += 1
-                targets.append(end_of_slip)
-                continue
-            if not error_control.accepts_increment(attempt, state):
-                targets.append(state.time + (attempt.state.time - state.time) / 2)
+            earlier_end = _end_of_slip_within(
+                problem, state, attempt, loads_at, error_control, is_curved=is_curved
+            )
+            if earlier_end is None and not error_control.accepts_increment(attempt, state):
+                earlier_end = state.time + (attempt.state.time - state.time) / 2
+            if earlier_end is not None:
+                targets.append(earlier_end)
                 continue
 
             # Accept it, and go on from the state at its end.
@@ -347,7 +344,6 @@ def _end_of_lost_slip(
     tolerance
         its `error_rate` is the tolerated step error over the duration of an increment
     """
-    # Nodes that slide at the start and have turned round shortly before the end.
     end = increment.state.time
     directions = slip_sign(start_state.node_states)
     if not directions.any() or not math.isfinite(tolerance.error_rate):
@@ -358,24 +354,16 @@ def _end_of_lost_slip(
         )
     except SingularSet:  # so few nodes hold that the bodies are free to move
         return end
-    shortly_before_end = end - (end - start_state.time) / (_N_INSTANTS_OF_STROKE - 1)
-    slip_shortly_before_end = (
-        np.subtract(loads_at(end), loads_at(shortly_before_end)) @ slip_by_loads
-    )
-    has_turned = directions * slip_shortly_before_end < 0
+    has_turned = _has_turned_at_end(start_state, end, loads_at, slip_by_loads)
     # Nodes that stick in the solved increment though the rates of its start keep them sliding:
     # what slides beside them has changed within it, and has stopped them at an unknown instant.
     has_stopped = (directions != 0) & (increment.solved_states == STICK) & ~has_turned
     is_losing = has_turned | has_stopped
     if not is_losing.any():
         return end
-
-    # Slip lost by these: the farthest of nine instants, minus the slip that the increment counts.
-    times = np.linspace(start_state.time, end, _N_INSTANTS_OF_STROKE)
-    changes_of_loads = np.subtract([loads_at(time) for time in times.tolist()], start_state.loads)
-    slip = directions * (changes_of_loads @ slip_by_loads)
-    counted_slip = np.maximum(directions * (increment.state.slip - start_state.slip), 0.0)
-    lost_slip = np.where(is_losing, np.maximum(slip.max(axis=0) - counted_slip, 0.0), 0.0)
+    lost_slip = np.where(
+        is_losing, _uncounted_slip(start_state, increment.state, loads_at, slip_by_loads), 0.0
+    )
     lost_work = problem.friction * start_state.pressure * lost_slip
     if not lost_work.any():
         return end
@@ -395,6 +383,96 @@ def _end_of_lost_slip(
     is_turned_and_losing = has_turned & (lost_work > 0)
     pressure_of_turned = np.where(is_turned_and_losing, directions * start_state.pressure, 0.0)
     return _instant_of_most_slip(start_state, loads_at, end, slip_by_loads @ pressure_of_turned)
+
+
+def _has_turned_at_end(
+    start_state: InterfaceState, end: float, loads_at: LoadsAt, slip_by_loads: Array
+) -> Mask:
+    """Which nodes slide at the start of an increment and would slide the other way shortly before
+    its end, in the last eighth of it, (n,).
+
+    Parameters
+    ----------
+    start_state
+        state before the increment
+    end
+        instant at its end
+    loads_at
+        function of an instant: the scaled loads
+    slip_by_loads
+        (n_loads, n) derivatives of the slip by the loads, while the nodes keep their states from
+        the start
+    """
+    shortly_before_end = end - (end - start_state.time) / (_N_INSTANTS_OF_STROKE - 1)
+    slip_shortly_before_end = (
+        np.subtract(loads_at(end), loads_at(shortly_before_end)) @ slip_by_loads
+    )
+    return np.asarray(slip_sign(start_state.node_states) * slip_shortly_before_end < 0)
+
+
+def _uncounted_slip(
+    start_state: InterfaceState,
+    end_state: InterfaceState,
+    loads_at: LoadsAt,
+    slip_by_loads: Array,
+) -> Array:
+    """Slip of each node that an increment does not count, (n,): its farthest one at nine instants,
+    minus that from the start to the end, in the sense in which it slides at the start.
+
+    Parameters
+    ----------
+    start_state, end_state
+        states before and after the increment
+    loads_at
+        function of an instant: the scaled loads
+    slip_by_loads
+        (n_loads, n) derivatives of the slip by the loads, while the nodes keep their states from
+        the start
+    """
+    directions = slip_sign(start_state.node_states)
+    times = np.linspace(start_state.time, end_state.time, _N_INSTANTS_OF_STROKE)
+    changes_of_loads = np.subtract([loads_at(time) for time in times.tolist()], start_state.loads)
+    slip = directions * (changes_of_loads @ slip_by_loads)
+    counted_slip = np.maximum(directions * (end_state.slip - start_state.slip), 0.0)
+    return np.maximum(slip.max(axis=0) - counted_slip, 0.0)
+
+
+def _end_of_slip_within(
+    problem: ContactProblem,
+    start_state: InterfaceState,
+    increment: Increment,
+    loads_at: LoadsAt,
+    error_control: _ErrorControl,
+    *,
+    is_curved: bool,
+) -> float | None:
+    """Instant within an increment at which slip ends that the increment does not count, so that it
+    is to end there; None where it need not: where little work is lost, where it would be too short
+    to be halved for its step error, and on straight segments of the path.
+
+    Parameters
+    ----------
+    problem
+        the contact problem, in whose `work_counts` increments that end where slip ends are counted
+    start_state, increment
+        state before the increment, and the increment as it was solved
+    loads_at
+        function of an instant: the scaled loads
+    error_control
+        tolerance of the step error, and shortest duration down to which increments are halved
+    is_curved
+        whether the segment of the load path is curved
+    """
+    if not is_curved:
+        return None
+    end_of_slip = _end_of_lost_slip(
+        problem, start_state, increment, loads_at, error_control.tolerance
+    )
+    is_long_enough = end_of_slip - start_state.time > error_control.shortest_duration
+    if not (is_long_enough and end_of_slip < increment.state.time):
+        return None
+    problem.work_counts["increments ended where slip ends"] += 1
+    return end_of_slip
 
 
 @dataclass
@@ -690,16 +768,10 @@ def next_event(
         return "regular", latest_end
     _, pressure_at_end, _, gap_at_end = nodal_values(values_at_end)
 
-    # The first open node whose gap becomes negative, or closed one whose pressure does: share of
-    # the increment until then, and number of the node.
-    share_to_touch, touching_node = _first_crossing(gap, gap_at_end, ~start_state.is_closed)
-    share_to_release, leaving_node = _first_crossing(
-        pressure, pressure_at_end, start_state.is_closed
+    first_event = _first_event(
+        (gap, gap_at_end), (pressure, pressure_at_end), start_state.is_closed
     )
-    event: Event = "touch" if share_to_touch <= share_to_release else "release"
-    share_of_increment = min(share_to_touch, share_to_release)
-    event_node = touching_node if event == "touch" else leaving_node
-    if share_of_increment >= 1.0:
+    if first_event is None:
         return "regular", latest_end
 
     # Its instant. Of like bodies under P and Q alone it depends on P; `coupling` (slip by pressure)
@@ -707,7 +779,7 @@ def next_event(
     if len(start_state.loads) == 2 and problem.interface.coupling is None:
         normal_load = start_state.loads[0]
         load_at_end = loads_at_end[0]
-        load_at_event = normal_load + share_of_increment * (load_at_end - normal_load)
+        load_at_event = normal_load + first_event.share * (load_at_end - normal_load)
         if not min(normal_load, load_at_end) < load_at_event < max(normal_load, load_at_end):
             return "regular", latest_end
         distance_at_start = normal_load - load_at_event
@@ -718,14 +790,10 @@ def next_event(
 
     else:
         # By Q and by tilt nodes meet at constant P too: follow the gap or pressure of the first.
-        distance_at_start = float((gap if event == "touch" else pressure)[event_node])
-        _, pressure_rates, _, gap_rates = nodal_values(
-            problem.rates(node_states, len(start_state.loads))
-        )
-        rates_of_node = (gap_rates if event == "touch" else pressure_rates)[:, event_node]
-        # A load that does not change must not add its rounding.
-        rates_of_node = np.where(
-            np.subtract(loads_at_end, start_state.loads) != 0, rates_of_node, 0.0
+        is_touch = first_event.event == "touch"
+        distance_at_start = float((gap if is_touch else pressure)[first_event.node])
+        rates_of_node = _rates_of_event(
+            problem, start_state, loads_at_end, node_states, first_event
         )
 
         def distance_to_event(time: float) -> float:
@@ -736,9 +804,77 @@ def next_event(
 
     # Root of the distance on the way, near that share of it.
     time = time_of_zero(
-        distance_to_event, start_state.time, latest_end, share_of_increment, distance_at_start
+        distance_to_event, start_state.time, latest_end, first_event.share, distance_at_start
     )
-    return (event, time) if start_state.time < time < latest_end else ("regular", latest_end)
+    if start_state.time < time < latest_end:
+        return first_event.event, time
+    return "regular", latest_end
+
+
+class _FirstEvent(NamedTuple):
+    """First event in an increment by linear prediction: "touch" of an open node or "release" of a
+    closed one, number of the node, and share of the increment until then.
+    """
+
+    event: Event
+    node: int
+    share: float
+
+
+def _first_event(
+    gaps: tuple[Array, Array], pressures: tuple[Array, Array], is_closed: Mask
+) -> _FirstEvent | None:
+    """The first open node whose gap becomes negative, or closed one whose pressure does; None where
+    neither happens before the end of the increment.
+
+    Parameters
+    ----------
+    gaps, pressures
+        gap and pressure of the n nodes, (n,) at the start and (n,) at the end of the increment
+    is_closed
+        (n,) whether each node touches
+    """
+    gap, gap_at_end = gaps
+    pressure, pressure_at_end = pressures
+    share_to_touch, touching_node = _first_crossing(gap, gap_at_end, ~is_closed)
+    share_to_release, leaving_node = _first_crossing(pressure, pressure_at_end, is_closed)
+    if min(share_to_touch, share_to_release) >= 1.0:
+        return None
+    if share_to_touch <= share_to_release:
+        return _FirstEvent("touch", touching_node, share_to_touch)
+    return _FirstEvent("release", leaving_node, share_to_release)
+
+
+def _rates_of_event(
+    problem: ContactProblem,
+    start_state: InterfaceState,
+    loads_at_end: tuple[float, ...],
+    node_states: States,
+    first_event: _FirstEvent,
+) -> Array:
+    """Derivatives (n_loads,) by the loads of the gap of a node that touches, or the pressure of one
+    that is released; 0 by loads that do not change in the increment, as these must not add their
+    rounding.
+
+    Parameters
+    ----------
+    problem
+        the contact problem; its `rates` are derivatives of the nodal values by the loads
+    start_state
+        state before the increment, with its loads
+    loads_at_end
+        scaled loads at the latest end of the increment
+    node_states
+        (n,) open, stick or slip that the nodes have on the way
+    first_event
+        event and number of its node
+    """
+    _, pressure_rates, _, gap_rates = nodal_values(
+        problem.rates(node_states, len(start_state.loads))
+    )
+    rates = gap_rates if first_event.event == "touch" else pressure_rates
+    load_changes = np.subtract(loads_at_end, start_state.loads)
+    return np.where(load_changes != 0, rates[:, first_event.node], 0.0)
 
 
 def _with_touching_nodes_sliding(start_state: InterfaceState) -> States:
