@@ -325,30 +325,15 @@ def value_uncertainties(
             _nodes_to_edge(scene, arrays),
             has_low_order=task.has_errors_of_low_order,
         )
-        density_error = density_uncertainty(arrays["x"], arrays["dissipation_density"])
-        change_from_coarse_run = _from_coarse_run(values_of_cycle, coarse_values)
-        if not task.has_errors_of_low_order:
-            refinement = task.scales.element / task.element
-            # DENSITY_RULE: uncertainty from a difference of two meshes, with an error of order 1
-            change_from_coarse_run = DENSITY_RULE.uncertainty(
-                0.0, change_from_coarse_run, refinement
-            )
-        # NaN without an estimate by neighbouring nodes, whatever the coarse run
-        density_error = max(density_error, float(np.nan_to_num(change_from_coarse_run)))
-        node = int(np.argmax(arrays["dissipation_density"]))
-        share_by_turns = _shares_of_turns(scene, arrays)[node]
-        density_error += float(arrays["dissipation_density"][node] * share_by_turns)
-        estimates["largest_dissipation_density"] = density_error
+        estimates["largest_dissipation_density"] = _density_uncertainty(
+            task, values_of_cycle, arrays
+        )
 
     # Largest pressure and contact half-width of the whole path; permanent stick of the last cycle.
     estimates["largest_pressure"] = _peak_uncertainty(
         task, arrays, is_coupled=problem.interface.coupling is not None
     )
-    step_of_largest_contact = int(np.argmax(arrays["contact_half_width"]))
-    edge_uncertainty = arrays["contact_edge_uncertainty"][step_of_largest_contact]
-    # share of the mean uncertainty of both edges that the half-width has
-    share = _OF_BOTH_EDGES if task.scene.bodies.half_planes else _OF_BOTH_EDGES_OF_BODIES
-    estimates["largest_half_width"] = share * float(np.mean(edge_uncertainty))
+    estimates["largest_half_width"] = _half_width_uncertainty(scene, arrays)
     # by nodes and loads; its ends are moved outwards as those of the solution were
     zone = permanent_stick_zone(run).in_unit(task.scales.half_width)
     estimates["permanent_stick_half_width"] = _of_permanent_stick(
@@ -358,6 +343,50 @@ def value_uncertainties(
         is_sharp=permanent_stick_ends_sharply(scene, problem),
     )
     return estimates
+
+
+def _density_uncertainty(
+    task: Task, values_of_cycle: RunValues, arrays: Mapping[str, Any]
+) -> float:
+    """Uncertainty of the largest friction work per area of the last cycle by mesh and increments
+    [energy / area]; NaN where neighbouring nodes give no estimate.
+
+    It is the larger one of an estimate by neighbouring nodes and of that by the difference from the
+    run on the coarse mesh, plus a share for the turning points of slip.
+
+    Parameters
+    ----------
+    task
+        the scene, and the values of the run on the coarse mesh; whether errors are of low order
+    values_of_cycle
+        values of the run that are compared with those of the coarse run
+    arrays
+        fields and series of the solution by name, in the scene's units
+    """
+    density_error = density_uncertainty(arrays["x"], arrays["dissipation_density"])
+    change_from_coarse_run = _from_coarse_run(values_of_cycle, task.scales.values)
+    if not task.has_errors_of_low_order:
+        refinement = task.scales.element / task.element
+        # DENSITY_RULE: uncertainty from a difference of two meshes, with an error of order 1
+        change_from_coarse_run = DENSITY_RULE.uncertainty(0.0, change_from_coarse_run, refinement)
+    # NaN without an estimate by neighbouring nodes, whatever the coarse run
+    density_error = max(density_error, float(np.nan_to_num(change_from_coarse_run)))
+    node = int(np.argmax(arrays["dissipation_density"]))
+    share_by_turns = _shares_of_turns(task.scene, arrays)[node]
+    return density_error + float(arrays["dissipation_density"][node] * share_by_turns)
+
+
+def _half_width_uncertainty(scene: Scene, arrays: Mapping[str, Any]) -> float:
+    """Uncertainty of the largest contact half-width by the mesh [length]: a share of the mean
+    uncertainty of both edges at the stored instant of the largest contact.
+
+    `arrays` holds half-width and uncertainty of the edges at the stored instants, `scene` whether
+    the bodies are half-planes, of which the share is smaller.
+    """
+    step_of_largest_contact = int(np.argmax(arrays["contact_half_width"]))
+    edge_uncertainty = arrays["contact_edge_uncertainty"][step_of_largest_contact]
+    share = _OF_BOTH_EDGES if scene.bodies.half_planes else _OF_BOTH_EDGES_OF_BODIES
+    return share * float(np.mean(edge_uncertainty))
 
 
 def _displacement_uncertainties(
@@ -549,33 +578,20 @@ def _of_permanent_stick(
     if math.isnan(arrays["permanent_stick_half_width"]):
         return math.nan
 
-    # Innermost stick edges of the last cycle, and their bounds e - u and e + u.
     is_in_cycle = is_loaded_in_last_cycle(scene, arrays["time"], arrays["normal_load"])
     is_in_cycle &= np.isfinite(arrays["stick_half_width"])
     zone_ends = arrays["permanent_stick_edges"]
-    # Left edges change sign, so that "farther out" means "larger" at both edges.
-    outwards = np.array([-1.0, 1.0])
-    stick_edges = np.maximum(arrays["stick_edges"][is_in_cycle] * outwards, zone_ends * outwards)
-    edge_uncertainty = arrays["stick_edge_uncertainty"][is_in_cycle]
-    innermost_edge = stick_edges.min(axis=0)
-    innermost_inner_bound = (stick_edges - edge_uncertainty).min(axis=0)
-    innermost_outer_bound = (stick_edges + edge_uncertainty).min(axis=0)
-    uncertainty_by_stick_edges = np.maximum(
-        innermost_edge - innermost_inner_bound, innermost_outer_bound - innermost_edge
+    end_uncertainty = zone.uncertainty(
+        zone_ends,
+        _uncertainty_by_innermost_edges(
+            arrays["stick_edges"][is_in_cycle],
+            arrays["stick_edge_uncertainty"][is_in_cycle],
+            zone_ends,
+        ),
     )
-    end_uncertainty = zone.uncertainty(zone_ends, uncertainty_by_stick_edges)
-
-    # Creep that the mesh may add.
     if not is_sharp:
-        slip = arrays["slip"][is_in_cycle]
-        is_closed = arrays["state"][is_in_cycle] != OPEN
-        # _CREEP_OF_MESH: factor on the range of slip that counts as creep
-        creeping_edges = creeping_zone(scene, arrays["x"], slip, is_closed, _CREEP_OF_MESH)
-        creep_beyond_end = np.fmax((creeping_edges - zone_ends) * outwards, 0.0)
-        spacing = _spacing_at_edges(arrays["x"], zone_ends[None])
-        # _CREEP_IN_NODES: 2.5 node distances
-        reaches_far = creep_beyond_end > _CREEP_IN_NODES * spacing
-        end_uncertainty = np.maximum(end_uncertainty, np.where(reaches_far, creep_beyond_end, 0.0))
+        creep_beyond_end = _creep_beyond_ends(scene, arrays, is_in_cycle)
+        end_uncertainty = np.maximum(end_uncertainty, creep_beyond_end)
 
     # Ends by slip, and what the correction for growing elements may leave.
     uncertainty_by_slip = arrays["permanent_stick_uncertainty"]
@@ -584,6 +600,49 @@ def _of_permanent_stick(
     )
     uncertainty_by_growth = left_of_growth(arrays["permanent_stick_held_back"])
     return float(np.mean(end_uncertainty + uncertainty_by_growth))
+
+
+def _uncertainty_by_innermost_edges(
+    stick_edges: Array, edge_uncertainty: Array, zone_ends: Array
+) -> Array:
+    """Uncertainty (2,) of the innermost stick edges of a cycle, left and right [length]. With edges
+    e and their uncertainty u, the innermost edge is between the innermost e - u and e + u.
+
+    Parameters
+    ----------
+    stick_edges, edge_uncertainty
+        (k, 2) left and right stick edge at k instants, and their uncertainty
+    zone_ends
+        (2,) ends of the permanent stick zone: edges inside it are moved out to its end
+    """
+    # Left edges change sign, so that "farther out" means "larger" at both edges.
+    outwards = np.array([-1.0, 1.0])
+    outward_edges = np.maximum(stick_edges * outwards, zone_ends * outwards)
+    innermost_edge = outward_edges.min(axis=0)
+    innermost_inner_bound = (outward_edges - edge_uncertainty).min(axis=0)
+    innermost_outer_bound = (outward_edges + edge_uncertainty).min(axis=0)
+    return np.asarray(
+        np.maximum(innermost_edge - innermost_inner_bound, innermost_outer_bound - innermost_edge)
+    )
+
+
+def _creep_beyond_ends(scene: Scene, arrays: Mapping[str, Any], is_in_cycle: Mask) -> Array:
+    """How far beyond each end of the permanent stick zone nodes slip by up to ten times what counts
+    as creep, (2,) [length]: the mesh may add as much. 0 up to 2.5 node distances.
+
+    `arrays` are fields and series of the solution by name, `is_in_cycle` (n_steps,) states which
+    stored instants are in the last cycle and have a stick zone.
+    """
+    zone_ends = arrays["permanent_stick_edges"]
+    slip = arrays["slip"][is_in_cycle]
+    is_closed = arrays["state"][is_in_cycle] != OPEN
+    # _CREEP_OF_MESH: factor on the range of slip that counts as creep
+    creeping_edges = creeping_zone(scene, arrays["x"], slip, is_closed, _CREEP_OF_MESH)
+    creep_beyond_end = np.fmax((creeping_edges - zone_ends) * [-1.0, 1.0], 0.0)
+    spacing = _spacing_at_edges(arrays["x"], zone_ends[None])
+    # _CREEP_IN_NODES: 2.5 node distances
+    reaches_far = creep_beyond_end > _CREEP_IN_NODES * spacing
+    return np.where(reaches_far, creep_beyond_end, 0.0)
 
 
 def _peak_uncertainty(task: Task, arrays: Mapping[str, Any], is_coupled: bool) -> float:

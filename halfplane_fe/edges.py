@@ -400,35 +400,14 @@ def _stick_uncertainty(
     sticks_in_full
         (k,) instants at which the whole contact is known to stick
     """
-    # Distance of each edge from those by the states, as reported and by the law.
-    x = answer.x
     edges = fitted_edges.places
-    edges_by_law = stick_edges(
-        x, answer.is_stuck_by_law, answer.is_closed, contact.places, answer.stick_may_be_anywhere
-    )
-    distance_from_states = np.fmax(
-        np.abs(fitted_edges.by_states - edges), np.abs(edges_by_law - edges)
-    )
-
-    # Distance of the nodes around the edge.
-    next_node = np.clip(np.searchsorted(x, edges), 1, len(x) - 1)  # NaN comes last
-    previous_node = next_node - 1
-    before_is_nearer = np.abs(x[previous_node] - edges) <= np.abs(x[next_node] - edges)
-    spacing = _spacing(x, np.where(before_is_nearer, previous_node, next_node))
-
-    # Number of touching nodes beyond the edge, on its side of the middle.
-    n_nodes_beyond_edge = np.empty(edges.shape, dtype=np.int64)
-    # Each side is read outwards: the left one (column 0, sign -1) reflected, so that its x grow.
-    for side in _sides(x):
-        is_in_contact, is_stuck = side.outwards(answer.is_closed, answer.is_stuck)
-        is_in_half = _half(side, is_in_contact, is_stuck if answer.stick_may_be_anywhere else None)
-        is_beyond_edge = side.x > side.sign * edges[:, [side.column]]
-        n_nodes_beyond_edge[:, side.column] = np.count_nonzero(is_in_half & is_beyond_edge, axis=1)
+    spacing = _spacing_around(answer.x, edges)
+    distance_from_states = _distance_from_states(answer, contact.places, fitted_edges)
 
     # Edges by states, where a slip zone of up to four nodes (`_UNRESOLVED`) may be none at all.
     uncertainty_by_states = spacing + distance_from_states
     uncertainty_of_narrow_slip_zone = np.abs(contact.places - edges) + contact.uncertainty
-    is_narrow = n_nodes_beyond_edge <= _UNRESOLVED
+    is_narrow = _nodes_beyond_edges(answer, edges) <= _UNRESOLVED
     uncertainty_of_unfitted_edge = np.where(
         is_narrow,
         np.maximum(uncertainty_by_states, uncertainty_of_narrow_slip_zone),
@@ -454,6 +433,60 @@ def _stick_uncertainty(
         np.maximum(uncertainty_of_unfitted_edge, _UNSEEN * spacing),
     )
     return np.where(is_full_stick, uncertainty_in_full_stick, uncertainty)
+
+
+def _distance_from_states(
+    answer: NodalAnswer, contact_edges: Array, fitted_edges: StickEdges
+) -> Array:
+    """Distance of each stick edge from the edges by the states of the nodes, (k, 2) [length]: as
+    reported, and by the law of friction, where creeping nodes slide; the larger one.
+
+    Parameters
+    ----------
+    answer
+        places of the n nodes; whether they touch, and whether they stick by the law, (k, n)
+    contact_edges
+        (k, 2) ends of the contact
+    fitted_edges
+        stick edges (k, 2), fitted where that is possible, and those by the states as reported
+    """
+    edges_by_law = stick_edges(
+        answer.x,
+        answer.is_stuck_by_law,
+        answer.is_closed,
+        contact_edges,
+        answer.stick_may_be_anywhere,
+    )
+    return np.fmax(
+        np.abs(fitted_edges.by_states - fitted_edges.places),
+        np.abs(edges_by_law - fitted_edges.places),
+    )
+
+
+def _spacing_around(x: Array, edges: Array) -> Array:
+    """Distance of the nodes around each edge, (k, 2) [length]: that at the nearer one of the two
+    nodes beside it. `x` (n,) are the nodes in ascending order, `edges` (k, 2) may be NaN.
+    """
+    next_node = np.clip(np.searchsorted(x, edges), 1, len(x) - 1)  # NaN comes last
+    previous_node = next_node - 1
+    before_is_nearer = np.abs(x[previous_node] - edges) <= np.abs(x[next_node] - edges)
+    return _spacing(x, np.where(before_is_nearer, previous_node, next_node))
+
+
+def _nodes_beyond_edges(answer: NodalAnswer, edges: Array) -> Indices:
+    """Number (k, 2) of touching nodes beyond each stick edge, on its side of the middle.
+
+    `answer` has the places of the n nodes, and whether they touch and stick, (k, n); `edges` (k, 2)
+    are the left and right edge at k instants.
+    """
+    n_nodes_beyond_edge = np.empty(edges.shape, dtype=np.int64)
+    # Each side is read outwards: the left one (column 0, sign -1) reflected, so that its x grow.
+    for side in _sides(answer.x):
+        is_in_contact, is_stuck = side.outwards(answer.is_closed, answer.is_stuck)
+        is_in_half = _half(side, is_in_contact, is_stuck if answer.stick_may_be_anywhere else None)
+        is_beyond_edge = side.x > side.sign * edges[:, [side.column]]
+        n_nodes_beyond_edge[:, side.column] = np.count_nonzero(is_in_half & is_beyond_edge, axis=1)
+    return n_nodes_beyond_edge
 
 
 def held_back_by_growth(

@@ -167,32 +167,19 @@ def remainder_kernels(
         At the n nodes of "contact", by unit forces at the m places: of pressing forces and of
         forces along +x. On a curved face Flamant's field counts from a flat one at y = 0.
     """
-    # Finite-element system: degrees of freedom that supports hold, and places of the contact nodes.
+    # Finite-element system, and places of the contact nodes and of the forces.
     system = assemble(body, material)
-    n_dofs = len(system.node_of_dof)
-    held_dofs = system.held_dofs
-    free_dofs = np.setdiff1d(np.arange(n_dofs), held_dofs)
     x, y = body.mesh.p[:, system.node_of_dof[system.contact_dofs[0]]]
     forces = _SurfaceForces(x_of_forces, np.zeros(len(x_of_forces)))
     if y.any():
         force_nodes = np.abs(x[:, None] - x_of_forces).argmin(axis=0)
         forces = _SurfaceForces(x[force_nodes], y[force_nodes])
 
-    # Loads and held displacements: minus those of the half-plane. Columns: unit forces along x at
-    # all places, then along y.
-    n_forces = len(x_of_forces)
-    nodal_loads = np.zeros((n_dofs, 2 * n_forces))
-    nodal_loads[: 2 * body.mesh.p.shape[1]] = -_forces_of_tractions(system, forces)
-    displacements = np.zeros_like(nodal_loads)
-    displacements[held_dofs] = -_support_displacements(system, forces, datum_length)
-    nodal_loads -= system.stiffness[:, held_dofs] @ displacements[held_dofs]
-
-    # Solve, and read the displacements of the contact nodes along x and outwards: (n, 2, m), second
-    # axis force along x and outwards.
-    factorisation = factorise(system.stiffness[free_dofs][:, free_dofs].tocsc())
-    displacements[free_dofs] = factorisation.solve(nodal_loads[free_dofs])
+    # Displacements of the contact nodes along x and outwards: (n, 2, m), second axis force along x
+    # and outwards.
+    displacements = _remainder_displacements(system, forces, datum_length)
     displacement_along_x, displacement_outwards = displacements[system.contact_dofs].reshape(
-        2, -1, 2, n_forces
+        2, -1, 2, len(x_of_forces)
     )
     kernels = RemainderKernels(
         x=x,
@@ -202,9 +189,37 @@ def remainder_kernels(
         x_displacement_by_shear=displacement_along_x[:, 0],
         x_displacement_by_pressure=-displacement_along_x[:, 1],
         outward_displacement_by_shear=displacement_outwards[:, 0],
-        unknowns=len(free_dofs),
+        unknowns=len(system.node_of_dof) - len(system.held_dofs),
     )
     return _with_chord_slopes(kernels, y, forces.y, material) if y.any() else kernels
+
+
+def _remainder_displacements(system: System, forces: _SurfaceForces, datum_length: float) -> Array:
+    """Displacement (n_dofs, 2 m) of a body by unit forces at m places of its face, along x and then
+    along y, minus that of a half-plane [1 / stress].
+
+    Supports are displaced, and the outline loaded, by minus what the half-plane has there.
+
+    Parameters
+    ----------
+    system
+        finite-element system of the body, with the degrees of freedom that supports hold
+    forces
+        places of the unit forces
+    datum_length
+        distance from a force at which a half-plane's surface counts as unmoved [length]
+    """
+    n_dofs = len(system.node_of_dof)
+    held_dofs = system.held_dofs
+    free_dofs = np.setdiff1d(np.arange(n_dofs), held_dofs)
+    nodal_loads = np.zeros((n_dofs, 2 * len(forces.x)))
+    nodal_loads[: 2 * system.mesh.p.shape[1]] = -_forces_of_tractions(system, forces)
+    displacements = np.zeros_like(nodal_loads)
+    displacements[held_dofs] = -_support_displacements(system, forces, datum_length)
+    nodal_loads -= system.stiffness[:, held_dofs] @ displacements[held_dofs]
+    factorisation = factorise(system.stiffness[free_dofs][:, free_dofs].tocsc())
+    displacements[free_dofs] = factorisation.solve(nodal_loads[free_dofs])
+    return displacements
 
 
 class _SurfaceForces(NamedTuple):
@@ -336,14 +351,11 @@ def _forces_of_tractions(system: System, forces: _SurfaceForces) -> Array:
     # notation: in subscripts of einsum g Gauss points, d directions, e element sides, m forces
     """
     mesh = system.mesh
-    free_of_traction = () if forces.y.any() else ("contact", "free")
-    loaded_facets = np.concatenate(
-        [facets for name, facets in mesh.boundaries.items() if name not in free_of_traction]
-    )
     # On a curved face an even number of Gauss points: the middle one of an odd number is a node,
     # where a force may stand.
     # _N_GAUSS_POINTS: nine
     n_points = _N_GAUSS_POINTS + 1 if forces.y.any() else _N_GAUSS_POINTS
+    loaded_facets = _loaded_facets(mesh, on_curved_face=bool(forces.y.any()))
 
     # Element sides on the outline: nodes, shape functions at Gauss points, tangents times weights.
     elements = curve_elements(mesh.p, _outline_nodes(mesh, loaded_facets), n_points)
@@ -363,6 +375,16 @@ def _forces_of_tractions(system: System, forces: _SurfaceForces) -> Array:
     for nodes, shape_values in zip(elements.nodes.T, elements.shapes, strict=True):
         np.add.at(nodal_forces, nodes, np.einsum("g,degm->edm", shape_values, tractions))
     return nodal_forces.reshape(-1, tractions.shape[-1])
+
+
+def _loaded_facets(mesh: skfem.Mesh, *, on_curved_face: bool) -> Indices:
+    """Numbers of the element sides on the outline of a body that bear tractions under forces on its
+    face: all, but on a flat face those of the face itself, "contact" and "free".
+    """
+    free_of_traction = () if on_curved_face else ("contact", "free")
+    return np.concatenate(
+        [facets for name, facets in mesh.boundaries.items() if name not in free_of_traction]
+    )
 
 
 def _outline_nodes(mesh: skfem.Mesh, facets: Indices) -> Indices:
