@@ -841,17 +841,40 @@ def law_violations(
     for name in ("tension", "gap_pressure", "cone", "slip_sign"):
         violation_by_name[name] = violation_by_name[name] / largest_force
 
+    equilibrium_violation = _equilibrium_violation(problem, values[1:], pressure, shear, loads)
+    return {"equilibrium": equilibrium_violation, **violation_by_name}
+
+
+def _equilibrium_violation(
+    problem: ContactProblem, values: Array, pressure: Array, shear: Array, loads: Array
+) -> Array:
+    """Largest imbalance of the loads, or of actuators' movements, over the normal load, at m
+    instants, (m,); with the moment where that is given.
+
+    An actuator's movement in the place of a load is the rigid motion of the upper body (approach,
+    or U) and what the rig gives way.
+
+    Parameters
+    ----------
+    problem
+        the contact problem: `actuators`, of which each is the compliance of a rig whose movement
+        stands in the place of P or Q, or None; whether the moment is given
+    values
+        (m, 3 + 4 n) values of the contact states: approach and U first
+    pressure, shear
+        (m, n) nodal forces
+    loads
+        (m, n_loads) P and Q, or movements in their place; the moment last
+    """
     normal_resultant, tangential_resultant = problem.interface.resultants(pressure.T, shear.T)
     loads_reached = [normal_resultant, tangential_resultant]
-    # An actuator's movement in the place of a load is the rigid motion of the upper body (approach,
-    # or U) and what the rig gives way.
     for number, rig_compliance in enumerate(problem.actuators):
         if rig_compliance is not None:
-            rigid_motion = values[1:, number]
+            rigid_motion = values[:, number]
             loads_reached[number] = rigid_motion + rig_compliance * loads_reached[number]
     imbalance = np.abs(np.array(loads_reached) - loads[:, :2].T).max(axis=0)
     if problem.has_given_moment:
         moment = problem.interface.moment(pressure, shear)
         imbalance = np.maximum(imbalance, np.abs(moment - loads[:, -1]))
     normal_load = normal_resultant if problem.actuators.prescribe_approach else loads[:, 0]
-    return {"equilibrium": imbalance / np.maximum(normal_load, 1e-300), **violation_by_name}
+    return np.asarray(imbalance / np.maximum(normal_load, 1e-300))

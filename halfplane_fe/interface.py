@@ -37,7 +37,7 @@ from halfplane_fe.path import has_bulk_stress
 from halfplane_fe.supports import has_free_ends, least_face_half_width
 from meshes import BodyMesh, MeshSettings, SurfaceGrading, build
 from scenes import Block, InputError, Scene, Shape, read_only_copy
-from scenes.array_types import Array
+from scenes.array_types import Array, Indices
 
 if TYPE_CHECKING:
     from halfplane_fe.mortar import Mortar
@@ -444,6 +444,33 @@ def _distances_in_spacings(x: Array) -> Array:
     )
 
 
+def _pairs_beyond_mesh_error(
+    unit_x: Array, distances_in_spacings: Array
+) -> tuple[Indices, Indices]:
+    """Pairs of nodes that are so far apart that their compliance has no mesh error: numbers of the
+    first and of the second node, (n_pairs,) each.
+
+    The nodes are those next to 48 Chebyshev points along the face, with their mirror images, so
+    that a symmetric compliance stays symmetric.
+
+    Parameters
+    ----------
+    unit_x
+        (n,) places of the nodes, from -1 to 1
+    distances_in_spacings
+        (n, n) distance of two nodes, in distances of neighbouring nodes; 8.5 is far enough
+    """
+    n_nodes = len(unit_x)
+    chebyshev_places = np.cos(np.pi * (np.arange(_N_SAMPLES) + 0.5) / _N_SAMPLES)
+    sample_nodes = np.searchsorted(unit_x, chebyshev_places).clip(0, n_nodes - 1)
+    sample_nodes = np.union1d(sample_nodes, n_nodes - 1 - sample_nodes)
+    # _SPACINGS_WITH_MESH_ERROR: 8.5 node distances, over which the mesh error dies out
+    row_samples, column_samples = np.nonzero(  # positions among the sample nodes
+        distances_in_spacings[np.ix_(sample_nodes, sample_nodes)] > _SPACINGS_WITH_MESH_ERROR
+    )
+    return sample_nodes[row_samples], sample_nodes[column_samples]
+
+
 def _smooth_compliance(matrix: Array, x: Array, distances_in_spacings: Array) -> Array:
     """Smooth part (n, n) of a compliance matrix that has a mesh error between nearby nodes.
 
@@ -460,18 +487,8 @@ def _smooth_compliance(matrix: Array, x: Array, distances_in_spacings: Array) ->
         (n, n) distance of two nodes, in distances of neighbouring nodes. If it is signed, only
         pairs on the positive side of the diagonal are fitted
     """
-    # Nodes next to 48 Chebyshev points along the face; pairs of them that are far enough apart.
-    unit_x = 2 * (x - x[0]) / (x[-1] - x[0]) - 1
-    chebyshev_places = np.cos(np.pi * (np.arange(_N_SAMPLES) + 0.5) / _N_SAMPLES)
-    sample_nodes = np.searchsorted(unit_x, chebyshev_places).clip(0, len(x) - 1)
-    # With their mirror images, so that a symmetric compliance stays symmetric.
-    sample_nodes = np.union1d(sample_nodes, len(x) - 1 - sample_nodes)
-    # _SPACINGS_WITH_MESH_ERROR: 8.5 node distances, over which the mesh error dies out
-    row_samples, column_samples = np.nonzero(  # positions among the sample nodes
-        distances_in_spacings[np.ix_(sample_nodes, sample_nodes)] > _SPACINGS_WITH_MESH_ERROR
-    )
-    row_nodes = sample_nodes[row_samples]
-    column_nodes = sample_nodes[column_samples]
+    unit_x = 2 * (x - x[0]) / (x[-1] - x[0]) - 1  # from -1 to 1
+    row_nodes, column_nodes = _pairs_beyond_mesh_error(unit_x, distances_in_spacings)
 
     # Least-squares fit of products of Legendre polynomials; degree 8 at most in both together, one
     # degree for every 25 nodes.

@@ -888,15 +888,9 @@ class Systems:
         if not (self._displacement_needs_no_stick or STICK in node_states):
             raise SingularSet("no node sticks: the bodies slide on each other")
 
-        # Factorised equations of these states (`base`). Its held equations are those that prescribe
-        # a displacement, then P and Q; its free ones prescribe a force.
-        key = node_states.tobytes()
-        base = self._factorised_sets.pop(key, None)
-        if base is None:
-            base = self._new_base(np.concatenate([node_states, node_states]), None)
-        self._factorised_sets[key] = base  # what was used last comes last
-        if len(self._factorised_sets) > _MOST_FACTORISED_SETS:
-            del self._factorised_sets[next(iter(self._factorised_sets))]
+        # Its held equations are those that prescribe a displacement, then P and Q; its free ones
+        # prescribe a force.
+        base = self._factorised_set(node_states)
 
         # Columns: one case a load, then the changes. Rows, as the columns of the contact matrix: p,
         # q, approach, U, bulk stresses, tilt. First what is known: forces of free equations, bulk
@@ -924,6 +918,19 @@ class Systems:
         values[:, 3 + n : 3 + 3 * n] = forces_and_motions[: 2 * n].T  # pressure and shear
         values[:, 3 + 3 * n :] = displacements[:n].T  # gap
         return values
+
+    def _factorised_set(self, node_states: States) -> _Base:
+        """Factorised equations of one set of node states (n,); those of the last eight sets are
+        cached, of which the one used last comes last.
+        """
+        key = node_states.tobytes()
+        base = self._factorised_sets.pop(key, None)
+        if base is None:
+            base = self._new_base(np.concatenate([node_states, node_states]), None)
+        self._factorised_sets[key] = base
+        if len(self._factorised_sets) > _MOST_FACTORISED_SETS:
+            del self._factorised_sets[next(iter(self._factorised_sets))]
+        return base
 
     def _base_for(self, node_states: States) -> tuple[_Base, Mask]:
         """Choose the base for new node states (n,): a set of states with cached responses, which

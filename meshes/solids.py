@@ -332,46 +332,57 @@ class _Outline:
         end; `_step_corners`, (x, y) of the corners of a step from the face downwards; and
         `_side_end`, the lower end of the side.
         """
-        # Contact: one line for each surface element, since it has two nodes. gmsh returns a tag, a
-        # number, for each point and curve.
         geometry = gmsh.model.geo
         surface_x = surface_points(grading)
-        tags_of_surface_points = [
-            geometry.addPoint(float(x), -float(y), 0)
-            for x, y in zip(surface_x, self._rounded_depth(surface_x), strict=True)
-        ]
-        contact_lines = [
-            geometry.addLine(first_point, second_point)
-            for first_point, second_point in itertools.pairwise(tags_of_surface_points)
-        ]
-        for line in contact_lines:
-            geometry.mesh.setTransfiniteCurve(line, 2)
-
-        # Rest of the face, sides, base and axis.
+        contact_lines, first_point, contact_end_point = self._draw_contact(surface_x)
         free_curves, face_end_point = self._draw_rest_of_face(
-            float(surface_x[-1]), tags_of_surface_points[-1], grading.edge_size, growth
+            float(surface_x[-1]), contact_end_point, grading.edge_size, growth
         )
         axis_end_point = geometry.addPoint(0, -self._height, 0)
-        side_lines = []
-        last_point = face_end_point
-        # A half-cylinder has no sides: its face goes down to the base.
-        if self._face_drop < self._height * (1 - 1e-9):
-            for x, y in (*self._step_corners, self._side_end):
-                corner_point = geometry.addPoint(x, y, 0)
-                side_lines.append(geometry.addLine(last_point, corner_point))
-                last_point = corner_point
-        base_line = geometry.addLine(last_point, axis_end_point)
-        axis_line = geometry.addLine(axis_end_point, tags_of_surface_points[0])
-        geometry.addPlaneSurface(
-            [
-                geometry.addCurveLoop(
-                    [*contact_lines, *free_curves, *side_lines, base_line, axis_line]
-                )
-            ]
-        )
+        side_lines, side_end_point = self._draw_sides(face_end_point)
+        base_line = geometry.addLine(side_end_point, axis_end_point)
+        axis_line = geometry.addLine(axis_end_point, first_point)
+        outline = [*contact_lines, *free_curves, *side_lines, base_line, axis_line]
+        geometry.addPlaneSurface([geometry.addCurveLoop(outline)])
         return {"contact": contact_lines, "free": free_curves, "base": [base_line]} | (
             {"sides": side_lines} if side_lines else {}
         )
+
+    def _draw_contact(self, surface_x: Array) -> tuple[list[int], int, int]:
+        """Draw the part of the face that may touch into gmsh's current model, between points at
+        ascending x: one line for each surface element, since it has two nodes.
+
+        Returned are gmsh's tags (a tag is the number of a point or curve) of the lines, and of the
+        first and the last point.
+        """
+        geometry = gmsh.model.geo
+        points = [
+            geometry.addPoint(float(x), -float(y), 0)
+            for x, y in zip(surface_x, self._rounded_depth(surface_x), strict=True)
+        ]
+        lines = [
+            geometry.addLine(first_point, second_point)
+            for first_point, second_point in itertools.pairwise(points)
+        ]
+        for line in lines:
+            geometry.mesh.setTransfiniteCurve(line, 2)
+        return lines, points[0], points[-1]
+
+    def _draw_sides(self, face_end_point: int) -> tuple[list[int], int]:
+        """Draw the side of the body, with the corners of a step, into gmsh's current model, from
+        the point at the end of the face down to the base.
+
+        Returned are gmsh's tags of the lines, and of the last point. A half-cylinder has no sides:
+        its face goes down to the base.
+        """
+        lines: list[int] = []
+        last_point = face_end_point
+        if self._face_drop < self._height * (1 - 1e-9):
+            for x, y in (*self._step_corners, self._side_end):
+                corner_point = gmsh.model.geo.addPoint(x, y, 0)
+                lines.append(gmsh.model.geo.addLine(last_point, corner_point))
+                last_point = corner_point
+        return lines, last_point
 
     def _draw_rest_of_face(
         self, start: float, first_point: int, size: float, growth: float
