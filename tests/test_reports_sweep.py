@@ -944,6 +944,20 @@ def test_of_two_axes_there_is_a_line_with_bars_along_each() -> None:
     assert rows[3][3] == "400 ± 10"  # per cent
 
 
+def test_values_that_differ_by_round_off_have_numbers_of_their_own_beside_the_axis() -> None:
+    table = pd.DataFrame(
+        [
+            {"number": n, "x": x, "error.p0": 2.22446e-5 * (1 + 1e-8 * n), "status": "done"}
+            for n, x in enumerate([1.0, 2.0, 3.0])
+        ]
+    )
+    axes = [axis(name="x", values=[1.0, 2.0, 3.0])]
+    [drawn] = draw_figures(table, axes, load_scene("hertz-paper"))
+    labels = ticks(panel_stacks_of(drawn)[0][0].__html__(), "upright")
+    assert len(labels) == len(set(labels)) > 1
+    assert max(len(label) for label in labels) <= 9
+
+
 def test_an_axis_without_a_name_has_that_of_its_key() -> None:
     assert Axis(key="friction.coefficient", values=(0.5,)).columns == ("friction_coefficient",)
     with pytest.raises(ValueError, match="an axis has a name"):

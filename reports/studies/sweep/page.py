@@ -51,6 +51,9 @@ _MOST_ROWS = 250  # more rows than that are in index.csv alone
 _LEAST_FILLED_SHARE = 0.3  # share of a grid that has points, from which on it is a map
 _MOST_NUMBERED_CELLS = 64  # cells of a map that have their numbers
 _WORD_HEIGHT = 0.055  # height of a line of words over that of a panel
+# Least range of an axis of values over their largest size: less is round-off or noise of a mesh,
+# and numbers with six digits beside the axis would be equal.
+_LEAST_RANGE_OF_VALUES = 1e-3
 _ROUNDOFF_SPREAD = 1e-9  # spread of values over their size that is round-off error
 _N_LATEST_RESULTS = 40  # results that the rate is taken from
 _ENGINES = {"fe": "finite elements", "exact": "half-plane theory"}
@@ -540,7 +543,11 @@ class _QuantityFigure:
         """The axis of the values of the quantity, upwards, with their uncertainties; longer at its
         upper end by the room for so many labels under each other.
         """
-        least_value, largest_value = axis_limits(self.lower_ends, self.upper_ends)
+        sizes = np.abs([*self.lower_ends, *self.upper_ends])
+        largest_size = float(np.max(sizes, where=np.isfinite(sizes), initial=0.0))
+        least_value, largest_value = axis_limits(
+            self.lower_ends, self.upper_ends, least_range=_LEAST_RANGE_OF_VALUES * largest_size
+        )
         # _WORD_HEIGHT: 0.055 of the range, for each label
         largest_value += _WORD_HEIGHT * n_labels * (largest_value - least_value)
         return ChartAxis(least_value, largest_value, self.axis_words)
