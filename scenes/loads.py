@@ -1069,10 +1069,14 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         stated_values = {"time": self.interval, "P": self.constant_normal_load}
         return {name: value for name, value in stated_values.items() if value is not None}
 
-    def _table_of(self, path: Path, columns: tuple[str, ...], stated: Frozen | None) -> TextTable:
-        """Table of the columns of a record that are read from the file at `path`.
+    def _table_of(
+        self, path: Path, quantities: tuple[str, ...], stated_columns: Frozen | None
+    ) -> TextTable:
+        """Table of the columns of a record that are read from the file at `path`: one column for
+        each of the `quantities`.
 
-        `columns` are the quantities needed, `stated` the headings that the scene states for them.
+        `stated_columns` is the scene's key `columns`: headings, or numbers from 1, of the columns
+        that the user names.
 
         Raises
         ------
@@ -1088,7 +1092,7 @@ class TimeSeriesLoad(StraightLoad, FromFile):
                 "approach stands in the place of P: leave out constant_normal_load, or approach"
             )
         try:
-            return super()._table_of(path, columns, stated)
+            return super()._table_of(path, quantities, stated_columns)
         except MissingColumnError as fault:
             raise InputError(f"{fault}{self._advice_on_missing_columns(fault)}") from fault
 

@@ -166,7 +166,11 @@ class ColumnUnit:
 
 
 def unit_of_column(
-    table: TextTable, column: int, kind: Kind, units: str, stated_unit: str | None = None
+    table: TextTable,
+    column_index: int,
+    unit_kind: Kind,
+    scene_units: str,
+    stated_unit: str | None = None,
 ) -> ColumnUnit:
     """Unit of one column of a text table, with the factor from the file's numbers to the units of
     the scene.
@@ -180,21 +184,21 @@ def unit_of_column(
     table
         `headings` of the file's columns, and their `units` by its line of units or within the
         headings, "" where there is none
-    column
+    column_index
         index of the column
-    kind
+    unit_kind
         kind of its unit, such as "load" or "length"
-    units
+    scene_units
         units of the scene, such as "N, mm, MPa"
     stated_unit
         unit that the user states for the column, if any
     """
-    heading = table.headings[column]
+    heading = table.headings[column_index]
 
     # The unit of "P [N]" or "P / N"; and that of "Force N", a last word of up to three letters.
     _, marked_unit = unit_in(heading)
-    short_unit = short_unit_in(heading, kind)
-    word = stated_unit or table.units[column] or short_unit
+    short_unit = short_unit_in(heading, unit_kind)
+    word = stated_unit or table.units[column_index] or short_unit
     source = "in its heading"
     if stated_unit:
         source = "stated"
@@ -207,10 +211,10 @@ def unit_of_column(
     fault = ""
     if not word:
         # A missing unit of time needs no remark, since it changes no result.
-        remark = "" if kind == "time" else "no unit stated: taken to be in that of the scene"
+        remark = "" if unit_kind == "time" else "no unit stated: taken to be in that of the scene"
     else:
         try:
-            factor, per_length = unit_factor(word, kind, units)
+            factor, per_length = unit_factor(word, unit_kind, scene_units)
             remark = f"{word} ({source}), times {factor:.9g}"
         except ValueError as reason:
             fault = str(reason)
@@ -374,16 +378,16 @@ class FromFile(Frozen):
         """
         descriptions = []
         is_converted = False
-        for column, (name, unit_kind) in enumerate(unit_kinds.items()):
+        for column_index, (name, unit_kind) in enumerate(unit_kinds.items()):
             # Number that means zero, factor to the scene's units, and a description.
             column_reading = self._reading_of_column(
-                path, file_table, column, name, unit_kind, scene_units
+                path, file_table, column_index, name, unit_kind, scene_units
             )
             is_converted = is_converted or (column_reading.unit_known and unit_kind != "time")
             # Numbers that are not finite are refused later, with their row.
             with np.errstate(over="ignore", invalid="ignore"):
-                file_table.values[:, column] -= column_reading.zero
-                file_table.values[:, column] *= column_reading.factor
+                file_table.values[:, column_index] -= column_reading.zero
+                file_table.values[:, column_index] *= column_reading.factor
             descriptions.append((name, column_reading.description))
         descriptions += self._stated_quantities_in_words()
         if file_table.unread_headings:
@@ -409,13 +413,13 @@ class FromFile(Frozen):
         return values_of_keys
 
     def _table_of(
-        self, path: Path, columns: tuple[str, ...], stated_columns: Frozen | None
+        self, path: Path, quantities: tuple[str, ...], stated_columns: Frozen | None
     ) -> TextTable:
-        """The named `columns`, such as "time", of the text file at `path`.
+        """The columns of some `quantities`, such as "time", of the text file at `path`.
 
         Each is found by its usual headings, unless the user names it. `stated_columns` is the
-        scene's key `columns`: a part with the heading, or the number from 1, of those that the user
-        names.
+        scene's key `columns`: a part with the heading, or the number from 1, of those that the
+        user names.
 
         Raises
         ------
@@ -424,7 +428,7 @@ class FromFile(Frozen):
         """
         from scenes.text_tables import text_table  # only a scene that names a file needs it
 
-        return text_table(path, columns, _values_by_column(stated_columns))
+        return text_table(path, quantities, _values_by_column(stated_columns))
 
     def _stated_quantities_in_words(self) -> list[tuple[str, str]]:
         """Quantities that the scene states in place of a column, such as a constant P, as (name,
@@ -439,7 +443,13 @@ class FromFile(Frozen):
         return values
 
     def _reading_of_column(
-        self, path: Path, table: TextTable, column: int, name: str, kind: Kind, units: str
+        self,
+        path: Path,
+        table: TextTable,
+        column_index: int,
+        name: str,
+        unit_kind: Kind,
+        scene_units: str,
     ) -> _ColumnReading:
         """How the numbers of one column of a text file become those of the scene: the number that
         means zero, the factor, whether the unit is known, and a description for the user.
@@ -450,13 +460,13 @@ class FromFile(Frozen):
             of the file, for messages
         table
             the file's columns, headings and units
-        column
+        column_index
             index of the column in the `table`
         name
             quantity that it holds, such as "P"
-        kind
+        unit_kind
             kind of its unit, such as "load" or "length"
-        units
+        scene_units
             units of the scene, such as "N, mm, MPa"
 
         Raises
@@ -467,13 +477,13 @@ class FromFile(Frozen):
         """
         # `first_clock_text`: the first cell of a column of times of day, "" where times are
         # numbers.
-        heading = table.headings[column]
-        is_time_of_day = bool(table.first_clock_text) and kind == "time"
+        heading = table.headings[column_index]
+        is_time_of_day = bool(table.first_clock_text) and unit_kind == "time"
         # The unit with its factor to the scene's, and a remark for the user.
-        unit = self._understood_unit(path, table, column, name, kind, units)
-        thickness = getattr(self, "thickness", None) if kind == "load" else None
-        if unit.known and kind == "load":
-            _check_thickness(path, name, unit, thickness)
+        column_unit = self._understood_unit(path, table, column_index, name, unit_kind, scene_units)
+        thickness = getattr(self, "thickness", None) if unit_kind == "load" else None
+        if column_unit.known and unit_kind == "load":
+            _check_thickness(path, name, column_unit, thickness)
 
         # What the scene states for this column: factor, number that means zero, sign.
         scale = _values_by_column(getattr(self, "scale", None)).get(name)
@@ -483,8 +493,8 @@ class FromFile(Frozen):
         phrases = [repr(heading) if table.heading_line else heading]
         if is_time_of_day:
             phrases.append(f"times of day: seconds since {table.first_clock_text}")
-        elif unit.remark:
-            phrases.append(unit.remark)
+        elif column_unit.remark:
+            phrases.append(column_unit.remark)
         if zero is not None:
             phrases.append(f"zero at {zero:.9g} of the file")
         if scale is not None:
@@ -494,16 +504,24 @@ class FromFile(Frozen):
         if sign < 0:
             phrases.append("sign turned")
         # The quotient is formed first: the order decides about the last digit.
-        factor = unit.factor * ((1.0 if scale is None else scale) * sign / (thickness or 1.0))
+        factor = column_unit.factor * (
+            (1.0 if scale is None else scale) * sign / (thickness or 1.0)
+        )
         return _ColumnReading(
             zero=0.0 if zero is None else zero,
             factor=factor,
-            unit_known=unit.known,
+            unit_known=column_unit.known,
             description=", ".join(phrases),
         )
 
     def _understood_unit(
-        self, path: Path, table: TextTable, column: int, name: str, kind: Kind, units: str
+        self,
+        path: Path,
+        table: TextTable,
+        column_index: int,
+        name: str,
+        unit_kind: Kind,
+        scene_units: str,
     ) -> ColumnUnit:
         """Unit of one column of a text file, as the user states it or as the file does, with its
         factor to the units of the scene.
@@ -514,13 +532,13 @@ class FromFile(Frozen):
             of the file, for messages
         table
             the file's columns, headings and units
-        column
+        column_index
             index of the column in the `table`
         name
             quantity that it holds, such as "P"
-        kind
+        unit_kind
             kind of its unit, such as "load" or "length"
-        units
+        scene_units
             units of the scene, such as "N, mm, MPa"
 
         Raises
@@ -532,33 +550,41 @@ class FromFile(Frozen):
         # Units and factors that the user states, by quantity.
         stated_units = _values_by_column(getattr(self, "units", None))
         scales = _values_by_column(getattr(self, "scale", None))
-        if table.first_clock_text and kind == "time":  # times of day have been turned into seconds
+        # Times of day have been turned into seconds.
+        if table.first_clock_text and unit_kind == "time":
             stated_units.pop(name, None)
         # The unit as a word, where it stands, its factor, and why it is not understood ("" where it
         # is).
-        unit = unit_of_column(table, column, kind, units, stated_units.get(name))
-        if unit.fault and name in stated_units:
-            raise InputError(f"units.{name}: {unit.fault}")
+        column_unit = unit_of_column(
+            table, column_index, unit_kind, scene_units, stated_units.get(name)
+        )
+        if column_unit.fault and name in stated_units:
+            raise InputError(f"units.{name}: {column_unit.fault}")
         # The unit of time changes no result, moments are not converted, and a stated scale turns
         # volts into loads.
-        if unit.fault and kind not in ("time", "moment") and name not in scales:
+        if column_unit.fault and unit_kind not in ("time", "moment") and name not in scales:
             advice_for_loads = ""
-            if kind == "load":
+            if unit_kind == "load":
                 advice_for_loads = (
                     ": to loads per unit thickness, or to forces beside the key thickness"
                 )
             # LIKELY_UNITS: a usual unit of each kind
             raise InputError(
-                f"{path}: the heading {table.headings[column]!r} of {name} has {unit.word!r} where"
-                f" a unit stands: {unit.fault}; state the unit of the numbers, such as units ="
-                f" {{{name} = {LIKELY_UNITS[kind]!r}}}, or their factor by scale{advice_for_loads}"
+                f"{path}: the heading {table.headings[column_index]!r} of {name} has"
+                f" {column_unit.word!r} where a unit stands: {column_unit.fault}; state the unit of"
+                f" the numbers, such as units = {{{name} = {LIKELY_UNITS[unit_kind]!r}}}, or their"
+                f" factor by scale{advice_for_loads}"
             )
-        return unit
+        return column_unit
 
     @classmethod
-    def _optional_columns_in(cls, columns: Frozen | None) -> list[str]:
-        """Names of the optional columns, such as a bulk stress, that the key `columns` states."""
-        return [name for name in _values_by_column(columns) if name in cls.optional_column_kinds]
+    def _optional_columns_in(cls, stated_columns: Frozen | None) -> list[str]:
+        """Names of the optional columns, such as a bulk stress, that the scene's key `columns`
+        states.
+        """
+        return [
+            name for name in _values_by_column(stated_columns) if name in cls.optional_column_kinds
+        ]
 
     def merged(self, changes: Mapping[str, Any]) -> dict[str, Any]:
         """Keys of this part of the scene that the user gave, with `changes` (key -> new value)
@@ -607,8 +633,8 @@ class FromFile(Frozen):
             if self.file is not None and path.is_file():  # where the rows came from
                 from scenes.text_tables import text_table
 
-                columns = _values_by_column(getattr(self, "columns", None))
-                file_table = text_table(path, tuple(self.column_kinds), columns)
+                stated_columns = _values_by_column(getattr(self, "columns", None))
+                file_table = text_table(path, tuple(self.column_kinds), stated_columns)
                 place = f"{path}, line {file_table.line_numbers[fault.row]}"
             raise ValueError(f"{place}: {fault.rule}") from fault
         # READING_KEYS: keys on how a file is read, such as "columns" and "units"
@@ -621,7 +647,9 @@ class FromFile(Frozen):
         return self
 
 
-def _check_thickness(path: Path, name: str, unit: ColumnUnit, thickness: float | None) -> None:
+def _check_thickness(
+    path: Path, name: str, column_unit: ColumnUnit, thickness: float | None
+) -> None:
     """Refuse a column of forces where the scene states no thickness to divide them by, and one of
     forces per length where it does (InputError).
 
@@ -631,20 +659,22 @@ def _check_thickness(path: Path, name: str, unit: ColumnUnit, thickness: float |
         of the file, for the message
     name
         quantity of the column, such as "P"
-    unit
+    column_unit
         `per_length`: whether it is a force per length; the word in the file, and where it stands
     thickness
         of the contact out of the plane [length], or None
     """
-    if unit.per_length != (thickness is not None):
+    if column_unit.per_length != (thickness is not None):
         return
     fault_text = (
         "a force, and loads are per unit thickness: state the key thickness, the length of"
         " the contact out of the plane, by which it is divided"
     )
-    if unit.per_length:
+    if column_unit.per_length:
         fault_text = "per length already: leave out the key thickness"
-    raise InputError(f"{path}: {name} is in {unit.word} ({unit.source}), {fault_text}")
+    raise InputError(
+        f"{path}: {name} is in {column_unit.word} ({column_unit.source}), {fault_text}"
+    )
 
 
 def _scene_units(validation: ValidationInfo) -> str:

@@ -19,7 +19,7 @@ even part in x is::
 
 and as a force of memory T(c') = 2 int_c'^a r x/sqrt(x^2 - c'^2) dx.
 
-# notation: A = 2/E*, a contact half-width, c stick half-width; s sense of slip, alpha tilt, eps
+# notation: A = 2/E*, a contact half-width, c stick half-width; s direction of slip, alpha tilt, eps
 #           strain of the lower face minus that of the upper one
 """
 
