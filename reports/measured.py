@@ -388,14 +388,8 @@ def _noise_in_words(
     several rows, which remove it, change the dissipation W.
 
     It is a warning where they change W by more than 1 % and `load_record.average` (the number of
-    rows of one mean, 1 for none) does not ask for them.
-
-    Parameters
-    ----------
-    record_check
-        `noise`: standard deviation in P and in Q, 0 where none is seen; W of all rows, of the means
-        that the load asks for (`work_without_reduction`), and of means over `rows_per_mean` rows;
-        `noise_share`: what noise adds to W over W without it; None where it is not known
+    rows of one mean, 1 for none) does not ask for them. `record_check` has the standard deviation
+    in P and in Q, 0 where none is seen.
     """
     # The loads with noise, in words, and the load without it.
     noisy_loads = []
@@ -408,37 +402,50 @@ def _noise_in_words(
     noise_in_words = (
         f"The rows look noisy: standard deviation {' and '.join(noisy_loads)}{noiseless_load}"
     )
-
-    # The record is averaged: how much that changes W.
     if load_record.average > 1:
-        relative_change = _relative_change(
-            record_check.work_without_reduction, record_check.work_of_all_rows
-        )
-        cause = ""
-        # _LARGEST_CHANGE_WITHOUT_WARNING: 1 % of W
-        if abs(relative_change) > _LARGEST_CHANGE_WITHOUT_WARNING:
-            cause = (
-                ": by noise, or because means of so many rows blur the loads; compare with a"
-                " smaller load.average"
-            )
-        text = (
-            f"{noise_in_words}. The means of {load_record.average} rows change W by"
-            f" {_per_cent(relative_change)}{cause}."
-        )
-        return Sentence(text, is_warning=False)
+        sentence_on_means = _effect_of_requested_means(load_record, record_check)
+    else:
+        sentence_on_means = _effect_of_possible_means(record_check)
+    return Sentence(f"{noise_in_words}. {sentence_on_means.text}", sentence_on_means.is_warning)
 
+
+def _effect_of_requested_means(load_record: TimeSeriesLoad, record_check: RecordCheck) -> Sentence:
+    """A sentence on how much the means of rows that a record of loads asks for (`average` is the
+    number of rows of one) change the dissipation W; no warning. `record_check` has W of all rows,
+    and of these means (`work_without_reduction`).
+    """
+    relative_change = _relative_change(
+        record_check.work_without_reduction, record_check.work_of_all_rows
+    )
+    cause = ""
+    # _LARGEST_CHANGE_WITHOUT_WARNING: 1 % of W
+    if abs(relative_change) > _LARGEST_CHANGE_WITHOUT_WARNING:
+        cause = (
+            ": by noise, or because means of so many rows blur the loads; compare with a"
+            " smaller load.average"
+        )
+    text = (
+        f"The means of {load_record.average} rows change W by {_per_cent(relative_change)}{cause}."
+    )
+    return Sentence(text, is_warning=False)
+
+
+def _effect_of_possible_means(record_check: RecordCheck) -> Sentence:
+    """A sentence on how much means of rows would change the dissipation W of a record that is not
+    averaged; a warning where that is more than 1 %. `record_check` has W of all rows, W of means
+    over `rows_per_mean` rows, and what noise adds to W, None where it is not known.
+    """
     if record_check.noise_share is None:
         text = (
-            f"{noise_in_words}. How much of W is noise can't be told: there are too few rows a"
+            "How much of W is noise can't be told: there are too few rows a"
             " cycle, or the record repeats."
         )
         return Sentence(text, is_warning=False)
-    # The record is not averaged: how much means would change W.
     relative_change = _relative_change(record_check.work_of_means, record_check.work_of_all_rows)
     is_warning = abs(relative_change) > _LARGEST_CHANGE_WITHOUT_WARNING
     cure = f"; load.average = {record_check.rows_per_mean} takes it out" if is_warning else ""
     text = (
-        f"{noise_in_words}. Means of {record_check.rows_per_mean} rows change W by"
+        f"Means of {record_check.rows_per_mean} rows change W by"
         f" {_per_cent(relative_change)}{cure}."
     )
     return Sentence(text, is_warning)

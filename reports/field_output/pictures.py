@@ -483,11 +483,7 @@ def stress(
     pixels
         width of each picture [pixels]
     """
-    _, length_unit, stress_unit = units(solution.scene)
-    # largest nodal von Mises stress of each instant, with its body and place
-    peaks = [peak(snapshot) for snapshot in snapshots]
     largest_stress, _ = stress_and_magnification
-
     # two cells of the figure, which are panels one under the other, for each instant
     cells: list[Cell] = []
     for instant_number, (instant, snapshot) in enumerate(zip(instants, snapshots, strict=True)):
@@ -512,18 +508,30 @@ def stress(
         f" the contact to true scale, and the state of its points. {NO_PEAK}",
         "Von Mises stress in both bodies at the instants asked for.",
         tuple(cells),
-        {
-            "instant": [instant.label for instant in instants],
-            "time": [snapshot.time for snapshot in snapshots],
-            f"largest nodal value [{stress_unit}]": [
-                peak_of_instant["value"] for peak_of_instant in peaks
-            ],
-            "body": [peak_of_instant["body"] for peak_of_instant in peaks],
-            f"x [{length_unit}]": [peak_of_instant["x"] for peak_of_instant in peaks],
-            f"y [{length_unit}]": [peak_of_instant["y"] for peak_of_instant in peaks],
-        },
+        _table_of_largest_stresses(solution, snapshots, instants),
         STATE_KEYS,
     )
+
+
+def _table_of_largest_stresses(
+    solution: FiniteElementSolution, snapshots: Sequence[Snapshot], instants: Sequence[Instant]
+) -> dict[str, list[Any]]:
+    """Columns for a CSV, a row for each instant: label, time, and the largest nodal von Mises
+    stress of both bodies with its body and its place x, y in the undeformed body. `snapshots` are
+    the fields at the `instants`; the scene of the solution has the units.
+    """
+    _, length_unit, stress_unit = units(solution.scene)
+    peaks = [peak(snapshot) for snapshot in snapshots]
+    return {
+        "instant": [instant.label for instant in instants],
+        "time": [snapshot.time for snapshot in snapshots],
+        f"largest nodal value [{stress_unit}]": [
+            peak_of_instant["value"] for peak_of_instant in peaks
+        ],
+        "body": [peak_of_instant["body"] for peak_of_instant in peaks],
+        f"x [{length_unit}]": [peak_of_instant["x"] for peak_of_instant in peaks],
+        f"y [{length_unit}]": [peak_of_instant["y"] for peak_of_instant in peaks],
+    }
 
 
 class _DrawnBodies(NamedTuple):
