@@ -200,7 +200,7 @@ def _sentence_on_difference(effects: InputEffects, comparison: JudgedPair | None
     Parameters
     ----------
     effects
-        `difference` of the models by the key of the value, each with its uncertainty;
+        `difference` of the models by the name of the value, each with its uncertainty;
         `reason_without_difference`: why there is none, "" where there is one
     comparison
         finite elements compared with theory; None without them. Where it has no finite relative
@@ -252,7 +252,7 @@ def _sentence_on_measurement(effects: InputEffects, comparison: JudgedPair | Non
     ----------
     effects
         `work_uncertainty`: standard uncertainty of W over W by the inputs, NaN where it is not
-        known; `difference` of the models by the key of the value
+        known; `difference` of the models by the name of the value
     comparison
         finite elements compared with theory; None without them. Where it has no finite relative
         difference of W, and where it is None, the difference is that of corrected theory
@@ -356,9 +356,9 @@ def rows_of_theory_values(effects: InputEffects, scene: Scene) -> list[tuple[str
     by the inputs of the scene, the same in per cent, and the three inputs that change the value
     most.
 
-    Values from random draws of the inputs come last. `effects.values` holds the values by key, each
-    with its `changes` by one standard uncertainty of every input; `effects.draws` is None without
-    draws.
+    Values from random draws of the inputs come last. `effects.values` holds the values by name,
+    each with its `changes` by one standard uncertainty of every input; `effects.draws` is None
+    without draws.
     """
     # Key of an input -> its name.
     input_in_words = {
@@ -381,13 +381,18 @@ def rows_of_theory_values(effects: InputEffects, scene: Scene) -> list[tuple[str
             )
         )
     if effects.draws is not None:
-        for key, drawn_value in effects.draws.values.items():
-            theory_value = effects.values[key]
+        for name, drawn_value in effects.draws.values.items():
+            theory_value = effects.values[name]
             unit = _unit_of_value(theory_value, scene)
-            name = f"{theory_value.words}, {effects.draws.count:,} draws [{unit}]"
+            name_with_unit = f"{theory_value.words}, {effects.draws.count:,} draws [{unit}]"
             cells = (significant(drawn_value.mean, 6), significant(drawn_value.uncertainty, 2))
             rows.append(
-                (name, *cells, significant(100 * drawn_value.relative_uncertainty, 2), "all")
+                (
+                    name_with_unit,
+                    *cells,
+                    significant(100 * drawn_value.relative_uncertainty, 2),
+                    "all",
+                )
             )
     return rows
 
@@ -400,7 +405,7 @@ def rows_of_difference(effects: InputEffects) -> list[tuple[str, ...]]:
     per cent, standard uncertainty by the inputs in percentage points, and the three inputs that
     change the difference most.
 
-    `effects.difference` holds the relative differences by key, each with its `changes` by one
+    `effects.difference` holds the relative differences by name, each with its `changes` by one
     standard uncertainty of every input.
     """
     # Key of an input -> its name.
@@ -430,7 +435,7 @@ def table_of_inputs(effects: InputEffects) -> tuple[tuple[str, ...], list[tuple[
     finite bodies and half-planes, in percentage points, where that is known. The last row holds the
     standard uncertainties by all inputs together.
 
-    `effects.values` and `effects.difference` hold theory's values and the differences by key, each
+    `effects.values` and `effects.difference` hold theory's values and the differences by name, each
     with its `changes` by one standard uncertainty of every input.
     """
     heads = ("Input", "as stated", "moves W by %")
@@ -470,7 +475,7 @@ def table_of_inputs(effects: InputEffects) -> tuple[tuple[str, ...], list[tuple[
     return (*heads, "moves the difference by points"), rows
 
 
-def _unit_of_value(value: UncertainValue, scene: Scene) -> str:
+def _unit_of_value(uncertain_value: UncertainValue, scene: Scene) -> str:
     """The unit of a value of theory, in the units of the scene."""
     _, unit_of_length, unit_of_stress = units(scene)
     return {
@@ -479,7 +484,7 @@ def _unit_of_value(value: UncertainValue, scene: Scene) -> str:
         "length": unit_of_length,
         "load": load_unit(scene),
         "ratio": "1",
-    }[value.unit]
+    }[uncertain_value.unit]
 
 
 def _signed_ratio_in_words(change: float, value: float) -> str:
@@ -530,15 +535,21 @@ def content(
     draws = None
     if effects.draws is not None:
         values_of_draws = {
-            key: drawn_value._asdict() for key, drawn_value in effects.draws.values.items()
+            name: drawn_value._asdict() for name, drawn_value in effects.draws.values.items()
         }
         draws = vars(effects.draws) | {"values": values_of_draws}
     return {
         "stated": stated_content(scene),
         "correlations": [list(entry) for entry in effects.correlations],
         "sentences": sentences(effects, scene, comparison),
-        "values": {key: _content_of_value(value) for key, value in effects.values.items()},
-        "difference": {key: _content_of_value(value) for key, value in effects.difference.items()},
+        "values": {
+            name: _content_of_value(uncertain_value)
+            for name, uncertain_value in effects.values.items()
+        },
+        "difference": {
+            name: _content_of_value(uncertain_value)
+            for name, uncertain_value in effects.difference.items()
+        },
         "no_difference": effects.reason_without_difference or None,
         "draws": draws,
         "sliding": sliding_content(effects.sliding),
@@ -558,7 +569,7 @@ def sliding_content(sliding: NearSliding | None) -> dict[str, Any] | None:
     }
 
 
-def _content_of_value(value: UncertainValue) -> dict[str, Any]:
+def _content_of_value(uncertain_value: UncertainValue) -> dict[str, Any]:
     """The JSON content of one value with its standard uncertainty by the inputs: the change of the
     value by one standard uncertainty of each input, and the keys of the inputs in the order of the
     size of that change.
@@ -568,14 +579,16 @@ def _content_of_value(value: UncertainValue) -> dict[str, Any]:
     """
     changes = {
         key: {"value": change.value, "error": change.uncertainty}
-        for key, change in value.changes.items()
+        for key, change in uncertain_value.changes.items()
     }
     return {
-        "value": value.value,
-        "standard_uncertainty": value.uncertainty,
-        "relative": None if value.unit == "share" else value.relative_uncertainty,
+        "value": uncertain_value.value,
+        "standard_uncertainty": uncertain_value.uncertainty,
+        "relative": None
+        if uncertain_value.unit == "share"
+        else uncertain_value.relative_uncertainty,
         "changes": changes,
-        "second_order": value.second_order,
-        "nearly_linear": value.is_nearly_linear,
-        "ranking": value.keys_by_size_of_change,
+        "second_order": uncertain_value.second_order,
+        "nearly_linear": uncertain_value.is_nearly_linear,
+        "ranking": uncertain_value.keys_by_size_of_change,
     }

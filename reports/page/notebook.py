@@ -125,9 +125,9 @@ def _draw_tractions(axes: Axes, solution: ContactSolution, instant: int) -> None
         x, solution.shear[instant], color=_FORWARD_COLOUR, marker=marker, label="shear traction q"
     )
     if scene.friction.coefficient:
-        limit = scene.friction.coefficient * pressure
-        axes.plot(x, limit, color="0.6", linestyle=":", label="Coulomb limit ±f p")
-        axes.plot(x, -limit, color="0.6", linestyle=":")
+        coulomb_limit = scene.friction.coefficient * pressure
+        axes.plot(x, coulomb_limit, color="0.6", linestyle=":", label="Coulomb limit ±f p")
+        axes.plot(x, -coulomb_limit, color="0.6", linestyle=":")
     _, _, unit_of_stress = scene.unit_words
     axes.set_ylabel(f"p, q [{unit_of_stress}]")
     axes.set_title(f"{scene.title or scene.name}, time {solution.time[instant]:.4g}", loc="left")

@@ -152,8 +152,8 @@ class RigMotion:
         stick_half_width = self.solution.stick_half_width[self.instants]
         contact_half_width = self.solution.contact_half_width[self.instants]
         is_apart = normal_load <= 0
-        friction_limit = self.scene.friction.coefficient * normal_load
-        is_at_limit = np.abs(tangential_load) >= friction_limit * (1 - _LIMIT_TOLERANCE)
+        coulomb_limit = self.scene.friction.coefficient * normal_load
+        is_at_limit = np.abs(tangential_load) >= coulomb_limit * (1 - _LIMIT_TOLERANCE)
         # no stick zone, and all of f P is used: the bodies slide as a whole
         is_sliding = ~is_apart & np.isnan(stick_half_width) & is_at_limit
         slide_direction = np.where(is_sliding, np.sign(tangential_load), 0)
@@ -330,7 +330,7 @@ def loops(rig_motions: Sequence[RigMotion]) -> Plate:
 
 
 def _over_time(rig_motion: RigMotion) -> Plate:
-    """A figure of a rig over time in two panels. The upper one has Q between the limits of friction
+    """A figure of a rig over time in two panels. The upper one has Q between the Coulomb limits
     ±f P, on colours that show what the contact does. The lower one has the displacements of
     actuator and contact, and the slip of the middle of the contact since the first instant, with
     its sign: it changes where the bodies slide as a whole, and where they are moved while apart.
@@ -377,7 +377,7 @@ def _panel_over_time(
 
 
 def _panel_of_force(rig_motion: RigMotion) -> Panel:
-    """A panel of the tangential load Q of a rig over time, between the limits of friction ±f P.
+    """A panel of the tangential load Q of a rig over time, between the Coulomb limits ±f P.
     Rectangles behind the curves show by colour what the contact does: stick, partial slip, sliding
     forward or back as a whole, apart.
 
@@ -385,16 +385,16 @@ def _panel_of_force(rig_motion: RigMotion) -> Panel:
     motion.
     """
     time = rig_motion.time
-    friction_limit = rig_motion.scene.friction.coefficient * rig_motion.normal_load
-    force_range = axis_limits(friction_limit, -friction_limit)
+    coulomb_limit = rig_motion.scene.friction.coefficient * rig_motion.normal_load
+    force_range = axis_limits(coulomb_limit, -coulomb_limit)
     # `_CSS_AND_WORDS`: class of the style sheet, and words, of a kind of motion
     marks: list[Mark] = [
         Block((begin, end), force_range, _CSS_AND_WORDS[kind_of_motion][0])
         for kind_of_motion, begin, end in rig_motion.intervals()
     ]
     marks += [
-        Curve(time, friction_limit, "cone", "f P"),
-        Curve(time, -friction_limit, "cone", "−f P"),
+        Curve(time, coulomb_limit, "cone", "f P"),
+        Curve(time, -coulomb_limit, "cone", "−f P"),
         Curve(time, rig_motion.tangential_load, "c5 bold", "Q"),
     ]
     y_axis = Axis(*force_range, f"Q  [{load_unit(rig_motion.scene)}]")
@@ -434,11 +434,11 @@ def _table_over_time(rig_motion: RigMotion) -> Table:
     unit_of_length = units(rig_motion.scene)[1]
     unit_of_load = load_unit(rig_motion.scene)
     words_of_motions = [_CSS_AND_WORDS[Motion(code)][1] for code in rig_motion.motions.tolist()]
-    friction_limit = rig_motion.scene.friction.coefficient * rig_motion.normal_load
+    coulomb_limit = rig_motion.scene.friction.coefficient * rig_motion.normal_load
     return {
         "time": rig_motion.time,
         f"Q [{unit_of_load}]": rig_motion.tangential_load,
-        f"f P [{unit_of_load}]": friction_limit,
+        f"f P [{unit_of_load}]": coulomb_limit,
         f"way that the bodies slide [{unit_of_length}]": rig_motion.slip_of_middle,
         "motion in the step before": words_of_motions,
     }
