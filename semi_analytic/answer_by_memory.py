@@ -280,14 +280,14 @@ def path_of_question(question: Question, bulk_tilt_path: OneCurve | None) -> Loa
         For straight steps without times; for gross sliding or separation somewhere in the path.
     """
     scene = question.scene
-    friction = scene.friction.coefficient
+    friction_coefficient = scene.friction.coefficient
     if question.straight_steps:
         if question.time is None:
             raise InputError("straight_steps: give the times between which the steps are straight")
         load_path = scene.load.path() if bulk_tilt_path is None else bulk_tilt_path.path
-        return straight_series(load_path, friction, question.time)
+        return straight_series(load_path, friction_coefficient, question.time)
     if bulk_tilt_path is not None:
-        return history_of(bulk_tilt_path.path, friction, scene.cycles, question.time)
+        return history_of(bulk_tilt_path.path, friction_coefficient, scene.cycles, question.time)
     return _path_of(scene, question.time)
 
 
@@ -547,9 +547,9 @@ class _WantedIntegrals(NamedTuple):
     area W(x); along a whole path, or in one part of it, the initial loading or a cycle.
     """
 
-    work: bool
-    work_of_steps: bool
-    density: bool
+    wants_work: bool
+    wants_work_of_steps: bool
+    wants_density: bool
 
     @classmethod
     def of_request(cls, request: Request, instants: _InstantsOnPath) -> _WantedIntegrals:
@@ -558,9 +558,9 @@ class _WantedIntegrals(NamedTuple):
         """
         wants_work = request.wants("dissipation")
         return cls(
-            work=wants_work,
-            work_of_steps=wants_work and instants.all_at_rows,
-            density=request.wants("dissipation_density"),
+            wants_work=wants_work,
+            wants_work_of_steps=wants_work and instants.all_at_rows,
+            wants_density=request.wants("dissipation_density"),
         )
 
     def in_part(self, part_number: int, covered_parts: Sequence[int]) -> _WantedIntegrals:
@@ -568,15 +568,16 @@ class _WantedIntegrals(NamedTuple):
         answer covers: the work of another part is wanted by steps only, W(x) in the last one only.
         """
         return _WantedIntegrals(
-            work=self.work and (self.work_of_steps or part_number in covered_parts),
-            work_of_steps=self.work_of_steps,
-            density=self.density and part_number == covered_parts[-1],
+            wants_work=self.wants_work
+            and (self.wants_work_of_steps or part_number in covered_parts),
+            wants_work_of_steps=self.wants_work_of_steps,
+            wants_density=self.wants_density and part_number == covered_parts[-1],
         )
 
     @property
     def count_per_record(self) -> int:
         """How many integrals are taken over each record with slip, a portion of a load step."""
-        return int(self.work) + int(self.density)
+        return int(self.wants_work) + int(self.wants_density)
 
 
 @dataclass(eq=False)
@@ -710,18 +711,18 @@ class _SeriesSums:
         work_per_integral = request.unit_compliance * friction
         # the records with slip
         slipping_records = block.records.slipping()
-        if wanted_integrals.work:
+        if wanted_integrals.wants_work:
             # of each record: int Lam dw, w = +-Q - f P, Lam the integral of ln(a/c) over the loads
             # from P_c to P; a half-width of contact, c that of stick, P_c the load at the stick
             # edge
             integrals = self.add_work(part_number, contact, slipping_records, work_per_integral)
-            if wanted_integrals.work_of_steps:
+            if wanted_integrals.wants_work_of_steps:
                 n_steps = len(block.rows) - 1
                 rows_after_steps = slice(first_step + 1, first_step + 1 + n_steps)
                 self.step_works[rows_after_steps] = work_per_integral * np.bincount(
                     slipping_records.step_number, integrals, n_steps
                 )
-        if wanted_integrals.density:
+        if wanted_integrals.wants_density:
             # `density_of_records`: the sum of int p arccosh(|x|/c) dw over the records, p the
             # pressure at x
             self.density += work_per_integral * density_of_records(
@@ -808,7 +809,7 @@ def _answer_of_series(series: LoadSeries, request: Request) -> PathAnswer:
     )
     # where friction states and sums are gathered
     states = States(series.friction, needs_curves)
-    path_sums = _SeriesSums.without_blocks(series, request, wanted_integrals.work_of_steps)
+    path_sums = _SeriesSums.without_blocks(series, request, wanted_integrals.wants_work_of_steps)
     for part_number in _parts_needed(series, instants.step):
         _follow_part(series, part_number, instants, request, states, path_sums)
 
@@ -844,16 +845,16 @@ def _work_of_series(
     last_part = covered_parts[-1]
     works = np.full(len(covered_parts), math.nan)
     relative_errors = np.zeros(len(covered_parts))
-    if wanted_integrals.work:
+    if wanted_integrals.wants_work:
         works, relative_errors = path_sums.works_and_errors(covered_parts)
     increments = np.empty(0)
-    if wanted_integrals.work_of_steps:
+    if wanted_integrals.wants_work_of_steps:
         # of the copies of the last cycle by which instants lie beyond the followed path
         work_of_later_cycles = series.cycles_beyond(request.time) * path_sums.works[last_part]
         increments = _increments_of_work(path_sums, instants, work_of_later_cycles)
     density = path_sums.density
     density_error = 0.0
-    if wanted_integrals.density:
+    if wanted_integrals.wants_density:
         density_error = path_sums.roundoff_errors_of_parts()[last_part]
     else:
         density = np.full(len(density), math.nan)

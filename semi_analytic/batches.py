@@ -1028,7 +1028,7 @@ def _change_by_curvatures(
     # columns (k, 1), also where one unit serves all
     ones = np.ones((len(group.members), 1))
     squared_length_units = np.reshape(np.square(group.length_unit), (-1, 1)) * ones
-    loads = _loads_in_units(members, group)
+    scaled_loads = _loads_in_units(members, group)
     # Of profiles that vary the contact has E* = 1 in its own units, of one profile its own E*.
     contact_modulus = members.modulus if members.contact is not None else 1.0
     columns_of_curvatures = CurvatureColumns.from_curvatures(
@@ -1037,10 +1037,10 @@ def _change_by_curvatures(
     columns_of_no_curvatures = CurvatureColumns.from_curvatures(Curvatures(), ones)
     # forward and reverse work of each ellipse, and half-width of permanent stick
     works_of_half_planes = works_of_ellipses(
-        loads, columns_of_no_curvatures, group.contact, contact_modulus
+        scaled_loads, columns_of_no_curvatures, group.contact, contact_modulus
     )
     works_of_bodies = works_of_ellipses(
-        loads, columns_of_curvatures, group.contact, contact_modulus
+        scaled_loads, columns_of_curvatures, group.contact, contact_modulus
     )
     # Works of ellipses are times pi E*/2, without 1/f^2.
     work_unit = np.square(group.load_unit / members.loads.friction[group.members])
@@ -1059,15 +1059,15 @@ def _loads_in_units(members: Members, group: ShapeGroup) -> EllipseOfLoads:
     the unit of load of each member. `members` has the loads of all as given, the group the numbers
     of its own.
     """
-    loads = LoadArrays(*(load_array[group.members, None] for load_array in members.loads))
+    loads_of_group = LoadArrays(*(load_array[group.members, None] for load_array in members.loads))
     load_units = np.reshape(group.load_unit, (-1, 1)) * np.ones((len(group.members), 1))
     return EllipseOfLoads(
-        mean_normal=loads.mean_normal,
-        normal_amplitude=loads.normal_amplitude,
-        mean_tangential=loads.mean_tangential,
-        tangential_amplitude=loads.tangential_amplitude,
-        phase=loads.phase,
-        friction=loads.friction,
+        mean_normal=loads_of_group.mean_normal,
+        normal_amplitude=loads_of_group.normal_amplitude,
+        mean_tangential=loads_of_group.mean_tangential,
+        tangential_amplitude=loads_of_group.tangential_amplitude,
+        phase=loads_of_group.phase,
+        friction=loads_of_group.friction,
     ).divided_by(load_units)
 
 

@@ -159,12 +159,12 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
         moment that no contact carries.
     """
     path = path or scene.load.path()
-    profile = convex_profile(scene.profile)
-    friction = scene.friction.coefficient
+    gap = convex_profile(scene.profile)
+    friction_coefficient = scene.friction.coefficient
     # P, Q, eps and alpha along the path from where it first shears the contact
     sampled_path = _SampledPath.of_path(path, scene)
     samples = sampled_path.samples
-    shear = _ShearOfCurve.of_samples(samples, profile, friction, sampled_path.load_sizes)
+    shear = _ShearOfCurve.of_samples(samples, gap, friction_coefficient, sampled_path.load_sizes)
 
     # Do alpha = alpha_0 + kappa P and eps = eps_0 + kappa Q hold? `slope` is kappa.
     relation = _AffineRelation.fitted_to_samples(
@@ -175,13 +175,15 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
 
     # Contact intervals under tilts alpha_0 + kappa P up to the largest P of the samples.
     intervals = NestedIntervals(
-        profile,
+        gap,
         2 / composite_modulus(scene.material),  # A = 2/E*
         relation.tilt_without_load,
         relation.slope,
         float(np.max(samples[0])),
     )
-    contact = _contact_with_one_curve(intervals, scene.profile.datum_length, friction, shear)
+    contact = _contact_with_one_curve(
+        intervals, scene.profile.datum_length, friction_coefficient, shear
+    )
     if contact is None:
         return None
     # The path of the curve has P and Q only; if strain alone shears, a load stands for Q once P is
@@ -821,7 +823,7 @@ def eccentricity(scene: Scene) -> Eccentricity | None:
     """
     path = scene.load.path()
     profile = scene.profile
-    friction = scene.friction.coefficient
+    friction_coefficient = scene.friction.coefficient
     segments = path.cycle or path.initial_loading
     if not path.has_bulk_or_tilt or all(segment.bulk is None for segment in segments):
         return None
@@ -831,8 +833,8 @@ def eccentricity(scene: Scene) -> Eccentricity | None:
     strain_amplitude = float(np.ptp(eps)) / 2
     shear_amplitude = float(np.ptp(q)) / 2
     stick_eccentricity = math.nan
-    if isinstance(profile, Hertz) and friction > 0:
-        stick_eccentricity = strain_amplitude * profile.radius / (friction * half_width)
+    if isinstance(profile, Hertz) and friction_coefficient > 0:
+        stick_eccentricity = strain_amplitude * profile.radius / (friction_coefficient * half_width)
     modulus = composite_modulus(scene.material)  # E*
     largest_moderate_strain = 2 * shear_amplitude / (math.pi * modulus * half_width)
     return Eccentricity(stick_eccentricity, strain_amplitude, largest_moderate_strain)
@@ -1130,7 +1132,7 @@ def path_loads_and_contact(scene: Scene) -> tuple[PathLoads, TiltedProfile]:
     """Loads of a scene over time (P, Q, bulk strain and tilt), and its profile as a contact under
     any tilt, for normal loads up to the largest P of the path.
     """
-    profile = convex_profile(scene.profile)
+    gap = convex_profile(scene.profile)
     path = scene.load.path()
     largest_load = -math.inf
     # The largest P is at the end of a segment or at a turning point of P within one.
@@ -1141,7 +1143,7 @@ def path_loads_and_contact(scene: Scene) -> tuple[PathLoads, TiltedProfile]:
     compliance = 2 / composite_modulus(scene.material)
     # A contact without tilt of its own; A = 2/E*.
     intervals = NestedIntervals(
-        profile, compliance, tilt_without_load=0.0, tilt_per_load=0.0, largest_load=largest_load
+        gap, compliance, tilt_without_load=0.0, tilt_per_load=0.0, largest_load=largest_load
     )
     contact = TiltedProfile(intervals, scene.profile.datum_length)
     return PathLoads(path, strain_per_stress_of(scene.material), contact), contact

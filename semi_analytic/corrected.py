@@ -1198,24 +1198,26 @@ class PointFields:
         followed_path = self._followed_path
         # Only the pieces that these instants need, with the number of the outermost piece of each
         # curve.
-        pieces, uppermost_pieces = followed_path.pieces.pieces_of_curves(
+        needed_pieces, uppermost_pieces = followed_path.pieces.pieces_of_curves(
             followed_path.uppermost_piece[row_numbers]
         )
         # Pressures of the punches up to the top of each piece, (pieces, k). top_s: coordinate s of
         # the top in the table of punches.
         # series.contact: normal contact of half-planes; self._x: |x| of the k points.
-        profile_pressures = self.series.contact.pressure_rise(self._x, pieces.profile_load[:, None])
-        slopes_and_pressures = [(pieces.profile_slope, profile_pressures)]
-        if np.any(pieces.parabola_slope) or np.any(pieces.fourth_slope):
+        profile_pressures = self.series.contact.pressure_rise(
+            self._x, needed_pieces.profile_load[:, None]
+        )
+        slopes_and_pressures = [(needed_pieces.profile_slope, profile_pressures)]
+        if np.any(needed_pieces.parabola_slope) or np.any(needed_pieces.fourth_slope):
             parabola_pressures, fourth_pressures = self._pressures_of_curvature(
-                followed_path.table.half_width(pieces.top_s)
+                followed_path.table.half_width(needed_pieces.top_s)
             )
             slopes_and_pressures += [
-                (pieces.parabola_slope, parabola_pressures),
-                (pieces.fourth_slope, fourth_pressures),
+                (needed_pieces.parabola_slope, parabola_pressures),
+                (needed_pieces.fourth_slope, fourth_pressures),
             ]
         # Sums along each curve from the middle of the contact to the top of each piece.
-        return pieces.integrals_at_tops(*slopes_and_pressures)[uppermost_pieces]
+        return needed_pieces.integrals_at_tops(*slopes_and_pressures)[uppermost_pieces]
 
     def _slip_of_memory_curves(self, row_numbers: Indices) -> Array:
         """Slip by the memory curves at n instants `row_numbers`, at the k points, (n, k) [length].
@@ -1232,27 +1234,29 @@ class PointFields:
         followed_path = self._followed_path
         # Only the pieces that these instants need, with the number of the outermost piece of each
         # curve.
-        pieces, uppermost_pieces = followed_path.pieces.pieces_of_curves(
+        needed_pieces, uppermost_pieces = followed_path.pieces.pieces_of_curves(
             followed_path.uppermost_piece[row_numbers]
         )
         # Integrals over the punches up to the top of each piece, (pieces, k): of arccosh(|x|/c) d
         # eta, then of the slip under x^2/2 and x^4/24. unit_compliance: A/pi. top_s: coordinate s
         # of the top.
         # series.contact: normal contact of half-planes; self._x: |x| of the k points.
-        profile_integrals = self.series.contact.slip_integral(self._x, pieces.profile_load[:, None])
+        profile_integrals = self.series.contact.slip_integral(
+            self._x, needed_pieces.profile_load[:, None]
+        )
         slopes_and_integrals = [
-            (self.series.unit_compliance * pieces.profile_slope, profile_integrals)
+            (self.series.unit_compliance * needed_pieces.profile_slope, profile_integrals)
         ]
-        if np.any(pieces.parabola_slope) or np.any(pieces.fourth_slope):
+        if np.any(needed_pieces.parabola_slope) or np.any(needed_pieces.fourth_slope):
             parabola_integrals, fourth_integrals = self._slip_integrals(
-                followed_path.table.half_width(pieces.top_s)
+                followed_path.table.half_width(needed_pieces.top_s)
             )
             slopes_and_integrals += [
-                (pieces.parabola_slope, parabola_integrals),
-                (pieces.fourth_slope, fourth_integrals),
+                (needed_pieces.parabola_slope, parabola_integrals),
+                (needed_pieces.fourth_slope, fourth_integrals),
             ]
         # Sums along each curve from the middle of the contact to the top of each piece.
-        return pieces.integrals_at_tops(*slopes_and_integrals)[uppermost_pieces]
+        return needed_pieces.integrals_at_tops(*slopes_and_integrals)[uppermost_pieces]
 
     def _traction_of_curvature(
         self, half_width: Array, curvature: Array, fourth_coefficient: Array
@@ -1533,21 +1537,23 @@ def _followed_paths(question: Question) -> _Paths:
 
     # Flat punches that make up the contact, with the loads that they carry.
     table = punch_table_of(contact, modulus, rows, curvatures)
-    friction = scene.friction.coefficient
+    friction_coefficient = scene.friction.coefficient
     # G of the widest punch: load of the punches of x^2/2 up to it.
     largest_parabola_load = float(table.parabola_load(table.largest_s))
     rows = half_plane_path.rows_with_turning_points(
-        rows, friction, curvatures, largest_parabola_load
+        rows, friction_coefficient, curvatures, largest_parabola_load
     )
 
     # `follow` gives friction memory and slip zones at the rows.
     loads = (rows.normal_load, rows.tangential_load)
     # Curvatures(): all zero.
-    memory_of_half_planes = follow(table, friction, *loads, Curvatures())
+    memory_of_half_planes = follow(table, friction_coefficient, *loads, Curvatures())
 
     # Half-planes are given only for an estimate of q_2, the second moment of the shear, by which
     # the fourth-order term T_22 changes the curvature of the faces.
-    memory_of_bodies = follow(table, friction, *loads, curvatures, memory_of_half_planes)
+    memory_of_bodies = follow(
+        table, friction_coefficient, *loads, curvatures, memory_of_half_planes
+    )
     steady_from = _first_steady_cycle(memory_of_bodies, rows)
     return _Paths(
         question=question,
