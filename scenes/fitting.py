@@ -1015,6 +1015,23 @@ class _ScaledRows:
             key=lambda guess: float(np.sum(self.fit_for(guess, 0.0).residuals ** 2)),
         )
 
+    def _n_effective_parameters(self, middle: float, smoothing_weight: float) -> float:
+        """How many parameters a smoothing spline about a `middle` has in effect: the offset, the
+        middle and the tilt where they are fitted, and the trace of the smoother matrix.
+
+        That matrix takes basis weights without smoothing to those with it. `smoothing_weight` is
+        the factor on the squared differences of neighbouring basis weights; without smoothing each
+        weight counts as one parameter.
+        """
+        basis_functions = self.basis_functions(np.abs(self.x - middle), 0.0)
+        normal_matrix = (basis_functions - basis_functions.mean(axis=0)).T @ basis_functions
+        differences = np.diff(np.eye(len(normal_matrix)), axis=0)
+        smoother_matrix = np.linalg.solve(
+            normal_matrix + smoothing_weight * differences.T @ differences, normal_matrix
+        )
+        n_further_parameters = 1 + self.middle_is_fitted + self.tilt_is_fitted
+        return n_further_parameters + float(np.trace(smoother_matrix))
+
     def _fit_with_best_smoothing(
         self, first_middle: Array, trial_weights: list[float], noise: float | None
     ) -> _Fit:
@@ -1046,17 +1063,7 @@ class _ScaledRows:
         for smoothing_weight in trial_weights:
             # Fit with the best middle for this smoothing weight.
             fit = self.fit_from(first_middle, smoothing_weight)
-
-            # The smoother matrix takes basis weights without smoothing to those with it.
-            basis_functions = self.basis_functions(np.abs(self.x - fit.middle), 0.0)
-            normal_matrix = (basis_functions - basis_functions.mean(axis=0)).T @ basis_functions
-            differences = np.diff(np.eye(len(normal_matrix)), axis=0)
-            smoother_matrix = np.linalg.solve(
-                normal_matrix + smoothing_weight * differences.T @ differences, normal_matrix
-            )
-            n_further_parameters = 1 + self.middle_is_fitted + self.tilt_is_fitted
-            n_parameters = n_further_parameters + float(np.trace(smoother_matrix))
-
+            n_parameters = self._n_effective_parameters(fit.middle, smoothing_weight)
             sum_of_squares = float(np.sum((self.h - fit.fitted_heights) ** 2))
             if noise:
                 expected_error = sum_of_squares / noise**2 + 2 * n_parameters

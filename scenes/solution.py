@@ -462,25 +462,8 @@ class ContactSolution:
                 if name.startswith(prefix)
             }
 
-        # Arrays of the solution itself; those in `_AXES_OF_ARRAYS` every solution has.
-        # _ARRAY_FIELDS: all arrays of a solution, by name
-        names_present = [
-            name
-            for name in _ARRAY_FIELDS
-            if name != "iterations" and (name in _AXES_OF_ARRAYS or name in arrays)
-        ]
-        field_values: dict[str, Any] = {
-            name: read_only_copy(arrays[name], arrays[name].dtype) for name in names_present
-        }
         # Uncertainties are not in files of earlier versions.
         uncertainties = json.loads(attributes.get("uncertainties", "{}"))
-        # _NAMES_OF_NUMBERS: dissipation, its uncertainty, loop work, permanent stick half-width
-        for name in _NAMES_OF_NUMBERS:
-            field_values[name] = float(
-                attributes.get(name, "nan")
-                if name == "dissipation_uncertainty"
-                else attributes[name]
-            )
 
         # A `steady_from` below 0 means that no cycle is steady.
         # _CERTIFICATE_PREFIX, _ENERGY_PREFIX: beginnings of the names of checks and of energies
@@ -501,7 +484,7 @@ class ContactSolution:
                 for name, value in uncertainties.items()
             },
             versions=json.loads(attributes["versions"]),
-            **field_values,
+            **_arrays_and_numbers(arrays, attributes),
         )
 
     def save(self, path: str | Path) -> None:
@@ -575,6 +558,33 @@ class ContactSolution:
         if path.period is None or "whole_cycle" in self.work.skipped:
             return np.arange(len(self.time))
         return last_whole_cycle(self.time, path.period, path.cycle_start)[0]
+
+
+def _arrays_and_numbers(
+    arrays: Mapping[str, Array], attributes: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Values of those attributes of a solution that are arrays or plain numbers, by name, from the
+    arrays and attributes of its file.
+
+    Those in `_AXES_OF_ARRAYS` every solution has; a missing one is a KeyError. Arrays that only
+    scenes with bulk stress, tilt or an unsymmetric profile have may be missing. So may the
+    uncertainty of the dissipation, which is then NaN: files of earlier versions have none.
+    """
+    # _ARRAY_FIELDS: all arrays of a solution, by name
+    names_present = [
+        name
+        for name in _ARRAY_FIELDS
+        if name != "iterations" and (name in _AXES_OF_ARRAYS or name in arrays)
+    ]
+    values: dict[str, Any] = {
+        name: read_only_copy(arrays[name], arrays[name].dtype) for name in names_present
+    }
+    # _NAMES_OF_NUMBERS: dissipation, its uncertainty, loop work, permanent stick half-width
+    for name in _NAMES_OF_NUMBERS:
+        values[name] = float(
+            attributes.get(name, "nan") if name == "dissipation_uncertainty" else attributes[name]
+        )
+    return values
 
 
 def _work_from_json(text: str) -> Work:

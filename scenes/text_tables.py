@@ -956,6 +956,26 @@ def _layout_without_headings(request: _Request, lines: list[Line]) -> _Layout:
     raise _fault_of_headings(request, lines)
 
 
+def _columns_by_number_or_order(
+    request: _Request, n_columns: int, first_row_line: int
+) -> tuple[int, ...]:
+    """Indices (from 0) of the columns of a text table that are read: those that the user states by
+    number, where `takes_columns_by_number`, else the first ones, in the order of the quantities.
+
+    InputError for a column beyond the `n_columns` of the first row; `first_row_line` is the number
+    of its line in the file.
+    """
+    columns_read = tuple(range(len(request.quantities)))
+    if request.takes_columns_by_number:
+        columns_read = tuple(int(request.stated_columns[name]) - 1 for name in request.quantities)
+    if max(columns_read) >= n_columns:
+        raise InputError(
+            f"{request.path}, line {first_row_line}: there is no column"
+            f" {max(columns_read) + 1}: the line has {n_columns}"
+        )
+    return columns_read
+
+
 def _layout_of_rows(request: _Request, lines: list[Line], first_row: FirstRow) -> _Layout:
     """Layout of a text table from its first row on. The columns are those that the user states by
     number, or stand in the order of the quantities to be read.
@@ -979,21 +999,11 @@ def _layout_of_rows(request: _Request, lines: list[Line], first_row: FirstRow) -
     """
     row_index, separator, cells_of_row = first_row
     first_row_line = lines[row_index][0]
-    quantities = request.quantities
     n_columns = len(cells_of_row)
-
-    # Indices (from 0) of the columns that are read.
-    columns_read = tuple(range(len(quantities)))
-    if request.takes_columns_by_number:
-        columns_read = tuple(int(request.stated_columns[name]) - 1 for name in quantities)
-    if max(columns_read) >= n_columns:
-        raise InputError(
-            f"{request.path}, line {first_row_line}: there is no column"
-            f" {max(columns_read) + 1}: the line has {n_columns}"
-        )
+    columns_read = _columns_by_number_or_order(request, n_columns, first_row_line)
 
     # A column is named by its quantity; others "column 3" and so on.
-    quantity_of_column = dict(zip(columns_read, quantities, strict=True))
+    quantity_of_column = dict(zip(columns_read, request.quantities, strict=True))
     names = [quantity_of_column.get(k, f"column {k + 1}") for k in range(n_columns)]
 
     # Headings and units above the row: line number 0 and nothing where there are none.
