@@ -518,7 +518,7 @@ def test_a_run_that_reaches_its_end_counts_increments_and_iterations(tmp_path: P
         300.0,
         report,
     )
-    assert (outcome.increments, outcome.iterations) == (2, 84)
+    assert (outcome.n_increments, outcome.n_iterations) == (2, 84)
     assert states[-1][:2] == (100, 100)
 
 

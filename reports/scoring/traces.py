@@ -188,53 +188,92 @@ def find_elastic_slip(discrepancy: Discrepancy, *, shear_sign: float = 1.0) -> I
     changes = _changes_in_stick(discrepancy, shear_sign)
     if changes is None:
         return
-    is_sticking = changes.is_sticking
-    creep = changes.slip[is_sticking]
-    shear_change = changes.shear[is_sticking]
-    # 20 values at least
-    if len(creep) < _FEWEST_CREEP_STEPS or not shear_change.any() or not creep.any():
-        return
-
-    # 1/K by least squares [length/stress]
-    penalty_compliance = float(creep @ shear_change / (shear_change @ shear_change))
-    residual_slip = changes.slip - penalty_compliance * changes.shear
-    mean_square_of_creep = float(np.mean(creep**2))
-    mean_square_after_fit = float(np.mean(residual_slip[is_sticking] ** 2))
-    mean_square_of_noise = 0.0
-    is_pair_sticking = is_sticking[:, 1:] & is_sticking[:, :-1]
-    if is_pair_sticking.any():
-        neighbour_differences = np.diff(residual_slip, axis=1)[is_pair_sticking]
-        mean_square_of_noise = float(np.mean(neighbour_differences**2)) / 2
-    mean_square_of_noise = min(mean_square_of_noise, mean_square_after_fit)
-    if mean_square_of_creep <= mean_square_of_noise:
-        return
-
-    share_left = (mean_square_after_fit - mean_square_of_noise) / (
-        mean_square_of_creep - mean_square_of_noise
-    )
-    share_proportional = 1 - share_left
-    # ratio of the F test: what the shear explains of the creep over what it leaves, per value
-    mean_square_explained = mean_square_of_creep - mean_square_after_fit
-    ratio_of_variances = mean_square_explained / max(mean_square_after_fit, 1e-300) * len(creep)
-    relative_creep = (
-        float(np.sqrt(mean_square_of_creep - mean_square_of_noise)) / changes.largest_slip
-    )
-    is_creep = penalty_compliance > 0 and share_proportional >= _LEAST_PROPORTIONAL_SHARE
-    # creep of 0.3 % of the largest slip at least; noise alone gives a ratio of 45 once in 10^11
-    if not is_creep or relative_creep < _LEAST_CREEP or ratio_of_variances < _LEAST_F_RATIO:
+    creep_fit = _fitted_creep(changes)
+    if creep_fit is None or not creep_fit.is_certain:
         return
     # scales.compliance: A = 2/E*; half_width: a_ref; K is stated over E*/a_ref
     scales = discrepancy.comparison.scales
-    relative_stiffness = scales.compliance * scales.half_width / (2 * penalty_compliance)
+    relative_stiffness = scales.compliance * scales.half_width / (2 * creep_fit.compliance)
     evidence = (
         (
-            f"{len(creep)} steps of points that stick: the slip moves by {relative_creep:.2g} of"
-            f" the largest step, {share_proportional:.0%} of it in proportion to the shear"
+            f"{creep_fit.n_steps} steps of points that stick: the slip moves by"
+            f" {creep_fit.relative_creep:.2g} of the largest step,"
+            f" {creep_fit.share_proportional:.0%} of it in proportion to the shear"
         ),
         f"a tangential stiffness of {relative_stiffness:.2g} E*/a_ref",
     )
     # key and sentence of the finding, evidence, strength from 0 to 1
-    yield Diagnosis("elastic_slip", FAULTS["elastic_slip"], evidence, share_proportional)
+    yield Diagnosis("elastic_slip", FAULTS["elastic_slip"], evidence, creep_fit.share_proportional)
+
+
+class _CreepFit(NamedTuple):
+    """Changes of the slip of points that stick, fitted as changes of the shear over a stiffness K.
+
+    Attributes
+    ----------
+    n_steps
+        number of changes, over all points and instants
+    compliance
+        1/K [length/stress]
+    share_proportional
+        share of the square of the slip's changes, without noise, that is in proportion to the shear
+    relative_creep
+        root mean square of the slip's changes, without noise, over the largest change of any point
+    ratio_of_variances
+        of the F test: what the shear explains over what it leaves, per value
+    """
+
+    n_steps: int
+    compliance: float
+    share_proportional: float
+    relative_creep: float
+    ratio_of_variances: float
+
+    @property
+    def is_certain(self) -> bool:
+        """Whether the slip changes in proportion to the shear (8/9 of the square), by 0.3 % of the
+        largest change at least. It must not be by chance: noise alone gives a ratio of variances of
+        45 once in 10^11.
+        """
+        return (
+            self.compliance > 0
+            and self.share_proportional >= _LEAST_PROPORTIONAL_SHARE
+            and self.relative_creep >= _LEAST_CREEP
+            and self.ratio_of_variances >= _LEAST_F_RATIO
+        )
+
+
+def _fitted_creep(changes: _ChangesInStick) -> _CreepFit | None:
+    """Fit the changes of the slip of points that stick as changes of the shear over a stiffness, by
+    least squares. None for fewer than 20 changes, where slip or shear do not change, and where the
+    slip's changes are noise alone. Noise is half the mean squared difference of neighbours.
+    """
+    is_sticking = changes.is_sticking
+    creep = changes.slip_change[is_sticking]
+    shear_change = changes.shear_change[is_sticking]
+    if len(creep) < _FEWEST_CREEP_STEPS or not shear_change.any() or not creep.any():
+        return None
+    compliance = float(creep @ shear_change / (shear_change @ shear_change))
+    slip_left = changes.slip_change - compliance * changes.shear_change
+    mean_square_of_creep = float(np.mean(creep**2))
+    mean_square_left = float(np.mean(slip_left[is_sticking] ** 2))
+    mean_square_of_noise = 0.0
+    is_pair_sticking = is_sticking[:, 1:] & is_sticking[:, :-1]
+    if is_pair_sticking.any():
+        neighbour_differences = np.diff(slip_left, axis=1)[is_pair_sticking]
+        mean_square_of_noise = float(np.mean(neighbour_differences**2)) / 2
+    mean_square_of_noise = min(mean_square_of_noise, mean_square_left)
+    if mean_square_of_creep <= mean_square_of_noise:
+        return None
+    square_without_noise = mean_square_of_creep - mean_square_of_noise
+    mean_square_explained = mean_square_of_creep - mean_square_left
+    return _CreepFit(
+        n_steps=len(creep),
+        compliance=compliance,
+        share_proportional=1 - (mean_square_left - mean_square_of_noise) / square_without_noise,
+        relative_creep=float(np.sqrt(square_without_noise)) / changes.largest_slip_change,
+        ratio_of_variances=mean_square_explained / max(mean_square_left, 1e-300) * len(creep),
+    )
 
 
 class _ChangesInStick(NamedTuple):
@@ -242,18 +281,18 @@ class _ChangesInStick(NamedTuple):
 
     Attributes
     ----------
-    slip, shear
-        (k - 1, n) change of each
+    slip_change, shear_change
+        (k - 1, n) change of slip [length] and of shear [stress]
     is_sticking
         (k - 1, n) which of the changes are of points that stick
-    largest_slip
+    largest_slip_change
         largest change of the slip of any point in contact [length]
     """
 
-    slip: Array
-    shear: Array
+    slip_change: Array
+    shear_change: Array
     is_sticking: NDArray[np.bool_]
-    largest_slip: float
+    largest_slip_change: float
 
 
 def _changes_in_stick(discrepancy: Discrepancy, shear_sign: float) -> _ChangesInStick | None:

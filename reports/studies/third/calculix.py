@@ -53,8 +53,8 @@ class RunRecord:
     """
 
     seconds: float
-    increments: int
-    iterations: int
+    n_increments: int
+    n_iterations: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,8 +151,8 @@ class ThirdSolver:
             first_sentence = f"{self.code} gave no answer ({size}): {self.failure}."
         else:
             first_sentence = (
-                f"{self.code} on the exported deck: {size}, {self.run_record.increments}"
-                f" increments, {self.run_record.iterations} iterations."
+                f"{self.code} on the exported deck: {size}, {self.run_record.n_increments}"
+                f" increments, {self.run_record.n_iterations} iterations."
             )
         return [first_sentence, *_limits_in_words(self.deck)]
 
@@ -211,7 +211,7 @@ class ThirdSolver:
                 "stiffness": deck.stiffness,
                 "stick_slope": deck.stick_slope,
             },
-            "run": asdict(self.run_record) if self.run_record else None,
+            "run": _run_content(self.run_record) if self.run_record else None,
             "figures": values_by_name,
             "metrics": {
                 metric.key: {"ours": metric.value, "third": third_metrics.get(metric.key)}
@@ -224,6 +224,17 @@ class ThirdSolver:
             json.dumps(strict_json_values(content), allow_nan=False, indent=1, ensure_ascii=False)
             + "\n"
         )
+
+
+def _run_content(run_record: RunRecord) -> dict[str, float]:
+    """How a run of CalculiX went, as content of the file third.json: wall time [s], and the numbers
+    of increments and iterations.
+    """
+    return {
+        "seconds": run_record.seconds,
+        "increments": run_record.n_increments,
+        "iterations": run_record.n_iterations,
+    }
 
 
 def find_calculix() -> Path:
@@ -386,7 +397,7 @@ def run_calculix(
     return RunRecord(
         time.monotonic() - start_of_run,
         len(accepted_attempts),
-        sum(attempt.iterations for attempt in attempts),
+        sum(attempt.n_iterations for attempt in attempts),
     )
 
 
@@ -437,7 +448,7 @@ class Attempt:
     """A line of the status file: an attempt to solve an increment."""
 
     is_accepted: bool
-    iterations: int
+    n_iterations: int
     time_reached: float  # time reached, or that of its start where it was not accepted
 
 
