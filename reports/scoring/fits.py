@@ -187,21 +187,11 @@ class Search:
         ]
         if not all(starts_of_causes):
             return None
-
-        # sum of squared residuals of each combination of sizes
-        combinations = list(itertools.product(*starts_of_causes))
-        sums_of_squares = [
-            self._sum_of_squares(causes, combination, channels) for combination in combinations
-        ]
-        order_of_sums = np.argsort(sums_of_squares, kind="stable")
-        least_sum = sums_of_squares[order_of_sums[0]]
-        # a residual of 1e20 stands for no solution
-        if least_sum >= _RESIDUAL_WITHOUT_SOLUTION**2:
+        # combinations of sizes, the one that leaves least first
+        starts = self._solvable_starts(causes, starts_of_causes, channels)
+        if not starts:
             return None
-
-        # least squares over the sizes, roughly (to 1e-2) from the best combinations, then finely
-        # (to 1e-6)
-        sizes = combinations[order_of_sums[0]]
+        sizes = starts[0]
         fitted_indices = [
             index
             for index, cause in enumerate(causes)
@@ -210,31 +200,58 @@ class Search:
         if fitted_indices:
             # A point shows an edge of slip only when it passes: a search may stop early.
             n_searches = _SEARCHES_OF_SHEAR if SHEAR in channels else 1
-            rough_sizes = [
-                self._least_squares(
-                    causes,
-                    combinations[combination_number],
-                    fitted_indices,
-                    channels,
-                    _ROUGH_TOLERANCE,
-                )
-                for combination_number in order_of_sums[:n_searches]
-                if sums_of_squares[combination_number] < _RESIDUAL_WITHOUT_SOLUTION**2
-            ]
-            sizes = min(
-                rough_sizes,
-                key=lambda trial_sizes: self._sum_of_squares(causes, trial_sizes, channels),
-            )
-            # a rough fit that leaves more than 0.8 of the norm is not refined
-            sum_without_causes = self._sum_of_squares((), (), channels)
-            if (
-                self._sum_of_squares(causes, sizes, channels)
-                <= _SHARE_LEFT_WITHOUT_HOPE**2 * sum_without_causes
-            ):
-                sizes = self._least_squares(
-                    causes, sizes, fitted_indices, channels, _FINE_TOLERANCE
-                )
+            sizes = self._refined_sizes(causes, starts[:n_searches], fitted_indices, channels)
         return self._fit_with_sizes(causes, sizes, channels)
+
+    def _solvable_starts(
+        self,
+        causes: tuple[Cause, ...],
+        starts_of_causes: Sequence[tuple[float, ...]],
+        channels: tuple[int, ...],
+    ) -> list[tuple[float, ...]]:
+        """Combinations of starting sizes of causes (known faults) for which theory has a solution,
+        in the order of the sum of squares that they leave. `starts_of_causes` has for each cause
+        the sizes to start from; `channels` are the tractions that are fitted: pressure, shear or
+        both.
+        """
+        combinations = list(itertools.product(*starts_of_causes))
+        sums_of_squares = [
+            self._sum_of_squares(causes, combination, channels) for combination in combinations
+        ]
+        # a residual of 1e20 stands for no solution
+        return [
+            combinations[combination_number]
+            for combination_number in np.argsort(sums_of_squares, kind="stable")
+            if sums_of_squares[combination_number] < _RESIDUAL_WITHOUT_SOLUTION**2
+        ]
+
+    def _refined_sizes(
+        self,
+        causes: tuple[Cause, ...],
+        starts: Sequence[tuple[float, ...]],
+        fitted_indices: list[int],
+        channels: tuple[int, ...],
+    ) -> tuple[float, ...]:
+        """Sizes of causes (known faults) by least squares: roughly (to 1e-2) from each of `starts`,
+        then finely (to 1e-6) from the best. A rough fit that leaves more than 0.8 of the norm of
+        the difference is not refined.
+
+        `fitted_indices` are those of the causes whose sizes are fitted; `channels` are the
+        tractions that are fitted: pressure, shear or both.
+        """
+        rough_sizes = [
+            self._least_squares(causes, start, fitted_indices, channels, _ROUGH_TOLERANCE)
+            for start in starts
+        ]
+        sizes = min(
+            rough_sizes,
+            key=lambda trial_sizes: self._sum_of_squares(causes, trial_sizes, channels),
+        )
+        sum_without_causes = self._sum_of_squares((), (), channels)
+        largest_sum = _SHARE_LEFT_WITHOUT_HOPE**2 * sum_without_causes
+        if self._sum_of_squares(causes, sizes, channels) <= largest_sum:
+            sizes = self._least_squares(causes, sizes, fitted_indices, channels, _FINE_TOLERANCE)
+        return sizes
 
     def refined_fit(
         self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]

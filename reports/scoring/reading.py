@@ -367,7 +367,50 @@ def _columns_of_frames(
     """
     # of each column: its quantity, and the frame's number or time, None where none is stated
     headings = [_read_heading(name, mapping) for name in table.names]
-    # of each quantity: number or time of the frame -> (n_points,)
+    frames_of_quantity = _values_by_quantity_and_frame(source, table, mapping, headings)
+    frames = sorted(frames_of_quantity["pressure"])
+    has_frame_in_name = any(
+        heading.quantity == "pressure" and heading.frame is not None for heading in headings
+    )
+    if not frames_of_quantity["x"] or (len(frames) < 2 and not has_frame_in_name):
+        return None
+    if len(frames_of_quantity["x"]) == 1:
+        (x,) = frames_of_quantity["x"].values()
+        frames_of_quantity["x"] = dict.fromkeys(frames, x)
+
+    # frames one below the other, (n_frames n_points,) of each quantity
+    columns = {
+        quantity: _frames_below_each_other(source, quantity, frames, values_by_frame)
+        for quantity, values_by_frame in frames_of_quantity.items()
+        if values_by_frame
+    }
+    number_quantity: ColumnQuantity = "frame"
+    if any(heading.is_time for heading in headings):
+        number_quantity = "time"
+    columns[number_quantity] = converted_values(
+        mapping, number_quantity, np.repeat(frames, len(table.values))
+    )
+    has_number_in_name = any(
+        heading.quantity is not None and heading.frame is not None for heading in headings
+    )
+    order_in_words = (
+        "by the figures in their names" if has_number_in_name else "in the order of the columns"
+    )
+    return columns, [
+        f"{len(frames)} frames were found beside each other, told apart {order_in_words}"
+    ]
+
+
+def _values_by_quantity_and_frame(
+    source: str, table: TextTable, mapping: Mapping, headings: Sequence[_Heading]
+) -> dict[ColumnQuantity, dict[float, Array]]:
+    """Quantity -> number or time of a frame -> values (n_points,) in the scene's unit and this
+    program's sign. Frames without a number are counted from 0 in the order of the columns.
+    InputError, naming the file `source`, where two columns hold one quantity of the same frame.
+
+    `headings` state for each column of the table its quantity, None for a column that is not read,
+    and the frame's number or time, None where it states none.
+    """
     frames_of_quantity: dict[ColumnQuantity, dict[float, Array]] = {
         quantity: {} for quantity in _QUANTITIES_OF_POINTS
     }
@@ -384,40 +427,22 @@ def _columns_of_frames(
         values_by_frame[frame] = converted_values(
             mapping, heading.quantity, table.values[:, column_number]
         )
-    frames = sorted(frames_of_quantity["pressure"])
-    has_frame_in_name = any(
-        heading.quantity == "pressure" and heading.frame is not None for heading in headings
-    )
-    if not frames_of_quantity["x"] or (len(frames) < 2 and not has_frame_in_name):
-        return None
-    if len(frames_of_quantity["x"]) == 1:
-        (x,) = frames_of_quantity["x"].values()
-        frames_of_quantity["x"] = dict.fromkeys(frames, x)
+    return frames_of_quantity
 
-    # frames one below the other, (n_frames n_points,) of each quantity
-    columns = {}
-    for quantity, values_by_frame in frames_of_quantity.items():
-        if not values_by_frame:
-            continue
-        missing_frames = sorted(set(frames) ^ values_by_frame.keys())
-        if missing_frames:
-            raise InputError(
-                f"{source}: frame {missing_frames[0]:g} has no {quantity}, or no pressure; every"
-                " frame needs both pressure and shear"
-            )
-        columns[quantity] = np.concatenate([values_by_frame[frame] for frame in frames])
-    number_quantity: ColumnQuantity = "frame"
-    if any(heading.is_time for heading in headings):
-        number_quantity = "time"
-    columns[number_quantity] = converted_values(
-        mapping, number_quantity, np.repeat(frames, len(table.values))
-    )
-    has_number_in_name = any(
-        heading.quantity is not None and heading.frame is not None for heading in headings
-    )
-    order_in_words = (
-        "by the figures in their names" if has_number_in_name else "in the order of the columns"
-    )
-    return columns, [
-        f"{len(frames)} frames were found beside each other, told apart {order_in_words}"
-    ]
+
+def _frames_below_each_other(
+    source: str,
+    quantity: ColumnQuantity,
+    frames: Sequence[float],
+    values_by_frame: dict[float, Array],
+) -> Array:
+    """Values of a quantity in all frames, one below the other, (n_frames n_points,). InputError,
+    naming the file `source`, where its frames are not those of the pressure, `frames`.
+    """
+    missing_frames = sorted(set(frames) ^ values_by_frame.keys())
+    if missing_frames:
+        raise InputError(
+            f"{source}: frame {missing_frames[0]:g} has no {quantity}, or no pressure; every"
+            " frame needs both pressure and shear"
+        )
+    return np.concatenate([values_by_frame[frame] for frame in frames])

@@ -837,12 +837,11 @@ def _figure_of_density(name: str, case: Case, peak: PeakBatch) -> Plate:
     # x/a0 of the slip zone, and a point beyond either edge of it
     stick_edge = case.permanent_stick_half_width
     contact_edge = case.largest_half_width
-    # points closer together at both edges
-    fractions = (1 - np.cos(np.linspace(0, np.pi, 241))) / 2
-    x_in_zone = stick_edge + (contact_edge - stick_edge) * fractions
     x_min = 0.95 * stick_edge
     x_max = contact_edge + 0.05 * stick_edge
-    x = np.concatenate([[x_min], x_in_zone, [x_max]])
+    # points closer together at both edges
+    fractions = (1 - np.cos(np.linspace(0, np.pi, 241))) / 2
+    x = np.concatenate([[x_min], stick_edge + (contact_edge - stick_edge) * fractions, [x_max]])
 
     # W(x) by phases, and its peak
     density_by_phase = case.density_of_phases(x)
@@ -850,31 +849,13 @@ def _figure_of_density(name: str, case: Case, peak: PeakBatch) -> Plate:
     peak_fraction = float(peak.fraction)
     peak_place = float(peak.place) / case.unit_length
     peak_value = float(peak.value) * case.unit_length / case.unit_work
-
     # _line(x, y, label, look), _text_at(x, y, text, shift)
     marks: list[Mark] = [
         _line(x, density, "whole cycle", "bold"),
         _line(x, density_by_phase["IJ"], "forward, I–J", "c1 dash"),
         _line(x, density_by_phase["JM"], "forward, J–M", "c4 dashdot"),
         _line(x, density_by_phase["EG"], "reverse, E–G", "c0 dot"),
-        *(
-            _line([edge, edge], [0.0, 1.12 * peak_value], "", "faint dot fine")
-            for edge in (stick_edge, contact_edge)
-        ),
-        *_text_at(
-            stick_edge,
-            1.12 * peak_value,
-            f"stick edge {stick_edge:.3f}",
-            (42.0, 6.0),
-            text_class="tick",
-        ),
-        *_text_at(
-            contact_edge,
-            1.12 * peak_value,
-            f"edge of contact {contact_edge:.3f}",
-            (-50.0, 6.0),
-            text_class="tick",
-        ),
+        *_edges_of_slip_zone(stick_edge, contact_edge, 1.12 * peak_value),
         *_text_at(peak_place, peak_value, f"{peak_fraction:.1%} of the way", (0.0, 10.0), dot=True),
     ]
     x_axis = Axis(x_min, x_max, "x / a(P₀)")
@@ -883,6 +864,18 @@ def _figure_of_density(name: str, case: Case, peak: PeakBatch) -> Plate:
     table = {"x / a(P0)": x, "W a(P0)/(A f^2 P0^2)": density}
     table |= {f"in {phase}": density_by_phase[phase] for phase in ("IJ", "JM", "EG")}
     return _plate(name, [panel], table, fraction=peak_fraction, place=peak_place)
+
+
+def _edges_of_slip_zone(stick_edge: float, contact_edge: float, height: float) -> Iterator[Mark]:
+    """Upright lines up to a height of the panel at the stick edge and at the edge of contact, with
+    their places above them. Both edges are over the half-width at the mean load.
+    """
+    for edge in (stick_edge, contact_edge):
+        yield _line([edge, edge], [0.0, height], "", "faint dot fine")
+    stick_text = f"stick edge {stick_edge:.3f}"
+    contact_text = f"edge of contact {contact_edge:.3f}"
+    yield from _text_at(stick_edge, height, stick_text, (42.0, 6.0), text_class="tick")
+    yield from _text_at(contact_edge, height, contact_text, (-50.0, 6.0), text_class="tick")
 
 
 def _figure_of_sweep(

@@ -478,26 +478,7 @@ def slip_speed(case: Case, x: float = POINTS[0]) -> VerdictAndNumbers:
     if the statement holds for the point itself, "refined" if for the whole phases only. Returns
     (verdict, numbers). `case` is the paper's ellipse of loads on one profile.
     """
-    # P at which the edge of contact is at the point
-    edge_load = np.asarray(case.contact.load(np.array([x * case.unit_length])))
-
-    # distance and duration of the point's slip in each direction
-    distance = {"forward": 0.0, "reverse": 0.0}
-    duration = {"forward": 0.0, "reverse": 0.0}
-    # slip_spans: by phase of the cycle, spans of time with slip in one direction (+1 or −1)
-    for span in chain.from_iterable(case.slip_spans.values()):
-        # when the point begins and ends to slip within the span; no later end if it never does
-        start_time, end_time = (float(time[0]) for time in slip_times(span, edge_load))
-        if end_time > start_time:
-            direction = "forward" if span.direction > 0 else "reverse"
-            # Times of a span are its load segment's own; on the load path they are later by the
-            # delay, whole cycles.
-            times_on_path = [start_time + span.delay, end_time + span.delay]
-            slip_at_ends = case.solve(time=times_on_path, x=[x], fields=("slip",)).slip[:, 0]
-            distance[direction] += abs(float(slip_at_ends[1] - slip_at_ends[0])) / case.unit_slip
-            duration[direction] += end_time - start_time
-
-    # the same distances over the whole phases
+    distance, duration = _distances_and_durations_of_slip(case, x)
     duration_of_phase = {
         "forward": case.time_of("M") - case.time_of("I"),
         "reverse": case.time_of("G") - case.time_of("E"),
@@ -523,6 +504,34 @@ def slip_speed(case: Case, x: float = POINTS[0]) -> VerdictAndNumbers:
         ratio_in_slip < 1 - _ROUNDING_ERROR, nearly_holds=ratio_over_phases < 1 - _ROUNDING_ERROR
     )
     return verdict, numbers
+
+
+def _distances_and_durations_of_slip(
+    case: Case, x: float
+) -> tuple[dict[str, float], dict[str, float]]:
+    """How far, over A P0/3, and how long [rad] a point slips in a steady cycle: two dictionaries
+    with the keys "forward" and "reverse". A = 2/E*, and P0 is the mean normal load.
+
+    `case` is the paper's ellipse of loads on one profile; `x` is over the half-width at the mean
+    load, a place that is always in contact.
+    """
+    # P at which the edge of contact is at the point
+    edge_load = np.asarray(case.contact.load(np.array([x * case.unit_length])))
+    distance = {"forward": 0.0, "reverse": 0.0}
+    duration = {"forward": 0.0, "reverse": 0.0}
+    # slip_spans: by phase of the cycle, spans of time with slip in one direction (+1 or −1)
+    for span in chain.from_iterable(case.slip_spans.values()):
+        # when the point begins and ends to slip within the span; no later end if it never does
+        start_time, end_time = (float(time[0]) for time in slip_times(span, edge_load))
+        if end_time > start_time:
+            direction = "forward" if span.direction > 0 else "reverse"
+            # Times of a span are its load segment's own; on the load path they are later by the
+            # delay, whole cycles.
+            times_on_path = [start_time + span.delay, end_time + span.delay]
+            slip_at_ends = case.solve(time=times_on_path, x=[x], fields=("slip",)).slip[:, 0]
+            distance[direction] += abs(float(slip_at_ends[1] - slip_at_ends[0])) / case.unit_slip
+            duration[direction] += end_time - start_time
+    return distance, duration
 
 
 def _point_history(case: Case, x: float) -> VerdictAndNumbers:
