@@ -251,11 +251,12 @@ def _works_by_name(
     friction_work: WorkOfPath, request: Request, loop_work: float
 ) -> dict[str, float | Array]:
     """Friction work of the last cycle and of each cycle, the closed integral of Q dU of the last
-    one, and the work per area W(x) at the m points of a request, by their names in a solution
-    [energy per thickness, W(x) per area].
+    one, and the work per area W(x), by their names in a solution [energy per thickness, W(x) per
+    area].
 
-    `density` of the friction work is W(x) at the different |x|, `distance_index` (m,) of the
-    request the index of each point among these. U is the relative tangential displacement.
+    W(x) is given at the m points of a request. `density` of the friction work is W(x) at the
+    different |x|, `distance_index` (m,) of the request the index of each point among these. U is
+    the relative tangential displacement.
     """
     return {
         "dissipation": friction_work.of_last_cycle,
@@ -544,7 +545,9 @@ class _InstantsOnPath(NamedTuple):
 
 class _WantedIntegrals(NamedTuple):
     """Which integrals over slip are wanted: friction work, that of each load step, and the work per
-    area W(x); along a whole path, or in one part of it, the initial loading or a cycle.
+    area W(x).
+
+    They are wanted along a whole path, or in one part of it, the initial loading or a cycle.
     """
 
     wants_work: bool
@@ -644,8 +647,10 @@ class _SeriesSums:
         )
 
     def add_block_of_last_cycle(self, block: StepBlock) -> None:
-        """Take a block of load steps of the last cycle into what is found in that cycle alone: the
-        least load at the stick edge, and the closed integral of Q dU where it is wanted.
+        """Take a block of load steps of the last cycle into what is found in that cycle alone.
+
+        That is the least load at the stick edge, and the closed integral of Q dU where it is
+        wanted; U is the relative tangential displacement.
         """
         self.update_least_stick_load(block)
         if self.loop_integral is not None:

@@ -155,9 +155,11 @@ def _loads_and_edges(
     instants: _CycleInstants, path_loads: PathLoads, tilted_contact: TiltedProfile
 ) -> dict[str, Any]:
     """Loads, bulk stress, tilt, moment, and the zones of contact and of stick at the instants of a
-    steady cycle, by their names in a solution; (n,) each, edges (n, 2), and the numbers of the
-    permanent stick zone. `path_loads` has the bulk stresses over time; `tilted_contact` gives the
-    moment of the pressure [force].
+    steady cycle, by their names in a solution.
+
+    Values over time are (n,), edges (n, 2); the permanent stick zone has numbers of its own.
+    `path_loads` has the bulk stresses over time. `tilted_contact` gives the moment of the pressure
+    [force].
     """
     stress_of_lower_body, stress_of_upper_body = path_loads.bulk_stresses(instants.time)
     permanent_stick_edges = instants.permanent_stick_edges
@@ -216,8 +218,10 @@ def _fields_over_cycle(
 
 
 def _states_at_points(instants: _CycleInstants, x: Array) -> NDArray[np.int8]:
-    """State of each point x (k,) at each instant (n,) of a steady cycle, (n, k): open outside the
-    contact, stick inside the stick zone, else slip, forward while Q rises.
+    """State of each point x (k,) at each instant of a steady cycle, (n, k).
+
+    It is open outside the contact and stick inside the stick zone. Elsewhere it is forward slip
+    while Q rises, reverse slip while Q falls.
     """
     slip_state = np.where(instants.is_forward, np.int8(SLIP_FORWARD), np.int8(SLIP_REVERSE))
     states_in_contact = np.where(
@@ -230,7 +234,8 @@ def _works_and_errors(
     question: Question, strokes: tuple[Stroke, Stroke], x: Array
 ) -> tuple[dict[str, Any], dict[str, float]]:
     """Friction work of the steady cycle [energy per thickness] and its density at points x (k,)
-    [energy per area], by their names in a solution; and the relative errors of those wanted.
+    [energy per area], by their names in a solution. Second: the relative errors of those that are
+    wanted.
 
     `strokes` are the forward and the reverse half of the cycle. What the question does not want is
     NaN and has no error.

@@ -915,8 +915,10 @@ def _notes(followed: _FollowedRig, cycle_energy: _Energy) -> Iterator[str]:
 
 def _notes_of_place(followed: _FollowedRig, tilt_and_strain: TiltAndStrainPart) -> Iterator[str]:
     """Sentences on where the displacements of a rig are prescribed: at a distance from the contact
-    of half-planes, or at the bases of finite bodies; and on the effects of these, with what tilt
-    and bulk strain add to the friction work.
+    of half-planes, or at the bases of finite bodies.
+
+    Those of finite bodies also state their effects, with what tilt and bulk strain add to the
+    friction work.
     """
     rig = followed.rig
     scene = rig.scene
@@ -940,9 +942,11 @@ def _notes_of_place(followed: _FollowedRig, tilt_and_strain: TiltAndStrainPart) 
 
 
 def _notes_of_loads(followed: _FollowedRig, relative_error_of_force: float) -> Iterator[str]:
-    """Sentences on the loads of a rig: how much of the range of the actuator the contact and the
-    spring between them take in the last cycle, and how uncertain Q is, of which the relative error
-    is given.
+    """Sentences on the loads of a rig: which part of the actuator's range the contact takes in the
+    last cycle, and how uncertain Q is.
+
+    The spring between actuator and contact takes the rest of the range. The relative error of Q is
+    given.
     """
     driven_path = followed.fine_path
     force_unit, length_unit, _ = followed.rig.scene.unit_words

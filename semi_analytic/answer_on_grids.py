@@ -100,8 +100,10 @@ class GridAnswer:
         )
 
     def _points(self) -> Array:
-        """Points of the answer (k,) [length]: those of the question, else 200 up to 1.05 times the
-        largest distance of an edge of contact from x = 0, on both sides.
+        """Points of the answer (k,) [length]: those of the question, else 200 on both sides of x =
+        0.
+
+        The 200 reach up to 1.05 times the largest distance of an edge of contact from x = 0.
         """
         if self.question.x is not None:
             return self.question.x
@@ -162,10 +164,12 @@ class GridAnswer:
         return values | {"uncertainties": {}}
 
     def _notes(self, steady_cycle: Findings | None) -> Iterator[str]:
-        """Sentences for the notes: coupling that is left out, the grids, and how far the friction
-        work of a last cycle that is not steady may be from the steady one.
+        """Sentences for the notes: the coupling of tractions that is left out, and how fine the
+        grids are.
 
-        `steady_cycle` is the answer for the steady cycle by a method without grids, or None.
+        A last cycle that is not steady gets a sentence on how far its friction work may be from the
+        steady one. `steady_cycle` is the answer for the steady cycle by a method without grids, or
+        None.
         """
         path_on_grids = self.path_on_grids
         scene = self.question.scene
@@ -291,12 +295,12 @@ class GridAnswer:
         }
 
     def _fields(self, rows: slice) -> dict[str, NDArray[Any]]:
-        """Displacements (n,), pressure, shear, slip and state (n, k) at the instants `rows` of the
-        path and k points, and friction work per area (k,), by their names in a solution; NaN, and
-        open, for what was not asked for.
+        """Displacements (n,), pressure, shear, slip and state (n, k) at n instants and k points,
+        and friction work per area (k,), by their names in a solution.
 
-        The tangential displacement U of the grids has the datum length 1, that of the answer the
-        datum length L of the profile: (A/pi) Q ln(L) is added, A = 2/E*.
+        The instants are the `rows` of the path. A field that was not asked for is NaN, a state is
+        open. The tangential displacement U of the grids has the datum length 1, that of the answer
+        the datum length L of the profile: (A/pi) Q ln(L) is added, A = 2/E*.
         """
         scene = self.question.scene
         path_on_grids = self.path_on_grids
@@ -325,8 +329,10 @@ class GridAnswer:
 
     def _works(self) -> dict[str, float | Array]:
         """Friction work of the last cycle and of each one, (n_cycles,), and the closed integral of
-        the loads over their displacements in the last one [energy per thickness], by their names in
-        a solution; NaN where they were not asked for, or without a steady cycle.
+        the loads over their displacements, by their names in a solution [energy per thickness].
+
+        The integral is that of the last cycle, NaN without a steady one. All are NaN where the work
+        was not asked for.
         """
         path_on_grids = self.path_on_grids
         # of the last cycle alone where the steady cycle is enough

@@ -331,11 +331,11 @@ def _largest_undetected_density(ellipses: Ellipses, places: Array) -> Array:
     """Upper bound of W(x) pi E*/(2 f^2) of each load ellipse, (m,), for those where no maximum of
     it was found: W(x), the friction work per area, may be lost in the last digits then.
 
-    W(x) is at most the product of p, 2 (u + v) and arccosh(|x|/c). That is 2 (u + v) (P - P_c)/(pi
-    a), with the largest P - P_c, and the half-width c of permanent stick in the place of a where it
-    is not 0. u and v are the amplitudes of (Q -+ f P)/f. `places` (m, n) are places x from c to the
-    half-width a of the largest contact. E* is the composite modulus, f the friction. P_c is the
-    load at the stick edge.
+    W(x) is at most the product of p, 2 (u + v) and arccosh(|x|/c), which is 2 (u + v) (P - P_c)/(pi
+    a). The largest P - P_c is taken, and for a the half-width c of permanent stick where that is
+    not 0. u and v are the amplitudes of (Q -+ f P)/f, P_c is the load at the stick edge. `places`
+    (m, n) are places x from c to the half-width a of the largest contact. E* is the composite
+    modulus.
     """
     stick_edge = places[:, 0]
     largest_half_width = places[:, -1]
@@ -412,7 +412,7 @@ def _sampled_density(
     places: Array, density_at: Callable[[Indices, Array], Array]
 ) -> tuple[_Samples, NDArray[np.bool_]]:
     """Samples of the friction work per area W(x) of each load ellipse at its `places` (m, n), and
-    at more places where W is nearly level; and for which ellipses W is NaN at some place, (m,).
+    at more places where W is nearly level. Second: for which ellipses W is NaN at some place, (m,).
 
     Of equal places one counts. At both ends of the slip zone W is set to 0. `density_at`(ellipse
     numbers, x) gives W(x) pi E*/(2 f^2). E* is the composite modulus, f the friction.
@@ -515,9 +515,11 @@ def _sample_points(ellipses: Ellipses, contact: SymmetricContact) -> Array:
 
 def _loads_of_other_formulas(ellipses: Ellipses, contact: SymmetricContact) -> Array:
     """Loads at whose half-widths the formula of the friction work per area W(x) changes, for each
-    of m load ellipses, (n, m): those at which slip begins or ends, the least load, and those under
-    which the contact reaches a corner of the profile; none outside the loads from permanent stick
-    to the largest one.
+    of m load ellipses, (n, m).
+
+    They are those at which slip begins or ends, the least load, and those under which the contact
+    reaches a corner of the profile. Loads are moved into the range from permanent stick to the
+    largest one.
 
     P = P0 + P1 cos t. Reverse slip goes from E to G, forward slip from I to E. J is where the stick
     edge passes its place at G again. `slip_start` is t at E, `slip_angle` the angle from E to G.

@@ -647,10 +647,11 @@ def _pressing_then_shearing(
     path: LoadPath, strain_per_load: float, strain_per_lower_stress: float
 ) -> tuple[StraightSegment, StraightSegment]:
     """Initial loading that presses to the first P of a path's cycle without Q, then shears to its
-    first Q at constant P; two straight segments, each over half of the time before the cycle.
+    first Q at constant P.
 
-    Tilt or moment grows with P, and is constant while Q grows. Bulk stress is constant while P
-    grows; then that of the lower body grows to its first value in the cycle.
+    Both segments are straight, each over half of the time before the cycle. Tilt or moment grows
+    with P, and is constant while Q grows. Bulk stress is constant while P grows. Then that of the
+    lower body grows to its first value in the cycle.
 
     Parameters
     ----------
@@ -1029,10 +1030,10 @@ def _samples_without_tilt(
     segments: Sequence[LoadSegment], strain_per_stress: tuple[float, float]
 ) -> Array:
     """P, Q [force per thickness] and bulk strain at instants of all segments of a load path, rows
-    of (3, n), in order of time; turning points are among the instants, tilt and moment are ignored.
+    of (3, n), in order of time; tilt and moment are ignored.
 
-    `strain_per_stress` is the bulk strain by a unit of bulk stress in the lower and in the upper
-    body [1/stress].
+    Turning points are among the instants. `strain_per_stress` is the bulk strain by a unit of bulk
+    stress in the lower and in the upper body [1/stress].
     """
     segments_without_tilt = [replace(segment, tilt_and_moment=None) for segment in segments]
     samples = _samples_of_segments(segments_without_tilt, strain_per_stress, None)

@@ -1906,10 +1906,11 @@ def _states_by_edge_zone(
     followed_path: FollowedPath, distance: Array, row_numbers: Indices
 ) -> NDArray[np.int8]:
     """State of each point at |x| = `distance` (k,) at the rows of a followed path with these
-    numbers, by the slip zone at the edge of contact alone, as if all were in contact: (n, k).
+    numbers, (n, k), by the slip zone at the edge of contact alone.
 
-    Stick within the stick edges, else forward or reverse slip as at the edge, or stick where the
-    edge sticks. `direction` of the path is that of slip at the edge, 0 where it sticks.
+    All points are taken as in contact. Within the stick edges they stick. Elsewhere they slip
+    forward or in reverse as the edge does, or stick where the edge sticks. `direction` of the path
+    is that of slip at the edge, 0 where it sticks.
     """
     signs_of_sides = np.array([-1.0, 1.0])
     # stick_edge_s: coordinate s of the stick edge in the table of flat punches
@@ -2403,8 +2404,10 @@ def _errors_of_steps(paths: _Paths) -> dict[str, float]:
 
 
 def _rows_and_places_compared(paths: _Paths) -> tuple[Indices, Array]:
-    """Numbers of 9 rows of the last cycle, fewer of a short one, and 35 places from near the middle
-    to the edge of contact (k,) [length], at which fields by steps are compared with exact theory.
+    """Rows of the last cycle and places at which fields by steps are compared with exact theory.
+
+    They are the numbers of 9 rows, fewer of a short cycle, and 35 places from near the middle to
+    the edge of contact (k,) [length].
     """
     last_cycle = paths.last_cycle
     row_numbers = np.unique(
@@ -2570,8 +2573,9 @@ def _relative_missing_force(followed_path: FollowedPath, row_numbers: Indices) -
     """|M - Q| over f times the largest P of a followed path, at its rows with these numbers, (n,);
     0 while P = 0. M is the tangential force that the flat punches up to the edge of contact carry.
 
-    M = F + kt G + t4 G_4: F was locked in while the punches stuck, kt and t4 are the curvatures in
-    x^2/2 and x^4/24 that the loads give to the faces, G and G_4 the loads of the punches for these.
+    M = F + kt G + t4 G_4. F was locked in while the punches stuck. kt and t4 are the curvatures in
+    x^2/2 and x^4/24 that the loads give to the faces. G and G_4 are the loads of the punches for
+    these.
     """
     largest_friction_force = max(
         followed_path.friction * float(np.max(followed_path.normal_load)), np.finfo(float).tiny

@@ -294,8 +294,9 @@ def _works_and_stick(
 class _Punches(NamedTuple):
     """The flat punches that make up the contacts of m elliptic load paths on one profile.
 
-    Three functions of the half-width of a punch, (m, k) values for half-widths (m, k), rise through
-    0 at an edge of a cycle: of the largest contact, of the least contact, of permanent stick.
+    Three functions of the half-width of a punch rise through 0 at an edge of a cycle: of the
+    largest contact, of the least contact, of permanent stick. They take half-widths (m, k) and give
+    values (m, k).
 
     Attributes
     ----------
@@ -360,8 +361,10 @@ class _EdgesOfCycle(NamedTuple):
 
 def _edges_of_cycle(punches: _Punches) -> _EdgesOfCycle:
     """Edges of contact and of permanent stick in the cycles of m elliptic load paths, as roots over
-    the half-width of a punch, up to twice the largest contact of half-planes, or to the end of the
-    profile, `extent`.
+    the half-width of a punch.
+
+    They are sought up to twice the largest contact of half-planes, or to the end of the profile,
+    `extent`.
     """
     loads = punches.loads
     largest_load = loads.mean_normal + loads.normal_amplitude
@@ -573,10 +576,11 @@ def _contact_angles(cycle: CycleOfPunches) -> tuple[Array, Array]:
 
 def _turning_angles_since(begin_angle: Array, contact_angle: Array, cycle: CycleOfPunches) -> Array:
     """Angles from the begin of the cycle of a punch to the largest and the least values of both its
-    Coulomb bounds, ascending, (4, m, k) [rad]; that of the end of contact where they are later.
+    Coulomb bounds, ascending, (4, m, k) [rad].
 
-    Between them each bound is monotonic. `begin_angle` and `contact_angle` (m, k) are the phase
-    angle of the begin, and the angle over which the punch is in contact.
+    An angle beyond the end of contact is that of the end. Between the angles each bound is
+    monotonic. `begin_angle` and `contact_angle` (m, k) are the phase angle of the begin, and the
+    angle over which the punch is in contact.
     """
     forward_phase = cycle.forward_bound.phase
     reverse_phase = cycle.reverse_bound.phase

@@ -1117,12 +1117,13 @@ class FollowedPath:
     def _smooth_intervals(
         self, row: int, inner_end: float, outer_end: float
     ) -> Iterator[tuple[float, float, int]]:
-        """Intervals of the punch coordinate s within one slip zone, of the step that ends at the
-        instant number `row`, from the outer end inwards: inner and outer end, and the number of the
-        piece of the memory curve before the step, 0 where that was outside the contact.
+        """Intervals of the punch coordinate s within one slip zone, from the outer end inwards:
+        inner and outer end, and the number of the piece of the memory curve on which each lies.
 
-        They end where two pieces meet, and at whole numbers of s, the kinks of the profile. The
-        memory curve is the locked-in tangential force over s.
+        The zone is that of the step that ends at the instant number `row`. The memory curve, the
+        locked-in tangential force over s, is that before the step. The number is 0 where that was
+        outside the contact. Intervals end where two pieces meet, and at whole numbers of s, the
+        kinks of the profile.
         """
         # top_s: outer end of each piece; numbers_below: number of the piece below it;
         # uppermost_pieces: number of the outermost piece of the memory curve at each instant

@@ -899,8 +899,10 @@ def _loads_of_cuts(contact: Contact, records: Records) -> Array:
 
 def _shares_at_cuts(records: Records, cut_loads: Array) -> Array:
     """Shares of each record of slip at which P or P_c is one of c loads, ascending after a 0, (m, 2
-    c + 1); 0 or 1 where neither of them comes to that load within the record. P_c is the load at
-    the stick edge; both change linearly along a record.
+    c + 1).
+
+    A share is 0 or 1 where neither comes to that load within the record. P_c is the load at the
+    stick edge; both change linearly along a record.
     """
     stick_edge_load = records.load_at_begin - records.slip_zone_load_at_begin
     stick_edge_load_at_end = records.load_at_end - records.slip_zone_load_at_end
@@ -1108,10 +1110,12 @@ class _SlippingPairs(NamedTuple):
         )
 
     def closeness_to_singularity(self) -> Array:
-        """How close p arccosh(|x|/c) comes to its singularities, at P = P_x, P_c = P_x and P_c = 0,
-        while the point slips, (n,): 0 far away, 1 where it reaches one. p is the pressure at the
-        point, c the stick half-width. P_x is the load at which the edge of contact is at the point,
-        P_c that at the stick edge.
+        """How close p arccosh(|x|/c) comes to its singularities while the point slips, (n,): 0 far
+        away, 1 where it reaches one.
+
+        They are at P = P_x, P_c = P_x and P_c = 0. P_x is the load at which the edge of contact is
+        at the point, P_c that at the stick edge. p is the pressure at the point, c the stick
+        half-width.
         """
         load_at_begin, stick_edge_load_at_begin = self.loads.at(self.begin_share[:, None])
         load_at_end, stick_edge_load_at_end = self.loads.at(self.end_share[:, None])
@@ -1400,8 +1404,9 @@ def integrals_by_halving(
 
 class _Parts(NamedTuple):
     """Parts of the ranges of integrands that are being halved, (n,) each: number of the integrand,
-    begin and end, and how often the range was halved since it was last cut at a place where the
-    integrand is not smooth.
+    begin, end, and number of halvings.
+
+    The halvings count since the range was last cut at a place where the integrand is not smooth.
     """
 
     integrand_number: Indices
