@@ -277,11 +277,11 @@ def _edges_of_run(
         creep of the nodes locates them, else NaN
     """
     stored = run.stored_indices
-    states = [run.states[index] for index in stored]
+    contact_states = [run.states[index] for index in stored]
     # EdgesByLoad: x between two nodes by the loads at which these touch or slide
     edges = _edges_in_blocks(
         problem,
-        states,
+        contact_states,
         surface_states[stored],
         _has_no_slip_zone(scene, problem, run)[stored],
         EdgesByLoad.joined(run.contact_edges).at(stored),
@@ -296,8 +296,8 @@ def _edges_of_run(
         return edges, ends
     # the zone by its nodes and by the loads at the turning points of slip, which confine it
     zone = permanent_stick_zone(run)
-    time = np.array([state.time for state in states])
-    normal_load = np.array([state.normal_load for state in states])
+    time = np.array([state.time for state in contact_states])
+    normal_load = np.array([state.normal_load for state in contact_states])
     is_in_cycle = is_loaded_in_last_cycle(scene, time, normal_load)
     confined_ends, is_by_slip = _confined_ends(
         ends, zone, edges["contact_edges"][is_in_cycle], half_planes=scene.bodies.half_planes
@@ -364,7 +364,7 @@ def _confined_ends(
 
 
 def _nodal_arrays(
-    problem: ContactProblem, states: Sequence[InterfaceState], scales: Scales
+    problem: ContactProblem, contact_states: Sequence[InterfaceState], scales: Scales
 ) -> dict[str, Array]:
     """Pressure and shear [stress] and slip [length] of the nodes at some instants, each
     (n_instants, n), read-only; slip has the elastic slip of a penalty layer in it.
@@ -373,15 +373,15 @@ def _nodal_arrays(
     ----------
     problem
         the contact problem: length of face of each node, and compliance of the layer; scaled
-    states
+    contact_states
         nodal forces and slip at the instants; scaled
     scales
         what these are in: half-width, largest load P and modulus E*
     """
     face_lengths = problem.interface.face_lengths * scales.half_width
-    slip = np.stack([state.slip for state in states])
-    pressure = np.stack([state.pressure for state in states])
-    shear = np.stack([state.shear for state in states])
+    slip = np.stack([state.slip for state in contact_states])
+    pressure = np.stack([state.pressure for state in contact_states])
+    shear = np.stack([state.shear for state in contact_states])
     if problem.layer.tangential_compliance.any():
         slip += problem.layer.tangential_compliance * shear
     # In place: of a fine mesh with thousands of steps each copy is half a gigabyte and more.
@@ -406,22 +406,23 @@ def _loop_work(scene: Scene, run: PathRun) -> float:
 
 
 def _arrays_of_stress_and_tilt(
-    problem: ContactProblem, states: Sequence[InterfaceState], scales: Scales
+    problem: ContactProblem, contact_states: Sequence[InterfaceState], scales: Scales
 ) -> dict[str, Array]:
     """Read-only series that only scenes with bulk stress or tilt have, (n_instants,) each: bulk
     stresses of both bodies, tilt, and the moments of pressure and of shear about x = 0.
 
-    `problem` has places and contact compliance of the n nodes. `states` hold the nodal forces p and
-    q in units of the largest load P (`scales.load`); `scales` also has half-width and E*.
+    `problem` has places and contact compliance of the n nodes. `contact_states` hold the nodal
+    forces p and q in units of the largest load P (`scales.load`); `scales` also has half-width and
+    E*.
     """
     stress_unit = scales.load / scales.half_width
     moment_unit = scales.load * scales.half_width
-    p_of_nodes = np.stack([state.pressure for state in states])
-    q_of_nodes = np.stack([state.shear for state in states])
+    p_of_nodes = np.stack([state.pressure for state in contact_states])
+    q_of_nodes = np.stack([state.shear for state in contact_states])
     moment = problem.interface.moment(p_of_nodes, q_of_nodes)
     shear_moment = q_of_nodes @ problem.interface.x
     stress_of_lower_body, stress_of_upper_body, tilt = np.array(
-        [state.stresses_and_tilt for state in states]
+        [state.stresses_and_tilt for state in contact_states]
     ).T
     return {
         "bulk_stress_lower": read_only_copy(stress_of_lower_body * stress_unit),
@@ -454,7 +455,7 @@ def _sticks_in_full_by_loads(loads: Array, friction: float) -> Mask:
 
 def _edges_in_blocks(
     problem: ContactProblem,
-    states: Sequence[InterfaceState],
+    contact_states: Sequence[InterfaceState],
     surface_states: States,
     has_no_slip_zone: Mask,
     contact_by_load: EdgesByLoad,
@@ -470,7 +471,7 @@ def _edges_in_blocks(
     ----------
     problem
         the contact problem: places of the nodes, friction
-    states
+    contact_states
         (k,) nodal forces, slip and gap of the contact at each instant
     surface_states
         (k, n) open, stick or slip of the nodes
@@ -482,12 +483,12 @@ def _edges_in_blocks(
         `unsymmetric` with bulk stress, tilt, or a profile that is not its own mirror image
     """
     blocks = []  # of 256 instants each: edges by name
-    for first_step in range(0, len(states), _INSTANTS_PER_BLOCK):
+    for first_step in range(0, len(contact_states), _INSTANTS_PER_BLOCK):
         block = slice(first_step, first_step + _INSTANTS_PER_BLOCK)
         blocks.append(
             _edges_at_instants(
                 problem,
-                states[block],
+                contact_states[block],
                 surface_states[block],
                 has_no_slip_zone[block],
                 contact_by_load.at(block),
@@ -503,7 +504,7 @@ def _edges_in_blocks(
 
 def _edges_at_instants(
     problem: ContactProblem,
-    states: Sequence[InterfaceState],
+    contact_states: Sequence[InterfaceState],
     surface_states: States,
     has_no_slip_zone: Mask,
     contact_by_load: EdgesByLoad,
@@ -521,7 +522,7 @@ def _edges_at_instants(
     ----------
     problem
         the contact problem: places of the nodes, length of face of each, friction
-    states
+    contact_states
         nodal forces, slip and gap of the contact at the instants
     surface_states
         (n_steps, n) open, stick or slip of the nodes, where a node that has hardly moved counts as
@@ -535,7 +536,7 @@ def _edges_at_instants(
         `unsymmetric` with bulk stress, tilt, or a profile that is not its own mirror image
     """
     # the stick zone need not be around x = 0 in unsymmetric scenes
-    fields_of_nodes = _fields_of_nodes(problem, states, surface_states, scene.unsymmetric)
+    fields_of_nodes = _fields_of_nodes(problem, contact_states, surface_states, scene.unsymmetric)
 
     # Places of both edges, and the uncertainty of each, (n_steps, 2).
     contact = contact_with_uncertainty(fields_of_nodes, contact_by_load)
@@ -544,7 +545,7 @@ def _edges_at_instants(
     )
 
     # Instants without normal load.
-    for instant in np.flatnonzero([not state.normal_load > 0 for state in states]):
+    for instant in np.flatnonzero([not state.normal_load > 0 for state in contact_states]):
         closed_nodes = fields_of_nodes.x[fields_of_nodes.is_closed[instant]]
         outermost_nodes = (
             (closed_nodes.min(), closed_nodes.max()) if len(closed_nodes) else (0.0, 0.0)
@@ -562,7 +563,7 @@ def _edges_at_instants(
 
 def _fields_of_nodes(
     problem: ContactProblem,
-    states: Sequence[InterfaceState],
+    contact_states: Sequence[InterfaceState],
     surface_states: States,
     stick_may_be_anywhere: bool,
 ) -> NodalAnswer:
@@ -573,7 +574,7 @@ def _fields_of_nodes(
     ----------
     problem
         the contact problem: places of the nodes, length of face of each
-    states
+    contact_states
         nodal forces and gap of the contact at the instants, and the states of the nodes as the law
         of friction left them
     surface_states
@@ -584,9 +585,9 @@ def _fields_of_nodes(
     """
     face_lengths = problem.interface.face_lengths
     _, normal_force, tangential_force, gap = nodal_values(
-        np.stack([state.values for state in states])
+        np.stack([state.values for state in contact_states])
     )
-    states_by_law = np.stack([state.node_states for state in states])
+    states_by_law = np.stack([state.node_states for state in contact_states])
     return NodalAnswer(
         x=problem.interface.x,
         pressure=normal_force / face_lengths,
@@ -973,7 +974,7 @@ class _LayerDeflection(NamedTuple):
 def penalty_audit(
     scene: Scene,
     problem: ContactProblem,
-    states: Sequence[InterfaceState],
+    contact_states: Sequence[InterfaceState],
     arrays: Mapping[str, Any],
     scales: Scales,
 ) -> PenaltyAudit:
@@ -991,7 +992,7 @@ def penalty_audit(
     problem
         the contact problem, with the compliance of its layer of springs at each node, and the
         length of face that each stands for; scaled
-    states
+    contact_states
         contact states at the stored instants, with open, stick or slip of the nodes
     arrays
         fields and series of the solution by name, in the scene's units
@@ -1010,7 +1011,7 @@ def penalty_audit(
     largest_half_width = float(np.nanmax(arrays["contact_half_width"]))
     profile_rise = float(np.ptp(scene.profile.height(np.array([0.0, largest_half_width]))))
 
-    largest_creep, largest_slip = _largest_creep_and_slip(scene, states, arrays)
+    largest_creep, largest_slip = _largest_creep_and_slip(scene, contact_states, arrays)
 
     def ratio_or_nan(part: float, reference: float) -> float:
         """Part over the reference; NaN where that is 0."""
@@ -1029,7 +1030,7 @@ def penalty_audit(
 
 
 def _largest_creep_and_slip(
-    scene: Scene, states: Sequence[InterfaceState], arrays: Mapping[str, Any]
+    scene: Scene, contact_states: Sequence[InterfaceState], arrays: Mapping[str, Any]
 ) -> tuple[float, float]:
     """Largest range, over the last cycle, of the relative displacement of nodes that stick all
     through it (creep), and of nodes that slip [length]; 0 where there are none.
@@ -1041,7 +1042,7 @@ def _largest_creep_and_slip(
     ----------
     scene
         load path with its period
-    states
+    contact_states
         contact states at the k stored instants, with open, stick or slip of the n nodes by the law
     arrays
         "time" (k,) and "slip" (k, n) of the solution, in the scene's units
@@ -1051,7 +1052,7 @@ def _largest_creep_and_slip(
     is_in_cycle = np.ones(len(time), dtype=bool)
     if period is not None:
         is_in_cycle = time > time[-1] - period * (1 + 1e-9)
-    states_by_law = np.stack([state.node_states for state in states])[is_in_cycle]
+    states_by_law = np.stack([state.node_states for state in contact_states])[is_in_cycle]
     slip_range = np.ptp(arrays["slip"][is_in_cycle], axis=0)
     is_always_stuck = np.all(states_by_law[1:] == STICK, axis=0)
     has_slipped = np.any(slip_sign(states_by_law) != 0, axis=0)

@@ -154,7 +154,9 @@ def _folded(matrix: Array, parity_of_rows: float, parity_of_columns: float) -> A
     )
 
 
-def _states_at_all_nodes(states: Sequence[InterfaceState], images: _Images) -> list[InterfaceState]:
+def _states_at_all_nodes(
+    contact_states: Sequence[InterfaceState], images: _Images
+) -> list[InterfaceState]:
     """Contact states at all n nodes, from those at the nodes with x >= 0; without forces and gap
     where a long run has dropped them.
 
@@ -188,7 +190,7 @@ def _states_at_all_nodes(states: Sequence[InterfaceState], images: _Images) -> l
         node_states = np.where(images.shear_sign < 0, states_of_image[node_states], node_states)
         return replace(state, values=values, node_states=read_only_copy(node_states, np.int8))
 
-    return [at_all_nodes(state) for state in states]
+    return [at_all_nodes(state) for state in contact_states]
 
 
 def run_at_all_nodes(run: PathRun, faces: Interface) -> PathRun:

@@ -72,7 +72,7 @@ def has_bulk_stress(path: LoadPath) -> bool:
     return path.initial_loading[0].bulk is not None
 
 
-class _Load(NamedTuple):
+class _LoadAlongSegment(NamedTuple):
     """One load along a segment of the path: a linear combination of the two loads that a segment
     stores, with two factors; 0 without a segment. Bulk stresses and tilt are stored in segments of
     their own.
@@ -94,25 +94,27 @@ class _Load(NamedTuple):
         )
 
 
-def _loads_of_segment(segment: LoadSegment) -> tuple[_Load, ...]:
+def _loads_of_segment(segment: LoadSegment) -> tuple[_LoadAlongSegment, ...]:
     """Loads along a segment of the load path, each as a linear combination of two stored loads: P
     and Q; with bulk stress or tilt also the bulk stresses of both bodies, and tilt or moment.
     """
-    normal_load = _Load(segment, NORMAL_LOAD)
-    tangential_load = _Load(segment, TANGENTIAL_LOAD)
+    normal_load = _LoadAlongSegment(segment, NORMAL_LOAD)
+    tangential_load = _LoadAlongSegment(segment, TANGENTIAL_LOAD)
     if segment.bulk is None and segment.tilt_and_moment is None:
         return normal_load, tangential_load
     return (normal_load, tangential_load, *_bulk_and_tilt_loads(segment))
 
 
-def _bulk_and_tilt_loads(segment: LoadSegment) -> tuple[_Load, _Load, _Load]:
+def _bulk_and_tilt_loads(
+    segment: LoadSegment,
+) -> tuple[_LoadAlongSegment, _LoadAlongSegment, _LoadAlongSegment]:
     """Bulk stress of the lower and of the upper body, and tilt or moment, along a segment of the
     load path: each as a linear combination of two loads that a segment of its own stores.
     """
-    stress_of_lower_body = _Load(segment.bulk, NORMAL_LOAD)
-    stress_of_upper_body = _Load(segment.bulk, TANGENTIAL_LOAD)
+    stress_of_lower_body = _LoadAlongSegment(segment.bulk, NORMAL_LOAD)
+    stress_of_upper_body = _LoadAlongSegment(segment.bulk, TANGENTIAL_LOAD)
     # Of tilt and moment one is 0 throughout.
-    tilt_or_moment = _Load(segment.tilt_and_moment, Combination(1.0, 1.0))
+    tilt_or_moment = _LoadAlongSegment(segment.tilt_and_moment, Combination(1.0, 1.0))
     return stress_of_lower_body, stress_of_upper_body, tilt_or_moment
 
 
@@ -185,8 +187,8 @@ def turning_points_of_combination(
         instants.add(time_of_zero(scaled_rate, begin, end, fraction, rates[k] / largest_rate))
 
     # Begins and ends of times without change.
-    is_end_of_rest = (rates[1:-1] == 0) & ((rates[:-2] != 0) | (rates[2:] != 0))
-    return instants | {float(times[k]) for k in 1 + np.flatnonzero(is_end_of_rest)}
+    is_end_of_constancy = (rates[1:-1] == 0) & ((rates[:-2] != 0) | (rates[2:] != 0))
+    return instants | {float(times[k]) for k in 1 + np.flatnonzero(is_end_of_constancy)}
 
 
 def time_of_zero(

@@ -38,7 +38,7 @@ _LESS_THAN_F = 0.9
 
 
 def reported_states(
-    problem: ContactProblem, states: Sequence[InterfaceState], cycle_starts: Sequence[int]
+    problem: ContactProblem, contact_states: Sequence[InterfaceState], cycle_starts: Sequence[int]
 ) -> States:
     """Node states as they are reported to the user, open, stick or slip, (m + 1, n): a node that
     slides so little that it may be round-off or error of the mesh sticks.
@@ -52,39 +52,43 @@ def reported_states(
     problem
         the contact problem; the bodies are alike if pressure causes no slip in it
         (`interface.coupling` is None)
-    states
+    contact_states
         the m + 1 contact states of the load path
     cycle_starts
         index of the contact state at which each revolution starts; what comes before them is the
         initial loading
     """
     if problem.interface.coupling is not None:
-        return law_states(states)  # without slip that may be round-off
+        return law_states(contact_states)  # without slip that may be round-off
     # Without slip by the error of the mesh, too. `friction`: coefficient f; the last argument: gap
     # and slip of the nodes by unit bulk stresses of both bodies and by the tilt, None without any.
     return visible_states(
-        states, cycle_starts, problem.friction, problem.interface.gap_and_slip_per_stress_and_tilt
+        contact_states,
+        cycle_starts,
+        problem.friction,
+        problem.interface.gap_and_slip_per_stress_and_tilt,
     )
 
 
-def law_states(states: Sequence[InterfaceState]) -> States:
+def law_states(contact_states: Sequence[InterfaceState]) -> States:
     """Node states by the law of friction, open, stick or slip, (m + 1, n); but a node on the
     Coulomb limit that moves by no more than round-off in an increment sticks after it.
 
-    Round-off is a slip of up to 1e-9 of the largest slip of any node in any increment. `states` are
-    the m + 1 contact states of the load path; up to the first, nothing has moved.
+    Round-off is a slip of up to 1e-9 of the largest slip of any node in any increment.
+    `contact_states` are the m + 1 of the load path; up to the first, nothing has moved.
     """
-    node_states = np.stack([state.node_states for state in states])
+    node_states = np.stack([state.node_states for state in contact_states])
     # ranges of some hundred increments, (k,) each, to save memory
-    blocks = _blocks_of_increments(len(states) - 1)
+    blocks = _blocks_of_increments(len(contact_states) - 1)
     largest_slip = max(
-        (float(np.abs(_slip_of_increments(states, block)).max()) for block in blocks), default=0.0
+        (float(np.abs(_slip_of_increments(contact_states, block)).max()) for block in blocks),
+        default=0.0,
     )
     has_moved = np.zeros(node_states.shape, dtype=bool)
     for block in blocks:
         ends_of_block = slice(block.start + 1, block.stop + 1)  # contact states after increments
         slip_along_sense = slip_sign(node_states[ends_of_block]) * _slip_of_increments(
-            states, block
+            contact_states, block
         )
         has_moved[ends_of_block] = slip_along_sense > _ROUNDING * largest_slip
     node_states[(slip_sign(node_states) != 0) & ~has_moved] = STICK
@@ -101,20 +105,20 @@ def _blocks_of_increments(n_increments: int) -> list[slice]:
     ]
 
 
-def _slip_of_increments(states: Sequence[InterfaceState], block: slice) -> Array:
-    """Slip of the nodes in each of k increments, (k, n), the difference of neighbouring states.
+def _slip_of_increments(contact_states: Sequence[InterfaceState], block: slice) -> Array:
+    """Slip of the nodes in each of k increments, (k, n): difference of neighbouring contact states.
     `block` are the numbers of these increments. In the values of a state the slip of the n nodes
     stands behind approach, tangential displacement and tilt.
     """
-    n_nodes = len(states[0].node_states)
+    n_nodes = len(contact_states[0].node_states)
     slip_of_states = [
-        state.values[3 : 3 + n_nodes] for state in states[block.start : block.stop + 1]
+        state.values[3 : 3 + n_nodes] for state in contact_states[block.start : block.stop + 1]
     ]
     return np.diff(slip_of_states, axis=0)
 
 
 def visible_states(
-    states: Sequence[InterfaceState],
+    contact_states: Sequence[InterfaceState],
     cycle_starts: Sequence[int],
     friction: float,
     gap_and_slip_per_stress_and_tilt: Array | None = None,
@@ -129,7 +133,7 @@ def visible_states(
 
     Parameters
     ----------
-    states
+    contact_states
         the m + 1 contact states of the load path
     cycle_starts
         index of the contact state at which each revolution starts; what comes before them is the
@@ -140,24 +144,26 @@ def visible_states(
         (2, n, 3) gap and slip of the nodes by a unit of the bulk stresses of lower and upper body
         and of the tilt; None without any
     """
-    node_states = np.stack([state.node_states for state in states])
-    load_increments = np.diff([state.loads for state in states], axis=0)  # (m, n_loads)
+    node_states = np.stack([state.node_states for state in contact_states])
+    load_increments = np.diff([state.loads for state in contact_states], axis=0)  # (m, n_loads)
     # `least_fast_slip` (m,): beyond it a node counts as fast
-    largest_slip, least_fast_slip = _slip_limits(states, node_states, load_increments, cycle_starts)
-    travel_before = np.zeros(len(states[0].node_states))
+    largest_slip, least_fast_slip = _slip_limits(
+        contact_states, node_states, load_increments, cycle_starts
+    )
+    travel_before = np.zeros(len(contact_states[0].node_states))
     for block in _blocks_of_increments(len(load_increments)):
         states_in_block = node_states[block.start + 1 : block.stop + 1]  # a view: written below
         sense = slip_sign(states_in_block).astype(float)
 
         # Slip of each increment, and distance since a node last stopped or turned round, (k, n).
-        slip = _slip_of_increments(states, block)
+        slip = _slip_of_increments(contact_states, block)
         # _ROUNDING: 1e-9
         slip[np.abs(slip) <= _ROUNDING * largest_slip] = 0.0
         travels = slip_since_stop(slip, travel_before)
         travel_before = travels[-1]
 
         is_driven = _is_driven(
-            states[block.start : block.stop + 1],
+            contact_states[block.start : block.stop + 1],
             load_increments[block],
             states_in_block,
             friction,
@@ -173,7 +179,7 @@ def visible_states(
 
 
 def _is_driven(
-    states: Sequence[InterfaceState],
+    contact_states: Sequence[InterfaceState],
     load_increments: Array,
     node_states: States,
     friction: float,
@@ -190,7 +196,7 @@ def _is_driven(
 
     Parameters
     ----------
-    states
+    contact_states
         the k + 1 contact states around the increments
     load_increments
         (k, n_loads) changes of the loads
@@ -205,7 +211,7 @@ def _is_driven(
     rise_of_p = load_increments[:, 0, None]
     rise_of_q = load_increments[:, 1, None]
     if gap_and_slip_per_stress_and_tilt is not None:
-        stresses_and_tilt = [state.stresses_and_tilt for state in states]
+        stresses_and_tilt = [state.stresses_and_tilt for state in contact_states]
         gap_from_middle, slip_from_middle = _gap_and_slip_from_middle(
             np.diff(stresses_and_tilt, axis=0),
             gap_and_slip_per_stress_and_tilt,
@@ -233,7 +239,7 @@ def _is_far(slip_sense: Array, travels: Array) -> Mask:
 
 
 def _slip_limits(
-    states: Sequence[InterfaceState],
+    contact_states: Sequence[InterfaceState],
     node_states: States,
     load_increments: Array,
     cycle_starts: Sequence[int],
@@ -247,7 +253,7 @@ def _slip_limits(
 
     Parameters
     ----------
-    states
+    contact_states
         the m + 1 contact states of the load path
     node_states
         (m + 1, n) open, stick or slip of their nodes
@@ -264,7 +270,7 @@ def _slip_limits(
     largest_slip = 0.0  # of all nodes
     for block in _blocks_of_increments(n_increments):
         sense = slip_sign(node_states[block.start + 1 : block.stop + 1]).astype(float)
-        slip = _slip_of_increments(states, block)
+        slip = _slip_of_increments(contact_states, block)
         largest_sliding_slip[block] = np.abs(slip * sense).max(axis=1)
         largest_slip = max(largest_slip, float(np.abs(slip).max()))
 
@@ -300,7 +306,7 @@ def slip_since_stop(slip: Array, travel_before: Array | float) -> Array:
 
 
 def shear_grows_within_cone(
-    states: Sequence[InterfaceState], friction: float, *, is_half: bool
+    contact_states: Sequence[InterfaceState], friction: float, *, is_half: bool
 ) -> Mask:
     """Instants at which bodies of like materials stick in full by the shear at the edges of
     contact, whatever the history, (m + 1,).
@@ -316,7 +322,7 @@ def shear_grows_within_cone(
 
     Parameters
     ----------
-    states
+    contact_states
         the m + 1 contact states of the load path, in order of time, with pressure and shear
     friction
         f
@@ -324,8 +330,10 @@ def shear_grows_within_cone(
         whether the states are on the nodes at x >= 0 of a contact that is its own mirror image:
         then one edge is enough
     """
-    sticks_in_full = np.zeros(len(states), dtype=bool)
-    for instant, (state_before, state_after) in enumerate(itertools.pairwise(states), start=1):
+    sticks_in_full = np.zeros(len(contact_states), dtype=bool)
+    for instant, (state_before, state_after) in enumerate(
+        itertools.pairwise(contact_states), start=1
+    ):
         closed_nodes = np.flatnonzero(state_before.is_closed & state_after.is_closed)
         n_closed_nodes = len(closed_nodes)
         if is_half:

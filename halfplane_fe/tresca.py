@@ -33,12 +33,13 @@ class _NormalForces(NamedTuple):
 
 
 def pressure_at_known_shear(
-    systems: Systems, initial_gap: Array, load: float, is_closed: Mask, round_off: float
+    systems: Systems, initial_gap: Array, normal_load: float, is_closed: Mask, round_off: float
 ) -> tuple[Array, float, Mask]:
-    """Unilateral contact under a given normal `load`, the tangential forces being known: nodal
+    """Unilateral contact under a given `normal_load`, the tangential forces being known: nodal
     normal forces p (n,), normal approach delta, and which nodes touch. Active-set method.
 
-    With the gap g = initial_gap - n_y delta + N p:   g >= 0, p >= 0, g p = 0, sum n_y p = load.
+    With the gap g = initial_gap - n_y delta + N p:   g >= 0, p >= 0, g p = 0, and the sum of n_y p
+    is the normal load.
 
     # notation: N normal compliance of `systems`, n_y component of the faces' normal along y
 
@@ -48,8 +49,8 @@ def pressure_at_known_shear(
         compliances of the contact nodes
     initial_gap
         (n,) initial gap, with what known tangential forces and displacement add to it
-    load
-        normal load that the nodal normal forces carry, as scaled as these: P minus what the known
+    normal_load
+        load that the nodal normal forces carry, as scaled as these: P minus what the known
         tangential forces carry on an inclined face
     is_closed
         (n,) nodes that are assumed to touch first
@@ -103,7 +104,9 @@ def pressure_at_known_shear(
             np.stack([-initial_gap[is_closed], n_y[is_closed]], axis=1),
             assume_a="pos",
         ).T
-        approach = (load - n_y[is_closed] @ force_by_gap) / (n_y[is_closed] @ force_by_approach)
+        approach = (normal_load - n_y[is_closed] @ force_by_gap) / (
+            n_y[is_closed] @ force_by_approach
+        )
         pressure = np.zeros_like(initial_gap)
         pressure[is_closed] = force_by_gap + approach * force_by_approach
 
@@ -118,14 +121,18 @@ def pressure_at_known_shear(
 
 
 def shear_at_known_pressure(
-    systems: Systems, pressure: Array, known_slip: Array, load: float | None, round_off: float
+    systems: Systems,
+    pressure: Array,
+    known_slip: Array,
+    tangential_load: float | None,
+    round_off: float,
 ) -> tuple[Array, float, States]:
     """Friction at known normal forces (Tresca): nodal tangential forces q (n,), tangential
     displacement U, and the nodes' states open, stick or slip.
 
     With the slip increment s = n_y U - T q - known_slip:   |q| <= f p, s = 0 where |q| < f p, else
-    s along q, and sum n_y q = load. The sum grows with U from -f P to f P, so that U is found by
-    bracketing.
+    s along q, and the sum of n_y q is the tangential load. The sum grows with U from -f P to f P,
+    so that U is found by bracketing.
 
     # notation: T tangential compliance of `systems`, n_y component of the faces' normal along y,
     # f coefficient of friction
@@ -139,8 +146,8 @@ def shear_at_known_pressure(
     known_slip
         (n,) slip at the start of the increment minus the slip at its end by p, bulk stresses and
         tilt
-    load
-        tangential load, scaled, below f times the sum of p; None where U = 0 is prescribed instead
+    tangential_load
+        scaled, below f times the sum of p; None where U = 0 is prescribed instead
     round_off
         size of a violation that counts as round-off
 
@@ -173,110 +180,111 @@ def shear_at_known_pressure(
     ([0.1, 0.4], 0.4, [2, 1])
     """
     n_y = systems.interface.face_normals[1]
-    limit = systems.friction * pressure  # f p
+    coulomb_limit = systems.friction * pressure  # f p
     is_closed = pressure > 0
-    # function of U: tangential forces (n,) at that displacement; it keeps the states of friction
+    # function of U: tangential forces (n,) at that displacement; it keeps the states of the nodes
     shear_at = _ShearAtShift(
         systems=systems,
-        limit=limit,
+        coulomb_limit=coulomb_limit,
         known_slip=known_slip,
         round_off=round_off,
-        states=np.where(is_closed, STICK, OPEN).astype(np.int8),
+        node_states=np.where(is_closed, STICK, OPEN).astype(np.int8),
     )
-    if load is None:
-        return shear_at(0.0), 0.0, shear_at.states
+    if tangential_load is None:
+        return shear_at(0.0), 0.0, shear_at.node_states
 
     # U is found between two displacements at which all nodes slide one way or the other.
-    largest_slip_at_limit = np.abs(systems.tangential_compliance @ limit)[is_closed].max()
+    largest_slip_at_limit = np.abs(systems.tangential_compliance @ coulomb_limit)[is_closed].max()
     largest_shift = (np.abs(known_slip[is_closed]).max() + largest_slip_at_limit) / n_y.min()
 
     def excess_load(shift: float) -> float:
         """Tangential load at the displacement U = `shift`, minus the given one."""
-        return float(n_y @ shear_at(shift)) - load
+        return float(n_y @ shear_at(shift)) - tangential_load
 
     # xtol below the round-off of U; rtol is the least that brentq takes.
     tolerance = 1e-13 * max(largest_shift, 1e-300)
     shift = scipy.optimize.brentq(
         excess_load, -largest_shift, largest_shift, xtol=tolerance, rtol=8.9e-16
     )
-    return shear_at(float(shift)), float(shift), shear_at.states
+    return shear_at(float(shift)), float(shift), shear_at.node_states
 
 
 @dataclass(eq=False)
 class _ShearAtShift:
     """Nodal tangential forces q (n,) as a function of the tangential displacement U (`shift`); each
-    solve starts from the states of friction at which the one before ended.
+    solve starts from the node states at which the one before ended.
 
     Attributes
     ----------
     systems
         compliances of the contact nodes
-    limit
+    coulomb_limit
         (n,) f p of the nodes
     known_slip
         (n,) what is taken off the slip n_y U - T q, T the tangential compliance
     round_off
         size of a violation that counts as round-off
-    states
-        (n,) states of friction of the last solve
+    node_states
+        (n,) open, stick or slip of the last solve
     """
 
     systems: Systems
-    limit: Array
+    coulomb_limit: Array
     known_slip: Array
     round_off: float
-    states: States
+    node_states: States
 
     def __call__(self, shift: float) -> Array:
         """Nodal tangential forces q (n,) within the limits of friction at the tangential
-        displacement U = `shift`; `states` become those of friction there.
+        displacement U = `shift`; `node_states` become those there.
 
-        `limit` (n,) is f p of the nodes; the slip is n_y U - T q - `known_slip`, T the tangential
-        compliance of `systems`.
+        `coulomb_limit` (n,) is f p of the nodes. The slip is n_y U - T q - `known_slip`, T the
+        tangential compliance of `systems`.
         """
         n_y = self.systems.interface.face_normals[1]
         known_slip = self.known_slip - n_y * shift
-        shear, self.states = _shear_within_limits(
-            self.systems, self.limit, known_slip, self.states, self.round_off
+        shear, self.node_states = _shear_within_limits(
+            self.systems, self.coulomb_limit, known_slip, self.node_states, self.round_off
         )
         return shear
 
 
 def _shear_within_limits(
-    systems: Systems, limit: Array, known_slip: Array, states: States, round_off: float
+    systems: Systems, coulomb_limit: Array, known_slip: Array, node_states: States, round_off: float
 ) -> tuple[Array, States]:
     """Friction with known limits |q| <= f p at a known tangential displacement (Tresca): nodal
     tangential forces q (n,) and the nodes' states open, stick or slip, scaled.
 
-    Active-set method, from given `states`. With the slip increment s = -T q - known_slip: s = 0
-    where |q| < limit, s >= 0 at q = limit, s <= 0 at q = -limit. T is the tangential compliance
-    `systems.tangential_compliance`.
+    Active-set method, from given `node_states`. With the slip increment s = -T q - known_slip and
+    the Coulomb limit L: s = 0 where |q| < L, s >= 0 at q = L, s <= 0 at q = -L. T is the tangential
+    compliance `systems.tangential_compliance`.
 
     Parameters
     ----------
     systems
         compliances of the contact nodes
-    limit
+    coulomb_limit
         (n,) f p of the nodes
     known_slip
         (n,) slip at the start of the increment minus the slip at its end that is not caused by q
-    states
-        (n,) at the start of the iteration; open nodes stay open
+    node_states
+        (n,) open, stick or slip at the start of the iteration; open nodes stay open
     round_off
         size of a violation that counts as round-off
     """
 
-    def friction_step(states: States) -> tuple[Array, Array, States]:
+    def friction_step(node_states: States) -> tuple[Array, Array, States]:
         """For given node states: tangential forces q, without slip of sticking nodes and at the
-        limit of sliding ones; how much each node violates its inequality; and the next states.
+        Coulomb limit of sliding ones; how much each node violates its inequality; and the next
+        states.
 
-        The inequality is |q| <= limit of a sticking node, slip along q of a sliding one.
+        The inequality is |q| <= f p of a sticking node, slip along q of a sliding one.
         """
-        is_sticking = states == STICK
-        slips_forward = states == SLIP_FORWARD
-        slips_back = states == SLIP_REVERSE
+        is_sticking = node_states == STICK
+        slips_forward = node_states == SLIP_FORWARD
+        slips_back = node_states == SLIP_REVERSE
         # q of sliding nodes is known; that of sticking ones leaves them without slip
-        shear = limit * slips_forward - limit * slips_back
+        shear = coulomb_limit * slips_forward - coulomb_limit * slips_back
         if is_sticking.any():
             slip_to_cancel = (-known_slip - systems.tangential_compliance @ shear)[is_sticking]
             shear[is_sticking] = solve(
@@ -287,15 +295,15 @@ def _shear_within_limits(
         slip = -systems.tangential_compliance @ shear - known_slip
 
         violation = np.full(len(slip), -np.inf)  # an open node has no inequality
-        violation[is_sticking] = (np.abs(shear) - limit)[is_sticking]
+        violation[is_sticking] = (np.abs(shear) - coulomb_limit)[is_sticking]
         violation[slips_forward] = -slip[slips_forward]
         violation[slips_back] = slip[slips_back]
         slip_states = np.where(shear > 0, SLIP_FORWARD, SLIP_REVERSE)
         other_states = np.where(is_sticking, slip_states, STICK)
-        next_states = np.where(violation > round_off, other_states, states)
+        next_states = np.where(violation > round_off, other_states, node_states)
         return shear, violation, next_states.astype(np.int8)
 
-    return _forces_by_active_set(friction_step, states)
+    return _forces_by_active_set(friction_step, node_states)
 
 
 def _forces_by_active_set(
