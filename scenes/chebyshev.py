@@ -349,61 +349,79 @@ def piecewise_series_by_halving(
     UnresolvedError
         Where values are no numbers, or a first interval would be divided into more than 400.
     """
-    # The intervals that are not accurate yet, (m,): their ends, and which first interval each is a
-    # part of. At the beginning these are the first intervals themselves.
-    begins = edges[:-1]
-    ends = edges[1:]
-    first_interval = np.arange(len(edges) - 1)
-    values = _values_on_intervals(function, begins, ends)
-    limits = _HalvingLimits.of_first_intervals(begins, ends, values, scale)
+    # The intervals that are not accurate yet, (m,). At the beginning these are the first intervals
+    # themselves.
+    intervals = _Intervals(edges[:-1], edges[1:], np.arange(len(edges) - 1))
+    values = intervals.values_of(function)
+    limits = _HalvingLimits.of_first_intervals(intervals, values, scale)
     # For each first interval: how many of its parts have been given a series.
-    n_series = np.zeros(len(begins), dtype=int)
+    n_series = np.zeros(len(edges) - 1, dtype=int)
 
     # Intervals that are done: their begins, and the coefficients of their series, CHEBYSHEV_DEGREE
     # + 1 = 25 each.
-    accurate_begins = [begins[:0]]
+    accurate_begins = [intervals.begins[:0]]
     accurate_series = [np.empty((0, CHEBYSHEV_DEGREE + 1))]
-    while len(begins):
+    while len(intervals.begins):
         # One turn: a series on each interval, and whether it is accurate.
         coefficients = chebyshev_coefficients(values)
-        n_series = n_series + np.bincount(first_interval, minlength=len(n_series))
-        can_be_halved = ends - begins > limits.least_length[first_interval]
-        is_to_be_halved = can_be_halved & (
-            truncation_error(coefficients) > limits.largest_errors(values, first_interval)
+        n_series = n_series + np.bincount(intervals.first_interval, minlength=len(n_series))
+        is_to_be_halved = limits.can_be_halved(intervals) & (
+            truncation_error(coefficients) > limits.largest_errors(values, intervals)
         )
         # _MOST_PIECES: 400 series for the parts of one first interval
-        has_too_many_parts = is_to_be_halved & (n_series[first_interval] > _MOST_PIECES)
-        is_unresolved = ~np.all(np.isfinite(values), axis=1) | has_too_many_parts
-        if np.any(is_unresolved):
-            first_unresolved = int(np.argmax(is_unresolved))
-            raise UnresolvedError(float(begins[first_unresolved]), float(ends[first_unresolved]))
-        accurate_begins.append(begins[~is_to_be_halved])
+        has_too_many_parts = is_to_be_halved & (n_series[intervals.first_interval] > _MOST_PIECES)
+        intervals.require_resolved(~np.all(np.isfinite(values), axis=1) | has_too_many_parts)
+        accurate_begins.append(intervals.begins[~is_to_be_halved])
         accurate_series.append(coefficients[~is_to_be_halved])
+        intervals = intervals.halved(is_to_be_halved)
+        if len(intervals.begins):
+            values = intervals.values_of(function)
 
-        # All left halves, then all right halves.
-        begins = begins[is_to_be_halved]
-        ends = ends[is_to_be_halved]
-        middles = (begins + ends) / 2
-        begins = np.append(begins, middles)
-        ends = np.append(middles, ends)
-        first_interval = np.tile(first_interval[is_to_be_halved], 2)
-        if len(begins):
-            values = _values_on_intervals(function, begins, ends)
-
-    ascending_order = np.argsort(np.concatenate(accurate_begins))
+    all_begins = np.concatenate(accurate_begins)
+    ascending_order = np.argsort(all_begins)
     return PiecewiseSeries(
-        np.append(np.concatenate(accurate_begins)[ascending_order], edges[-1]),
+        np.append(all_begins[ascending_order], edges[-1]),
         np.concatenate(accurate_series)[ascending_order].T.copy(),
     )
 
 
-def _values_on_intervals(function: Function, begins: Array, ends: Array) -> Array:
-    """Values of a function at the Chebyshev points of m intervals, one row each, (m, nodes);
-    `begins` and `ends` (m,) are the ends of the intervals.
+class _Intervals(NamedTuple):
+    """Intervals of x, (m,): their two ends, and the number of the first interval that each is a
+    part of.
     """
-    # CHEBYSHEV_NODES: Chebyshev points on [-1, 1]
-    places = begins[:, None] + (ends - begins)[:, None] * (1 + CHEBYSHEV_NODES) / 2
-    return np.asarray(function(places), dtype=float)
+
+    begins: Array
+    ends: Array
+    first_interval: NDArray[np.intp]
+
+    def values_of(self, function: Function) -> Array:
+        """Values of a function at the Chebyshev points of the intervals, one row each, (m,
+        nodes)."""
+        # CHEBYSHEV_NODES: Chebyshev points on [-1, 1]
+        places = (
+            self.begins[:, None] + (self.ends - self.begins)[:, None] * (1 + CHEBYSHEV_NODES) / 2
+        )
+        return np.asarray(function(places), dtype=float)
+
+    def require_resolved(self, is_unresolved: NDArray[np.bool_]) -> None:
+        """Raise UnresolvedError for the first interval, if any, on which a function cannot be
+        resolved; `is_unresolved` (m,) is true for these.
+        """
+        if np.any(is_unresolved):
+            number = int(np.argmax(is_unresolved))
+            raise UnresolvedError(float(self.begins[number]), float(self.ends[number]))
+
+    def halved(self, is_to_be_halved: NDArray[np.bool_]) -> _Intervals:
+        """The halves of some intervals, (m,) true for these: all left halves, then all right
+        ones."""
+        begins = self.begins[is_to_be_halved]
+        ends = self.ends[is_to_be_halved]
+        middles = (begins + ends) / 2
+        return _Intervals(
+            np.append(begins, middles),
+            np.append(middles, ends),
+            np.tile(self.first_interval[is_to_be_halved], 2),
+        )
 
 
 class _HalvingLimits(NamedTuple):
@@ -416,16 +434,16 @@ class _HalvingLimits(NamedTuple):
 
     @classmethod
     def of_first_intervals(
-        cls, begins: Array, ends: Array, values: Array, scale: ArrayLike | None
+        cls, intervals: _Intervals, values: Array, scale: ArrayLike | None
     ) -> _HalvingLimits:
-        """The limits from the first intervals: their ends (n,) and the values (n, nodes) of the
-        function on them. `scale` is a size of values beside which errors are negligible: a number,
-        (n,), or None.
+        """The limits from the n first intervals and the values (n, nodes) of the function on them.
+        `scale` is a size of values beside which errors are negligible: a number, (n,), or None.
 
         A part has at least 1e-14 of the length of its first interval. Negligible is 1e-15 of the
         largest value on an interval or on the next one, since a function may be zero on one; or
         4e-15 of `scale`.
         """
+        begins, ends, _ = intervals
         # _SHORTEST_PIECE: 1e-14
         least_length = np.maximum(
             _SHORTEST_PIECE * (ends - begins), 4e-16 * np.maximum(np.abs(begins), np.abs(ends))
@@ -437,13 +455,17 @@ class _HalvingLimits(NamedTuple):
         )
         return cls(least_length, negligible_error)
 
-    def largest_errors(self, values: Array, first_interval: NDArray[np.intp]) -> Array:
+    def can_be_halved(self, intervals: _Intervals) -> NDArray[np.bool_]:
+        """Whether each of m parts is longer than the least length, (m,)."""
+        lengths = intervals.ends - intervals.begins
+        return lengths > self.least_length[intervals.first_interval]
+
+    def largest_errors(self, values: Array, intervals: _Intervals) -> Array:
         """Largest error that a series may have, on m parts, (m,): 1e-13 of the largest value on the
-        part, or what is negligible. `values` (m, nodes) are those of the function, `first_interval`
-        (m,) the number of the first interval of each part.
+        part, or what is negligible. `values` (m, nodes) are those of the function on the parts.
         """
         return np.maximum(
-            1e-13 * np.max(np.abs(values), axis=1), self.negligible_error[first_interval]
+            1e-13 * np.max(np.abs(values), axis=1), self.negligible_error[intervals.first_interval]
         )
 
 

@@ -1344,6 +1344,24 @@ def _log_weight_and_stick_edge_load(
     return weight, ellipses.permanent_stick_load + load_above_permanent_stick
 
 
+class _SumsOfPieces(NamedTuple):
+    """Sums over intervals of angle that have converged: friction work of each group and ellipse,
+    (groups, m), and error of each ellipse, (m,).
+
+    A group is a phase of slip, or one load, P or P_c at the stick edge, through a phase.
+    """
+
+    works_of_groups: Array
+    error_of_ellipse: Array
+
+    def add(self, pieces: AnglePieces, integrals: Array, errors: Array) -> None:
+        """Add the integrals and errors of n intervals, (n,) each, to the sums of the groups and
+        ellipses that these belong to.
+        """
+        np.add.at(self.works_of_groups, (pieces.group, pieces.ellipse), integrals)
+        np.add.at(self.error_of_ellipse, pieces.ellipse, errors)
+
+
 def _integrals_by_group(
     ellipses: Ellipses,
     pieces: AnglePieces,
@@ -1377,8 +1395,7 @@ def _integrals_by_group(
         pieces = pieces._replace(rule_number=np.full(len(pieces.rule_number), len(rules) - 1))
         least_work = 0.0
     squared_mean_load = np.square(ellipses.mean_load)
-    works_of_groups = np.zeros((n_groups, n_ellipses))
-    error_of_ellipse = np.zeros(n_ellipses)
+    sums = _SumsOfPieces(np.zeros((n_groups, n_ellipses)), np.zeros(n_ellipses))
     largest_check_allowed = np.zeros(n_ellipses)
     for n_halvings in range(_MOST_HALVINGS + 1):
         # of each interval, (n,): its integral, and the largest of sums that are 0 but for the error
@@ -1394,20 +1411,14 @@ def _integrals_by_group(
             squared_mean_load[ellipse_of_piece],
             n_halvings,
         )
-        np.add.at(
-            works_of_groups,
-            (pieces.group[has_converged], ellipse_of_piece[has_converged]),
-            integrals[has_converged],
-        )
-        np.add.at(error_of_ellipse, ellipse_of_piece[has_converged], piece_errors[has_converged])
-
+        sums.add(pieces.take(has_converged), integrals[has_converged], piece_errors[has_converged])
         # the others are halved
         pieces = pieces.take(~has_converged).halved()
         if not len(pieces.ellipse):
             break
     # what has not converged after fifteen halvings
-    works_of_groups[pieces.group, pieces.ellipse] = np.nan
-    return works_of_groups, error_of_ellipse
+    sums.works_of_groups[pieces.group, pieces.ellipse] = np.nan
+    return sums.works_of_groups, sums.error_of_ellipse
 
 
 def _convergence_of_pieces(
