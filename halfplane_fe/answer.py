@@ -214,10 +214,11 @@ def _edges_put_right(
         distance_held_back = held_back_by_growth(places, half_width_by_load, growth, spacing)
         correction = np.where(is_pressed, distance_held_back, 0.0)
         edges[f"{edge_name}s"] = places + correction
-        # Independent errors: the root of their squares.
-        edges[f"{edge_name}_uncertainty"] = np.hypot(
-            edges[f"{edge_name}_uncertainty"], uncertainty_by_growth(growth, spacing)
-        ) + left_of_growth(correction, _is_thick(task))
+        edges[f"{edge_name}_uncertainty"] = (
+            edges[f"{edge_name}_uncertainty"]
+            + left_of_growth(correction, _is_thick(task))
+            + uncertainty_by_growth(growth, spacing)
+        )
 
     # Likewise the ends of the permanent stick zone.
     ends = scaled_permanent_stick.places * half_width

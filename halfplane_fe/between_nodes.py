@@ -61,16 +61,16 @@ _V_OF_BOTH = (_D**3 + (1 - _D) ** 3) / 6
 _JUMP_OF_MIDDLE = 0.5 + _V * (1 / _D + 1 / (1 - _D))
 # rms of g over the edge's places.
 _RMS = 0.0155
-# Shares of the distance of two nodes by which an edge between them is uncertain, of which the root
-# of the squares counts: one beyond a corner, one beyond a mid-side node; one of the square of how
-# unevenly the load takes it on; one over the square of the nodes that it is from x = 0, and of
-# those that a stick edge has passed since slip began. Beyond corners it errs by 0.009 in the median
-# on the coarse mesh and by 0.003 on the default one, beyond mid-side nodes by 0.0035 and 0.002,
-# three nodes from x = 0 by 0.06, and by 0.3 beside the start of slip. Seeds 289, 703 and 708 of
-# benchmarks/covered.py values.
-_BEYOND_CORNER = 0.022
-_BEYOND_MID_SIDE = 0.0065
-_BY_UNEVENNESS = 0.7
+# Shares of the distance of two nodes by which an edge between them is uncertain: one beyond a
+# corner, one beyond a mid-side node; and the root of the squares of the others: one of the square
+# of how unevenly the load takes it on; one over the square of the nodes that it is from x = 0, and
+# of those that a stick edge has passed since slip began. Beyond corners it errs by 0.009 in the
+# median on the coarse mesh and by 0.003 on the default one, beyond mid-side nodes by 0.0035 and
+# 0.002, three nodes from x = 0 by 0.06, and by 0.3 beside the start of slip. Seeds 289, 703 and 708
+# of benchmarks/covered.py values.
+_BEYOND_CORNER = 0.021
+_BEYOND_MID_SIDE = 0.006
+_BY_UNEVENNESS = 0.6
 _BY_FEW_NODES = 0.1
 # Share of the distance of two nodes, over how much farther a small load takes an edge of stick than
 # one of contact (`_leverage`): 0.0015 to 0.002 in the median where that is 6 to 100, on both
@@ -82,9 +82,9 @@ _BY_LEVERAGE = 0.003
 _LEFT_AT_NEXT_NODE = 0.4
 # Distances of nodes that a stick edge moves in one increment above which it jumps.
 JUMP = 6.0
-# Share of that at edges of stick, which err less than those of contact: beyond corners by 0.007 and
-# 0.003 in the median where the load moves them evenly, those of contact by 0.008 and 0.0043.
-_OF_STICK = 0.85
+# Share of that at the edges of permanent stick, whose two turning points err less: by 0.004 in the
+# median on the coarse mesh, by 0.002 on the default one.
+_AT_TURNS = 0.85
 # Share of the distance of two nodes, over a logarithm, by which an edge errs beyond a mid-side
 # node: the slope is 0.12 to 0.15 on both presets. Putting that right takes the median error from
 # 0.0045 to 0.0019 of the distance on the default mesh. Beyond corners there is no such error.
@@ -460,7 +460,10 @@ def contact_by_load(problem: ContactProblem, states: Sequence[InterfaceState]) -
                     _unevenness(edge, last_closed_node, state.pressure, pressure_rates),
                     _unevenness_ahead(edge, last_closed_node, state.gap, gap_rates),
                 )
-                share = math.hypot(*_shares_of_spacing(edge, last_closed_node, unevenness))
+                share_at_nodes, *other_shares = _shares_of_spacing(
+                    edge, last_closed_node, unevenness
+                )
+                share = share_at_nodes + math.hypot(*other_shares)
                 edges.put(row, last_closed_node, edge, unevenness, share)
     return edges
 
@@ -526,9 +529,7 @@ def stick_by_load(
                 )
                 # _BY_FEW_NODES: fitted share where slip began a single node away
                 share_by_begin = _BY_FEW_NODES / passed.n_nodes_since_jump(n_nodes_passed) ** 2
-                share = math.hypot(
-                    # _OF_STICK: share of what edges of contact have there
-                    _OF_STICK * share_at_nodes,
+                share = share_at_nodes + math.hypot(
                     share_by_middle,
                     share_by_begin,
                     # _BY_LEVERAGE: fitted share
@@ -845,10 +846,10 @@ def _place_put_right(edge: Edge, last_node: int, unevenness: Array) -> float:
 
 
 def _shares_of_spacing(edge: Edge, last_node: int, unevenness: Array) -> tuple[float, float, float]:
-    """How uncertain the place of an edge is, over the distance of its two nodes, in three parts
-    that have nothing to do with each other, so that the root of their squares counts: by the kind
-    of the last node of its zone (corner or mid-side); by how near x = 0 is; and by how unevenly the
-    load moves it, `unevenness` (3,) or (4,), 0 where evenly.
+    """How uncertain the place of an edge is, over the distance of its two nodes, in three parts: by
+    the kind of the last node of its zone (corner or mid-side); by how near x = 0 is; and by how
+    unevenly the load moves it, `unevenness` (3,) or (4,), 0 where evenly. To the first is added the
+    root of the squares of the others, which have nothing to do with each other.
     """
     is_corner = _is_corner(edge.interface, last_node)
     share_at_nodes = _BEYOND_CORNER if is_corner else _BEYOND_MID_SIDE
@@ -1380,8 +1381,9 @@ def _edge_at_turn(
     _, pressure_rates, shear_rates, _ = rates_by_load
     rates_to_limit = force_to_limit(pressure_rates, shear_rates, turn.sense, problem.friction)
     unevenness = _unevenness(edge, nodes.last_stuck, forces_to_limit, rates_to_limit)
-    # _OF_STICK: share of the uncertainty of edges of contact that those of stick have
-    share = _OF_STICK * math.hypot(*_shares_of_spacing(edge, nodes.last_stuck, unevenness))
+    # _AT_TURNS: share of the uncertainty of single edges that remains at turning points
+    share_at_nodes, *other_shares = _shares_of_spacing(edge, nodes.last_stuck, unevenness)
+    share = _AT_TURNS * (share_at_nodes + math.hypot(*other_shares))
     return _EdgeAtTurn(
         edge,
         place=_place_put_right(edge, nodes.last_stuck, unevenness),

@@ -61,7 +61,7 @@ _LEFT_OF_THIN = 0.5
 # and at most: meshes of a/40 that grow by 0.3 to 0.5 hold all their edges back or out by up to
 # 0.014, each by another share, those of 0.2 by 0.002.
 _GROWTHS = (0.2, 0.4)
-_BY_GROWTHS = (0.0, 0.006)
+_BY_GROWTHS = (0.0, 0.005)
 # Loads at which the width of the contact is read for that, from none to the largest.
 _WIDTHS = 40
 # Distances of nodes that a stick edge moves in one increment above which it jumps where slip starts
@@ -527,7 +527,7 @@ def uncertainty_by_growth(growth: float, spacing: Array) -> Array:
     grow slowly, a few thousandths of that distance on those that grow fast.
 
     >>> uncertainty_by_growth(0.3, np.array([0.01])).round(7).tolist()
-    [3e-05]
+    [2.5e-05]
     """
     return np.asarray(np.interp(growth, _GROWTHS, _BY_GROWTHS) * spacing)
 
