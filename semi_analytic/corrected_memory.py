@@ -2006,11 +2006,13 @@ def _crossing_of_bound(
     high_s = piece.top_s
     excess_below, excess_above = excesses
     sign_of_rise = 1.0 if excess_above > excess_below else -1.0
-
-    # Slopes of the excess of F over the bound, per d eta, dG and dG_4.
-    profile_slope = bound.direction * (bound.profile_slope - piece.profile_slope)
-    parabola_slope = bound.direction * (bound.parabola_slope - piece.parabola_slope)
-    fourth_slope = bound.direction * (bound.fourth_slope - piece.fourth_slope)
+    excess_on_piece = _ExcessOnPiece(
+        piece_below,
+        excess_below,
+        profile_slope=bound.direction * (bound.profile_slope - piece.profile_slope),
+        parabola_slope=bound.direction * (bound.parabola_slope - piece.parabola_slope),
+        fourth_slope=bound.direction * (bound.fourth_slope - piece.fourth_slope),
+    )
 
     # First guess: without x^4 the excess of a parabolic profile is a straight line over G.
     fraction_of_piece = excess_below / (excess_below - excess_above)
@@ -2025,21 +2027,56 @@ def _crossing_of_bound(
     # Newton's method; a step that would leave the bracket is replaced by a bisection.
     # _MOST_NEWTON_STEPS: 60.
     for _ in range(_MOST_NEWTON_STEPS):
-        excess = excess_below + profile_slope * (loads_at_s.profile_load - piece_below.profile_load)
-        excess += parabola_slope * (loads_at_s.parabola_load - piece_below.parabola_load)
-        excess += fourth_slope * (loads_at_s.fourth_load - piece_below.fourth_load)
+        excess = excess_on_piece.at(loads_at_s)
         if abs(excess) <= round_off:
             break
         if excess * sign_of_rise > 0:
             high_s = s
         else:
             low_s = s
-        # Derivative of the excess with respect to s; the rates of the loads are their derivatives.
-        excess_rate = (
-            profile_slope * loads_at_s.load_rate + parabola_slope * loads_at_s.parabola_rate
-        )
-        excess_rate += fourth_slope * loads_at_s.fourth_rate
+        excess_rate = excess_on_piece.rate_at(loads_at_s)
         newton_s = s - excess / excess_rate if excess_rate * sign_of_rise > 0 else math.nan
         s = newton_s if low_s < newton_s < high_s else (low_s + high_s) / 2
         loads_at_s = table.punch_loads_at(s)
     return s, loads_at_s
+
+
+class _ExcessOnPiece(NamedTuple):
+    """Excess of the locked-in tangential force F over the Coulomb bound of slip, along one piece of
+    a memory curve: linear in eta, G and G_4, the loads that the flat punches carry of the profile,
+    of x^2/2 and of x^4/24.
+
+    Attributes
+    ----------
+    piece_below
+        the piece below, with these loads at its top, where this piece begins
+    excess_below
+        excess there [force per thickness]
+    profile_slope, parabola_slope, fourth_slope
+        of the excess, per d eta, dG and dG_4
+    """
+
+    piece_below: Piece
+    excess_below: float
+    profile_slope: float
+    parabola_slope: float
+    fourth_slope: float
+
+    def at(self, loads: PunchLoads) -> float:
+        """The excess at the punch up to which the punches carry these loads."""
+        piece_below = self.piece_below
+        excess = self.excess_below + self.profile_slope * (
+            loads.profile_load - piece_below.profile_load
+        )
+        excess += self.parabola_slope * (loads.parabola_load - piece_below.parabola_load)
+        excess += self.fourth_slope * (loads.fourth_load - piece_below.fourth_load)
+        return excess
+
+    def rate_at(self, loads: PunchLoads) -> float:
+        """Derivative of the excess with respect to the coordinate s of the punch; `loads` has those
+        of the loads as rates.
+        """
+        excess_rate = self.profile_slope * loads.load_rate
+        excess_rate += self.parabola_slope * loads.parabola_rate
+        excess_rate += self.fourth_slope * loads.fourth_rate
+        return excess_rate
