@@ -26,6 +26,7 @@ from reports.comparison.metrics import METRICS, markdown
 from reports.page.writing import draw
 from reports.report import Report
 from scenes import (
+    SLIP_FORWARD,
     BodyEffects,
     ContactSolution,
     Estimate,
@@ -586,6 +587,27 @@ def test_maps_count_both_ways_and_a_stick_edge_that_is_never_there_fails() -> No
     assert lost == pytest.approx(0.5, abs=0.02)
     never = changed(stick_edges=np.full_like(TRUTH.stick_edges, NAN))
     assert compare(TRUTH, never).metric("stick_edge").accurate is False
+
+
+def test_stick_edges_of_several_zones_are_left_out_and_counted() -> None:
+    """Of three sticking parts with slip between the reference states the outer ends, a result may
+    state those of the middle one.
+    """
+    row = int(np.flatnonzero(np.isfinite(TRUTH.stick_edges[:, 0]))[-1])
+    left, right = TRUTH.stick_edges[row]
+    between = (left < X) & (right > X)
+    outer_part = between & (np.abs(X - (left + right) / 2) > 0.3 * (right - left))
+    rim = between & (np.abs(X - (left + right) / 2) > 0.45 * (right - left))
+    state_of_row = np.where(outer_part & ~rim, SLIP_FORWARD, TRUTH.state[row])
+    state = TRUTH.state.copy()
+    state[row] = state_of_row
+    stick_edges_of_middle = TRUTH.stick_edges.copy()
+    stick_edges_of_middle[row] = [left + 0.2 * (right - left), right - 0.2 * (right - left)]
+    of_middle = changed(stick_edges=stick_edges_of_middle)
+    assert abs(compare(TRUTH, of_middle).metric("stick_edge").value) > 0.01
+    metric = compare(changed(state=state), of_middle).metric("stick_edge")
+    assert metric.value == 0
+    assert "instants have several stick zones" in metric.note
 
 
 # --------------------------------------------------------------------------------------- resultants

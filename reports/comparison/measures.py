@@ -23,7 +23,7 @@ from reports.comparison.pairs import Mask, Pair, engine_in_words, is_corrected
 from reports.comparison.work_of_loads import bulk_work, loop_work, solution_on_straight_steps
 from reports.python_numbers import PythonNumbers
 from reports.units import minus
-from scenes import OPEN, ContactSolution
+from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ContactSolution
 from scenes.array_types import Array
 from scenes.solution import range_of_slip
 
@@ -884,9 +884,11 @@ def stick_edge(pair: Pair) -> MetricValue:
     """Outward shift of the worse edge of the stick zone over a_ref, the half-width at the reference
     load. It is that at the worst of the judged instants at which both solutions have a stick zone.
 
-    Left out is an instant at which full stick comes or goes one instant earlier in one of them. The
-    note counts the instants at which the two differ in full stick, partial slip or full slip. NaN,
-    which fails, where they differ and no instant is left; no value where both always slip fully.
+    Left out is an instant at which full stick comes or goes one instant earlier in one of them, and
+    one at which the reference has several stick zones: finite elements state the ends of the main
+    one, theory on grids those of all. The note counts these, and the instants at which the two
+    differ in full stick, partial slip or full slip. NaN, which fails, where they differ and no
+    instant is left; no value where both always slip fully.
     Judged are instants in contact with a normal load of at least a tenth of the reference load
     (`pair.is_judged`, (k,)).
     """
@@ -898,18 +900,22 @@ def stick_edge(pair: Pair) -> MetricValue:
     status_of_reference = _stick_status(reference_cycle, half_width)
     status_of_result = _stick_status(result_cycle, half_width)
     shift = _outward_shift_of_worse_edge(reference_cycle.stick_edges, result_cycle.stick_edges)
-    is_compared = pair.is_judged & _has_comparable_stick_edges(
-        status_of_reference, status_of_result
-    )
+    has_several_zones = _has_several_stick_zones(reference_cycle)
+    is_compared = pair.is_judged & ~has_several_zones
+    is_compared &= _has_comparable_stick_edges(status_of_reference, status_of_result)
     metric_value = _value_at_worst_instant(pair, shift / half_width, is_compared)
 
+    n_judged = int(pair.is_judged.sum())
+    n_with_several_zones = int(has_several_zones[pair.is_judged].sum())
     n_differing = int((status_of_reference != status_of_result)[pair.is_judged].sum())
-    note = ""
+    notes = []
+    if n_with_several_zones:
+        notes.append(f"{n_with_several_zones} of {n_judged} instants have several stick zones")
     if n_differing:
-        note = (
-            f"{n_differing} of {int(pair.is_judged.sum())} instants differ in full stick, partial"
-            " slip or full slip"
+        notes.append(
+            f"{n_differing} of {n_judged} instants differ in full stick, partial slip or full slip"
         )
+    note = "; ".join(notes)
     if metric_value.value is None and n_differing:
         reason_for_no_value = f"no instant has a stick edge in both: {note}"
         return replace(metric_value, value=math.nan, note=reason_for_no_value)
@@ -941,6 +947,8 @@ def _shift_in_elements(pair: Pair, value: float | None) -> float | None:
     return value * pair.scales.half_width / float(element_size)
 
 
+# Fewest points that slip between two stick zones: one or two may do so by round-off.
+_SEVERAL_POINTS = 3
 _FULL_SLIP = 0
 _PARTIAL_SLIP = 1
 _FULL_STICK = 2
@@ -959,6 +967,21 @@ def _stick_status(cycle: Cycle, half_width: float) -> NDArray[np.int8]:
     status[np.isnan(distance)] = _FULL_SLIP
     is_in_contact = cycle.pressure.max(axis=1) > 0
     return np.where(is_in_contact, status, _OUT_OF_CONTACT).astype(np.int8)
+
+
+def _has_several_stick_zones(cycle: Cycle) -> Mask:
+    """(k,) instants at which the contact has several stick zones, as it may under bulk stress and
+    tilt together: at least three points slip between the first and the last that stick.
+
+    `cycle` has the states (k, n) of n points at ascending x.
+    """
+    sticks = cycle.state == STICK
+    slips = (cycle.state == SLIP_FORWARD) | (cycle.state == SLIP_REVERSE)
+    has_stick_before = np.logical_or.accumulate(sticks, axis=1)
+    has_stick_behind = np.logical_or.accumulate(sticks[:, ::-1], axis=1)[:, ::-1]
+    n_slipping_between = np.count_nonzero(slips & has_stick_before & has_stick_behind, axis=1)
+    # _SEVERAL_POINTS: fewest points that part two zones
+    return np.asarray(n_slipping_between >= _SEVERAL_POINTS)
 
 
 def _has_comparable_stick_edges(
