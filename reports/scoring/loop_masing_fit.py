@@ -235,52 +235,70 @@ class _Search:
         `parameters`, (2, 7).
 
         A turning point is where the height U/(range of U) + Q/(range of Q) is largest or least; the
-        misfit is the height of the loop minus that of the rows. `MIDDLE`, `ORIGIN` and `DRIFT_RATE`
-        are the indices of the middle of Q, the origin of U and the drift of U.
+        misfit is the height of the loop minus that of the rows.
 
         # notation: Q tangential load, U relative tangential displacement
         """
         rows = self.rows
-        # self.curve: memory curve of theory, from which the branches of the loop are built
-        loop = MasingLoop(self.curve, parameters)
-        # the rising branch ends at place 2 (places are a parameter along it); the falling branch is
-        # the same, rotated about the middle of the loop
-        place_of_turn = np.array([2.0])
-        # U and Q there, from the middle of the loop, and their derivatives (1, 7)
-        displacement_at_end, load_at_end = loop.points(place_of_turn)
-        displacement_gradient_at_end, load_gradient_at_end = loop.derivatives(place_of_turn)
-        range_of_displacement, range_of_load = rows.ranges
+        turns_of_rows = (rows.branches.highest_turn, rows.branches.lowest_turn)
         misfit = np.zeros(2)
         derivatives = np.zeros((2, 7))
         # mean_time: mean time of these turning points over that of the record, from -1/2 to 1/2
-        turns_of_rows = (rows.branches.highest_turn, rows.branches.lowest_turn)
         for k, (turn_of_rows, sign_of_turn, mean_time) in enumerate(
             zip(turns_of_rows, (1.0, -1.0), rows.mean_times_of_turns, strict=True)
         ):
-            displacement_gradient = sign_of_turn * displacement_gradient_at_end[0]
-            displacement_gradient[ORIGIN] = 1.0
-            displacement_gradient[DRIFT_RATE] = mean_time
-            load_gradient = sign_of_turn * load_gradient_at_end[0]
-            load_gradient[MIDDLE] = 1.0
-            displacement_of_loop = (
-                sign_of_turn * displacement_at_end[0]
-                + parameters[ORIGIN]
-                + parameters[DRIFT_RATE] * mean_time
-            )
-            load_of_loop = sign_of_turn * load_at_end[0] + parameters[MIDDLE]
-            height_of_loop = (
-                displacement_of_loop / range_of_displacement + load_of_loop / range_of_load
+            height_of_loop, height_gradient = self._height_of_turn(
+                parameters, sign_of_turn, mean_time
             )
             # _LEAST_ERROR_OF_TURN: 0.002, since a parabola describes a branch no better
             error_of_height = max(turn_of_rows.standard_error, _LEAST_ERROR_OF_TURN)
             # the branches were found in heights: `load` of their turning points is a height
-            height_of_rows = turn_of_rows.load
-            misfit[k] = (height_of_loop - height_of_rows) / error_of_height
-            derivatives[k] = (
-                displacement_gradient / range_of_displacement + load_gradient / range_of_load
-            )
-            derivatives[k] /= error_of_height
+            misfit[k] = (height_of_loop - turn_of_rows.load) / error_of_height
+            derivatives[k] = height_gradient / error_of_height
         return misfit, derivatives
+
+    def _height_of_turn(
+        self, parameters: Array, sign_of_turn: float, mean_time: float
+    ) -> tuple[float, Array]:
+        """Height U/(range of U) + Q/(range of Q) of a turning point of a loop of Q over U, over the
+        ranges of the measured rows; and its derivatives by the loop's seven parameters, (7,).
+
+        Parameters
+        ----------
+        parameters
+            (7,) ln f, middle and range of Q, compliance of the rig, origin of U, drift of U, gross
+            slide; `MIDDLE`, `ORIGIN` and `DRIFT_RATE` are indices of three of them
+        sign_of_turn
+            1 for the highest turning point, -1 for the lowest
+        mean_time
+            mean time of such turning points over that of the record, from -1/2 to 1/2, which tells
+            the drift there
+
+        # notation: f coefficient of friction, Q tangential load, U relative tangential displacement
+        """
+        # the rising branch ends at place 2 (places are a parameter along it); the falling branch is
+        # the same, rotated about the middle of the loop
+        loop = MasingLoop(self.curve, parameters)
+        place_of_turn = np.array([2.0])
+        # U and Q there, from the middle of the loop, and their derivatives (1, 7)
+        displacement_at_end, load_at_end = loop.points(place_of_turn)
+        displacement_gradients, load_gradients = loop.derivatives(place_of_turn)
+        displacement_gradient = sign_of_turn * displacement_gradients[0]
+        displacement_gradient[ORIGIN] = 1.0
+        displacement_gradient[DRIFT_RATE] = mean_time
+        load_gradient = sign_of_turn * load_gradients[0]
+        load_gradient[MIDDLE] = 1.0
+        displacement = (
+            sign_of_turn * displacement_at_end[0]
+            + parameters[ORIGIN]
+            + parameters[DRIFT_RATE] * mean_time
+        )
+        load = sign_of_turn * load_at_end[0] + parameters[MIDDLE]
+        range_of_displacement, range_of_load = self.rows.ranges
+        return (
+            float(displacement / range_of_displacement + load / range_of_load),
+            displacement_gradient / range_of_displacement + load_gradient / range_of_load,
+        )
 
     def sum_of_squares(self, parameters: Array) -> float:
         """Sum of the squared residuals of the loop with these parameters (7,)."""
@@ -317,25 +335,15 @@ class _Search:
         # compliance
         fitted_indices = _fitted_parameters(self.rows, is_gross=is_gross)
         free_indices = np.array([k for k in fitted_indices if k not in held_parameters])
-        typical_sizes = self.parameter_sizes
+        sizes_of_steps = self.parameter_sizes[free_indices]
 
         def parameters_at(steps: Array) -> Array:
             """All seven parameters (7,) of a loop: those at `free_indices` are moved by `steps`, in
-            units of their typical sizes. The range of Q of a gross loop, which slides as a whole at
-            its ends, follows from f. `LOG_F` and `RANGE` are the indices of ln f and of this range.
-
-            # notation: f coefficient of friction, Q tangential load
+            units of their typical sizes.
             """
             parameters = start_parameters.copy()
-            parameters[free_indices] += steps * typical_sizes[free_indices]
-            parameters[LOG_F] = min(max(parameters[LOG_F], -30.0), 30.0)
-            if is_gross:
-                # sliding_friction_per_load: f at which the contact just slides as a whole, over
-                # the range of Q
-                parameters[RANGE] = (
-                    math.exp(parameters[LOG_F]) / self.curve.sliding_friction_per_load
-                )
-            return parameters
+            parameters[free_indices] += steps * sizes_of_steps
+            return self._parameters_in_bounds(parameters, is_gross=is_gross)
 
         # scipy calls for residuals and for derivatives separately: both are cached for the latest
         # steps
@@ -343,22 +351,19 @@ class _Search:
 
         def residuals_and_derivatives(steps: Array) -> tuple[Array, Array]:
             """Residuals of a loop from measured rows over sigma (m,), and their derivatives by
-            `steps` of the free parameters, (m, free parameters). `LOG_F` and `RANGE` are the
-            indices of ln f and of the range R of Q; free parameters stand at `free_indices`.
+            `steps` of the free parameters, (m, free parameters), which stand at `free_indices`.
 
-            # notation: f coefficient of friction, P normal load, Q tangential load, sigma standard
-            #           deviation of the noise
+            # notation: sigma standard deviation of the noise
             """
             steps_as_bytes = steps.tobytes()
             if steps_as_bytes not in cached_residuals:
-                parameters = parameters_at(steps)
-                residuals, derivatives = self.residuals(parameters)
-                if is_gross:  # the range R of Q follows from ln f: R = 2 f P
-                    derivatives[:, LOG_F] += parameters[RANGE] * derivatives[:, RANGE]
+                residuals, derivatives = self._residuals_of_kind(
+                    parameters_at(steps), is_gross=is_gross
+                )
                 cached_residuals.clear()
                 cached_residuals[steps_as_bytes] = (
                     residuals,
-                    derivatives[:, free_indices] * typical_sizes[free_indices],
+                    derivatives[:, free_indices] * sizes_of_steps,
                 )
             return cached_residuals[steps_as_bytes]
 
@@ -373,6 +378,34 @@ class _Search:
         )
         # scipy's cost is half the sum of squares
         return _LeastSquaresFit(2 * float(minimum.cost), parameters_at(minimum.x))
+
+    def _parameters_in_bounds(self, parameters: Array, *, is_gross: bool) -> Array:
+        """The parameters (7,) of a loop of Q over U with ln f between -30 and 30. The range R of Q
+        of a gross loop, which slides as a whole at its ends, follows from f: R = 2 f P. `LOG_F` and
+        `RANGE` are the indices of ln f and of R; `parameters` is changed.
+
+        # notation: f coefficient of friction, P normal load, Q tangential load, U relative
+        #           tangential displacement
+        """
+        parameters[LOG_F] = min(max(parameters[LOG_F], -30.0), 30.0)
+        if is_gross:
+            # sliding_friction_per_load: f at which the contact just slides as a whole, over the
+            # range of Q
+            parameters[RANGE] = math.exp(parameters[LOG_F]) / self.curve.sliding_friction_per_load
+        return parameters
+
+    def _residuals_of_kind(self, parameters: Array, *, is_gross: bool) -> tuple[Array, Array]:
+        """Residuals of a partial or a gross loop from the measured rows over sigma, (n + 3,), and
+        their derivatives by its seven `parameters`, (n + 3, 7). The range R of Q of a gross loop
+        follows from ln f, R = 2 f P: the derivative by ln f then contains that by R.
+
+        # notation: f coefficient of friction, P normal load, Q tangential load, sigma standard
+        #           deviation of the noise
+        """
+        residuals, derivatives = self.residuals(parameters)
+        if is_gross:
+            derivatives[:, LOG_F] += parameters[RANGE] * derivatives[:, RANGE]
+        return residuals, derivatives
 
     def start_parameters(self, log_friction: float, slide_fraction: float) -> Array:
         """Parameters (7,) of a loop of Q over U from which a fit to measured rows begins: ln f,
