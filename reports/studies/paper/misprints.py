@@ -309,41 +309,48 @@ def _sliding_condition(case: Case) -> VerdictAndNumbers:
     `case` gives profile and material of the circles.
     """
     # limits of P0/P1 by both formulas, for each coefficient of friction
-    friction = np.array([0.1, 0.4, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0])
-    mended_limit = sliding_limit(friction)
-    printed_limit = math.sqrt(2) * (1 + friction) / (2 * friction)
-
-    def slides(f: Array, load_ratio: Array) -> NDArray[np.bool_]:
-        """Whether circles of P0/P1 = `load_ratio` slide by half-plane theory."""
-        batch = semi_analytic.dissipation(**case.circle_arguments(f, load_ratio))
-        # `reason`: why a circle has no dissipation of a cycle
-        return np.asarray(batch.reason == semi_analytic.Reason.SLIDING)
+    frictions = np.array([0.1, 0.4, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0])
+    mended_limit = sliding_limit(frictions)
+    printed_limit = math.sqrt(2) * (1 + frictions) / (2 * frictions)
 
     # share of the circles between both limits that slide: 99 for each coefficient of friction
     # AGREEMENT_TOLERANCE: 1e-9
-    limits_differ = np.abs(friction - 1) > AGREEMENT_TOLERANCE  # they are equal at f = 1
+    limits_differ = np.abs(frictions - 1) > AGREEMENT_TOLERANCE  # they are equal at f = 1
     difference_of_limits = (mended_limit - printed_limit)[limits_differ]
     fractions = np.linspace(0.01, 0.99, 99)[:, None]
     ratios_between_limits = printed_limit[limits_differ] + difference_of_limits * fractions
-    sliding_share = float(np.mean(slides(friction[limits_differ], ratios_between_limits)))
+    is_sliding = _circles_that_slide(case, frictions[limits_differ], ratios_between_limits)
+    sliding_share = float(np.mean(is_sliding))
 
     # whether circles slide just below the mended limit and not just above it
     margin = 1e-10
-    slides_below = slides(friction, mended_limit * (1 - margin))
-    slides_above = slides(friction, mended_limit * (1 + margin))
+    slides_below = _circles_that_slide(case, frictions, mended_limit * (1 - margin))
+    slides_above = _circles_that_slide(case, frictions, mended_limit * (1 + margin))
     mended_error = margin if (slides_below & ~slides_above).all() else math.nan
     printed_error = float(np.min(np.abs(printed_limit / mended_limit - 1)[limits_differ]))
     # proven if the mended error is at most 1e-9 and the printed one above 1e-3
     return sliding_share == 1 and is_misprint_proven(mended_error, printed_error), {
         "right": mended_error,
         "printed": printed_error,
-        # at friction[4] = 1 and friction[1] = 0.4
+        # at frictions[4] = 1 and frictions[1] = 0.4
         "apart at f = 1": _relative_error(float(printed_limit[4]), float(mended_limit[4])),
         "sliding share between": sliding_share,
         "circles between": ratios_between_limits.size,
         "mended limit at f = 0.4": float(mended_limit[1]),
         "printed limit at f = 0.4": float(printed_limit[1]),
     }
+
+
+def _circles_that_slide(case: Case, frictions: Array, load_ratios: Array) -> NDArray[np.bool_]:
+    """Whether loads that go round circles in the plane of P and Q slide as a whole by half-plane
+    theory. `frictions` are coefficients of friction, `load_ratios` are mean normal load over the
+    circle's radius, in shapes that go together; `case` gives profile and material.
+
+    # notation: P normal load, Q tangential load
+    """
+    batch = semi_analytic.dissipation(**case.circle_arguments(frictions, load_ratios))
+    # `reason`: why a circle has no dissipation of a cycle
+    return np.asarray(batch.reason == semi_analytic.Reason.SLIDING)
 
 
 def _rounded_law(case: Case) -> VerdictAndNumbers:

@@ -896,11 +896,8 @@ def _pairs_of_runs(
     coarse_bulk = replace(coarse_mesh, growth=min(1.0, 2 * coarse_mesh.growth))
     pairs_of_runs = [(_MESH_FACTOR, evaluation.values, values_with_settings(coarse_bulk))]
 
-    # The load increments, between which finite elements move the loads on straight lines. A scene
-    # is unsymmetric under bulk stress or tilt, or with unequal sides of the profile.
-    if scene.unsymmetric or scene.load.is_driven:
-        # Theory has no answer on straight increments for every one of these: halved increments
-        # instead, second order.
+    # The load increments, between which finite elements move the loads on straight lines.
+    if _needs_halved_increments(scene):
         half_increments = values_with_settings(
             coarse_mesh, settings_with_halved_steps(coarse_solver)
         )
@@ -910,14 +907,31 @@ def _pairs_of_runs(
         pairs_of_runs.append((1.0, evaluation.values, values_on_polygon))
 
     # the far field; _FAR_FIELD_FACTOR: 2
-    has_half_plane = "half_plane" in (scene.bodies.lower.kind, scene.bodies.upper.kind)
-    if has_half_plane and question.mesh.far_radius <= 500:
+    if _has_far_field_to_double(question):
         # Both with the bulk as it is: a far field beyond a coarse bulk shows what the bulk does.
         far_mesh = replace(coarse_mesh, far_radius=2 * coarse_mesh.far_radius)
         pairs_of_runs.append(
             (_FAR_FIELD_FACTOR, values_with_settings(coarse_mesh), values_with_settings(far_mesh))
         )
     return pairs_of_runs
+
+
+def _needs_halved_increments(scene: Scene) -> bool:
+    """Whether the error of the load increments is taken from halved increments (second order). Else
+    it is taken from theory on the polygon of the increments. Theory has no such answer for every
+    scene under bulk stress or tilt, with unequal sides of the profile, or with a prescribed
+    tangential displacement (`is_driven`).
+    """
+    return bool(scene.unsymmetric or scene.load.is_driven)
+
+
+def _has_far_field_to_double(question: Question) -> bool:
+    """Whether a body of the point's scene is a half-plane, for which a half-disc stands whose
+    radius can be doubled: it is at most 500 half-widths of contact.
+    """
+    bodies = question.scene.bodies
+    has_half_plane = "half_plane" in (bodies.lower.kind, bodies.upper.kind)
+    return has_half_plane and question.mesh.far_radius <= 500
 
 
 def _silent_stage(_name: str) -> Any:
