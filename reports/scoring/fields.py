@@ -80,33 +80,46 @@ def read_fields(path: Path, mapping: Mapping) -> SurfaceResult:
     part_numbers, mesh, notes_on_parts = _parts_with_fields(
         path, frames[0], mapping, source.names_of_tractions
     )
+    field_names, notes_on_slip = _fields_to_read(source, mesh, mapping)
+    surface_points, body, notes_on_surface = _surface_points(path, mesh, mapping)
+
+    # values at the surface, at every instant, in the scene's unit and sign
+    loaded_body = _loaded_body(source, mapping, body)
+    factors = _factors_of_fields(source, mapping, loaded_body)
+    values = _values_on_surface(path, frames, part_numbers, field_names, surface_points)
+    fields: dict[str, ArrayLike | None] = {
+        quantity: np.array(
+            [factors[quantity] * values_of_instant for values_of_instant in values_at_instants]
+        )
+        for quantity, values_at_instants in values.items()
+    }
+    x = converted_values(mapping, "x", mesh.points[surface_points, 0])
+    times = _times_of(path, frames, mapping)
+    notes = [source.in_words(loaded_body), *notes_on_parts, *notes_on_slip, *notes_on_surface]
+    return surface_result(str(path), mapping.code, x, fields, {"time": times}, notes)
+
+
+def _fields_to_read(
+    source: _TractionSource, mesh: FieldPart, mapping: Mapping
+) -> tuple[_FieldNames, list[str]]:
+    """Names of the fields that are read, by quantity, and notes on a slip that is left out: where
+    not all parts of the `mesh` hold it, or where the mapping names it beside a traction vector or a
+    stress.
+    """
     field_names = dict(source.field_names)
+    notes = []
     if "slip" in field_names and not _has_field(mesh, field_names["slip"]):
-        notes_on_parts.append(
+        notes.append(
             f"{field_names['slip']} is not in all of the files that hold"
             f" {' and '.join(source.names_of_tractions)}, and was left out"
         )
         del field_names["slip"]
     if source.kind != "fields" and mapping.columns.slip is not None:
-        notes_on_parts.append(
+        notes.append(
             f"columns.slip = {mapping.columns.slip!r} is not read beside a {source.kind}: state"
             " columns.pressure and columns.shear too"
         )
-
-    # values at the surface, at every instant, in the scene's unit and sign
-    surface_points, body, notes_on_surface = _surface_points(path, mesh, mapping)
-    loaded_body = _loaded_body(source, mapping, body)
-    factors = _factors_of_fields(source, mapping, loaded_body)
-    fields: dict[str, ArrayLike | None] = {}
-    values = _values_on_surface(path, frames, part_numbers, field_names, surface_points)
-    for quantity, values_at_instants in values.items():
-        fields[quantity] = np.array(
-            [factors[quantity] * values_of_instant for values_of_instant in values_at_instants]
-        )
-    x = converted_values(mapping, "x", mesh.points[surface_points, 0])
-    times = _times_of(path, frames, mapping)
-    notes = [source.in_words(loaded_body), *notes_on_parts, *notes_on_surface]
-    return surface_result(str(path), mapping.code, x, fields, {"time": times}, notes)
+    return field_names, notes
 
 
 class _TractionSource(NamedTuple):

@@ -559,21 +559,33 @@ def _figure_4a(case: Case) -> Plate:
         for letter in sorted(case.events)
     }
 
-    # zones, with letters (_text_at) on the contact edge; at some events the axis shows P itself
+    # zones, with letters (_text_at) on the contact edge
     marks = list(zones.marks(path_of_p))
     for letter, path_length in path_length_by_letter.items():
         marks += _text_at(path_length, case.half_width_at(letter), letter, (0.0, 9.0), dot=True)
+    x_axis = _axis_of_path(case, float(path_of_p[-1]), path_length_by_letter)
+    alt = "Half-widths over the path of P"
+    # _HALF_WIDTH: axis of half-widths
+    panel = _panel("figure_04a", x_axis, _HALF_WIDTH, marks, alt, (820.0, 420.0))
+    return _plate("figure_04a", [panel], zones.table(case, "way of P / (P0/3)", path_of_p))
+
+
+def _axis_of_path(
+    case: Case, path_length: float, path_length_by_letter: Mapping[str, float]
+) -> Axis:
+    """The axis of the path of the normal load P, over P0/3, from 0 to just beyond its whole length.
+    Its ticks state P itself: at 0, 1 and 2 of the first loading, and at eight events.
+    `path_length_by_letter` is the length of the path up to each event of the `case`.
+
+    # notation: P0 mean normal load
+    """
     ticks = [(0.0, "0"), (1.0, "1"), (2.0, "2")]
     ticks += [
         (path_length_by_letter[letter], f"{case.events[letter].normal_load / case.unit_load:.3g}")
         for letter in "ACDFHKLM"
     ]
-    x_max = float(path_of_p[-1]) + 0.05
-    x_axis = Axis(0.0, x_max, "normal load P / (P₀/3), along its path", ticks=tuple(ticks))
-    alt = "Half-widths over the path of P"
-    # _HALF_WIDTH: axis of half-widths
-    panel = _panel("figure_04a", x_axis, _HALF_WIDTH, marks, alt, (820.0, 420.0))
-    return _plate("figure_04a", [panel], zones.table(case, "way of P / (P0/3)", path_of_p))
+    words = "normal load P / (P₀/3), along its path"
+    return Axis(0.0, path_length + 0.05, words, ticks=tuple(ticks))
 
 
 def _figure_4b(case: Case) -> Plate:
