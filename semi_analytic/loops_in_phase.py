@@ -44,8 +44,8 @@ _ROUND_OFF_SHARE = 1e-12
 
 
 def _end_root_quadrature(n_nodes: int) -> tuple[Array, Array]:
-    """Nodes sin(theta/2)^2 on [0, 1] and weights, (count,) each, by Gauss' rule in theta: exact to
-    high order for integrands with square roots at both ends.
+    """Nodes sin(theta/2)^2 on [0, 1] and weights, (n_nodes,) each, by Gauss' rule in theta: exact
+    to high order for integrands with square roots at both ends.
     """
     nodes, weights = np.polynomial.legendre.leggauss(n_nodes)
     theta = np.pi * (1 + nodes) / 2

@@ -93,8 +93,8 @@ def graded_nodes(begin: ArrayLike, end: ArrayLike, stride: int = 1) -> tuple[Arr
 
 @cache
 def gauss_rule(n_nodes: int) -> tuple[Array, Array]:
-    """Nodes and weights of Gauss' quadrature rule on [0, 1], (count,) each, read-only: exact for
-    polynomials up to degree 2 count - 1.
+    """Nodes and weights of Gauss' quadrature rule on [0, 1], (n_nodes,) each, read-only: exact for
+    polynomials up to degree 2 n_nodes - 1.
 
     >>> nodes, weights = gauss_rule(3)
     >>> round(float(np.sum(weights * nodes**5)), 15)

@@ -607,9 +607,9 @@ def _legendre_piece_rule(n_nodes: int, n_crowded_ends: int) -> PieceRule:
     A change of variable makes square roots smooth and crowds the nodes: t^2 to the lower end
     (`n_crowded_ends` = 1), 3 t^2 - 2 t^3 to both (2), none (0).
     """
-    # nodes and weights (count,) on [0, 1]
+    # nodes and weights (n_nodes,) on [0, 1]
     nodes, weights = gauss_rule(n_nodes)
-    # the last three Legendre polynomials at the nodes, (3, count), times 2 k + 1 for the order k
+    # the last three Legendre polynomials at the nodes, (3, n_nodes), times 2 k + 1 for the order k
     orders = np.arange(n_nodes - 3, n_nodes)
     polynomials = legendre.legvander(2 * nodes - 1, n_nodes - 1)[:, orders].T
     coefficients_of_values = polynomials * (2 * orders[:, None] + 1)
@@ -636,7 +636,7 @@ def _legendre_piece_rule(n_nodes: int, n_crowded_ends: int) -> PieceRule:
 # of one course of a load, by length up to these [rad].
 _GRADED_RULES = (_graded_piece_rule(),)
 _PHASE_RULES = (_legendre_piece_rule(20, 0), _legendre_piece_rule(24, 2))
-_COURSE_RULES = tuple(_legendre_piece_rule(count, 1) for count in (8, 10, 12, 16, 24))
+_COURSE_RULES = tuple(_legendre_piece_rule(n_nodes, 1) for n_nodes in (8, 10, 12, 16, 24))
 _COURSE_RULE_LENGTHS = np.array([0.1, 0.3, 0.6, 1.0])
 # The share of W below which the three last coefficients have converged: they fall like a power
 # where two corners are close, and leave 1e-3 of themselves. In courses of loads the share is one of
@@ -1677,7 +1677,7 @@ def _cached_log_half_width(
 _NODES_AT_ONCE = 16384
 # Gauss rules on [0, 1], symmetric about the middle; the last one for singularities at the ends.
 _NODE_COUNTS = (12, 14, 16, 18, 20, 23, 26, 32, 42)
-_LAM_RULES = (*(gauss_rule(count) for count in _NODE_COUNTS), graded_nodes(0.0, 1.0))
+_LAM_RULES = (*(gauss_rule(n_nodes) for n_nodes in _NODE_COUNTS), graded_nodes(0.0, 1.0))
 _LEAST_HALF_SUMS_OF_DISTANCES = np.cosh(30.0 / (2 * np.array(_NODE_COUNTS)))[:, None]
 
 
