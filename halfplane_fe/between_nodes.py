@@ -510,34 +510,63 @@ def stick_by_load(
             edge, unevenness = _placed_by_load(problem, state, travel, side, last_stuck_node)
             # `is_moved`: a finite load takes it to the next node
             if edge.is_moved and _comes_to_limit(problem, state_before, state, edge):
-                share_at_nodes, share_by_middle, share_by_unevenness = _shares_of_spacing(
-                    edge, last_stuck_node, unevenness
-                )
-                share_by_late_start = _share_by_late_start(unevenness[:-1])
-                passed = (
-                    passed_nodes[side]
-                    .followed_by(last_stuck_node, n_nodes_passed)
-                    .with_share(max(min(share_by_unevenness, 1.0), share_by_late_start))
-                )
-                passed_nodes[side] = passed
-                # The uncertainty that the edge had as it met the sliding node fades linearly, to 0
-                # where it meets the next one; not where it has passed several nodes unseen.
-                fading = 1 - edge.fraction_passed()
-                share_of_start = max(
-                    share_by_late_start * fading,
-                    passed.share_left * (1.0 if passed.has_passed_several else fading),
-                )
-                # _BY_FEW_NODES: fitted share where slip began a single node away
-                share_by_begin = _BY_FEW_NODES / passed.n_nodes_since_jump(n_nodes_passed) ** 2
-                share = share_at_nodes + math.hypot(
-                    share_by_middle,
-                    share_by_begin,
-                    # _BY_LEVERAGE: fitted share
-                    _BY_LEVERAGE * _leverage(problem, state, edge),
-                    max(share_by_unevenness, share_of_start),
+                share, passed_nodes[side] = _share_of_stick_edge(
+                    problem, state, edge, unevenness, passed_nodes[side], n_nodes_passed
                 )
                 edges.put(row, last_stuck_node, edge, unevenness, share)
     return edges
+
+
+def _share_of_stick_edge(
+    problem: ContactProblem,
+    state: InterfaceState,
+    edge: Edge,
+    unevenness: Array,
+    passed_before: PassedNodes,
+    n_nodes_passed: int,
+) -> tuple[float, PassedNodes]:
+    """How uncertain the place of a stick edge is at an instant, over the distance of its two nodes,
+    and how uncertain it was between the nodes that it has passed up to then.
+
+    Parameters
+    ----------
+    problem
+        the contact problem: friction, and derivatives of nodal values by the loads (`rates`)
+    state
+        contact state at the instant
+    edge
+        of stick, between the first sliding node and the last one that sticks (`next_node`)
+    unevenness
+        (4,) how unevenly the load moves the edge, by three nodes behind it and one ahead
+    passed_before
+        how uncertain it was between the nodes that it had passed at the instant before
+    n_nodes_passed
+        number of nodes that it has passed since slip began
+    """
+    share_at_nodes, share_by_middle, share_by_unevenness = _shares_of_spacing(
+        edge, edge.next_node, unevenness
+    )
+    share_by_late_start = _share_by_late_start(unevenness[:-1])
+    passed = passed_before.followed_by(edge.next_node, n_nodes_passed).with_share(
+        max(min(share_by_unevenness, 1.0), share_by_late_start)
+    )
+    # The uncertainty that the edge had as it met the sliding node fades linearly, to 0 where it
+    # meets the next one; not where it has passed several nodes unseen.
+    fading = 1 - edge.fraction_passed()
+    share_of_start = max(
+        share_by_late_start * fading,
+        passed.share_left * (1.0 if passed.has_passed_several else fading),
+    )
+    # _BY_FEW_NODES: fitted share where slip began a single node away
+    share_by_begin = _BY_FEW_NODES / passed.n_nodes_since_jump(n_nodes_passed) ** 2
+    share = share_at_nodes + math.hypot(
+        share_by_middle,
+        share_by_begin,
+        # _BY_LEVERAGE: fitted share
+        _BY_LEVERAGE * _leverage(problem, state, edge),
+        max(share_by_unevenness, share_of_start),
+    )
+    return share, passed
 
 
 def _leverage(problem: ContactProblem, state: InterfaceState, edge: Edge) -> float:

@@ -1143,17 +1143,10 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
     if not steps:
         return None
 
-    # s_xx at all candidates, (n_steps, 2, 2) by body and edge.
-    nodal_tractions_at_steps = [_nodal_tractions(solution, step) for step in steps]
-    tractions_at_steps = [
-        tractions(nodal_tractions) for nodal_tractions in nodal_tractions_at_steps
-    ]
-    added_tension, added_uncertainty = _added_edge_tension(solution, steps, tractions_at_steps)
-    tension_by_tractions = [
-        np.outer([1.0, -1.0], step_tractions.edge_tension())
-        for step_tractions in tractions_at_steps
-    ]
-    values = np.array(tension_by_tractions) + added_tension
+    candidates = _Candidates.at_steps(solution, steps)
+    added_tension, added_uncertainty = _added_edge_tension(solution, steps, candidates.tractions)
+    # s_xx at all candidates, (n_steps, 2, 2) by body and edge
+    values = candidates.tension_by_tractions() + added_tension
     if np.isnan(values).any():
         return None
 
@@ -1162,22 +1155,18 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
     is_largest = values >= values.max() - _ROUND_OFF * abs(values.max())
     largest_index = np.unravel_index(np.argmax(is_largest), values.shape)
     candidate_number, body_number, edge_number = (int(index) for index in largest_index)
-    fit_uncertainty = tractions_with_uncertainty(
-        nodal_tractions_at_steps[candidate_number]
-    ).tension_uncertainty  # (2,) by edge
-    # (n_steps, 2) by edge
-    change_by_unseen_slip = np.array(
-        [
-            tension_change_by_unseen_slip(nodal_tractions, step_tractions)
-            for nodal_tractions, step_tractions in zip(
-                nodal_tractions_at_steps, tractions_at_steps, strict=True
-            )
-        ]
-    )
-    largest_step = steps[candidate_number]
-    change_by_new_contact = _tension_change_by_new_contact(solution, largest_step)  # (2,) by edge
     largest_place = (candidate_number, body_number, edge_number)
-    edges = tractions_at_steps[candidate_number].edges  # left and right edge of contact
+    largest_step = steps[candidate_number]
+
+    # Uncertainties by the fit and by new contact, (2,) by edge; by body size; by unseen slip.
+    fit_uncertainty = tractions_with_uncertainty(
+        candidates.nodal_tractions[candidate_number]
+    ).tension_uncertainty
+    change_by_new_contact = _tension_change_by_new_contact(solution, largest_step)
+    uncertainty_by_unseen_slip = _uncertainty_by_unseen_slip(
+        values, candidates.change_by_unseen_slip(), largest_place
+    )
+    edges = candidates.tractions[candidate_number].edges  # left and right edge of contact
     # _BODY_NAMES: "lower", "upper"
     return LargestTension(
         value=float(values[largest_place]),
@@ -1186,12 +1175,61 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
             + added_uncertainty[body_number]
             + change_by_new_contact[edge_number]
         )
-        + _uncertainty_by_unseen_slip(values, change_by_unseen_slip, largest_place),
+        + uncertainty_by_unseen_slip,
         time=float(solution.time[largest_step]),
         body=_BODY_NAMES[body_number],
         x=edges[edge_number],
         edges=edges,
     )
+
+
+class _Candidates(NamedTuple):
+    """Tractions at the stored steps among which the largest edge tension is looked for, one of each
+    for each step.
+
+    Attributes
+    ----------
+    nodal_tractions
+        pressure and shear at the nodes that touch
+    tractions
+        the same as sine series across the contact
+    """
+
+    nodal_tractions: Sequence[NodalTractions]
+    tractions: Sequence[Tractions]
+
+    @classmethod
+    def at_steps(cls, solution: ContactSolution, steps: Sequence[int]) -> _Candidates:
+        """Tractions of a solution at stored steps, at each of which three nodes or more touch."""
+        nodal_tractions_at_steps = [_nodal_tractions(solution, step) for step in steps]
+        return cls(
+            nodal_tractions_at_steps,
+            [tractions(nodal_tractions) for nodal_tractions in nodal_tractions_at_steps],
+        )
+
+    def tension_by_tractions(self) -> Array:
+        """Tension s_xx at the edges of contact by the tractions on half-planes, (n_steps, 2, 2) by
+        body and edge [stress]; it has opposite signs in the two bodies.
+        """
+        return np.array(
+            [
+                np.outer([1.0, -1.0], step_tractions.edge_tension())
+                for step_tractions in self.tractions
+            ]
+        )
+
+    def change_by_unseen_slip(self) -> Array:
+        """Possible change of s_xx at both edges of contact by slip that no node shows yet,
+        (n_steps, 2) [stress].
+        """
+        return np.array(
+            [
+                tension_change_by_unseen_slip(nodal_tractions, step_tractions)
+                for nodal_tractions, step_tractions in zip(
+                    self.nodal_tractions, self.tractions, strict=True
+                )
+            ]
+        )
 
 
 def _uncertainty_by_unseen_slip(

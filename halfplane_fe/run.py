@@ -223,6 +223,19 @@ class _Thinning:
             self.stride *= 2
 
 
+def _slips_since_stop(states: Sequence[InterfaceState], slip_before: Array | float) -> Array:
+    """Distance (k, n) that each node has slipped in its present direction without a stop, after
+    each of k increments; with the sign of the slip.
+
+    `states` are the k + 1 contact states around the increments. `slip_before` is that distance
+    before the first, (n,), or 0 of all nodes. A node that moves against the sense of slip of its
+    state counts as stopped.
+    """
+    slip = np.diff([state.slip for state in states], axis=0)
+    is_sliding = slip * slip_sign(np.stack([state.node_states for state in states[1:]])) > 0
+    return slip_since_stop(np.where(is_sliding, slip, 0.0), slip_before)
+
+
 def _enclosed_areas(
     states: Sequence[InterfaceState], segment: LoadSegment | None, load_units: tuple[float, ...]
 ) -> Array | None:
@@ -407,10 +420,7 @@ class PathRun:
         work_of_increments = {"dissipation": nodal_work.sum(axis=1)}
         record = law_violations(problem, states) | energies | work_of_increments
 
-        # Distance (k, n) that each node has slipped in its present direction without a stop.
-        slip = np.diff([state.slip for state in states], axis=0)
-        is_sliding = slip * slip_sign(np.stack([state.node_states for state in states[1:]])) > 0
-        slips_since_stop = slip_since_stop(np.where(is_sliding, slip, 0.0), self.slip_since_stop)
+        slips_since_stop = _slips_since_stop(states, self.slip_since_stop)
 
         # Instants (k + 1,) at which all of the contact sticks, by the shear at its edges.
         x = problem.interface.x
