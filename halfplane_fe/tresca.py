@@ -154,7 +154,7 @@ def shear_at_known_pressure(
     Raises
     ------
     ConvergenceError
-        If the states of the nodes do not converge.
+        If the states of the nodes do not converge, or a tangential load has no pressed node.
 
     Examples
     --------
@@ -178,6 +178,10 @@ def shear_at_known_pressure(
     ...     states.tolist(),
     ... )  # the first node slips at f p = 0.1, the second holds the rest
     ([0.1, 0.4], 0.4, [2, 1])
+    >>> shear_at_known_pressure(systems, zeros, zeros, 0.5, 1e-12)
+    Traceback (most recent call last):
+    ...
+    scenes.errors.ConvergenceError: contact: no node is pressed, so none can carry shear
     """
     n_y = systems.interface.face_normals[1]
     coulomb_limit = systems.friction * pressure  # f p
@@ -192,6 +196,9 @@ def shear_at_known_pressure(
     )
     if tangential_load is None:
         return shear_at(0.0), 0.0, shear_at.node_states
+
+    if not is_closed.any():
+        raise ConvergenceError("contact: no node is pressed, so none can carry shear")
 
     # U is found between two displacements at which all nodes slide one way or the other.
     largest_slip_at_limit = np.abs(systems.tangential_compliance @ coulomb_limit)[is_closed].max()
