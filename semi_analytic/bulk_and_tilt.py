@@ -60,8 +60,8 @@ class OneCurve:
     contact
         the nested intervals of contact, or of stick, on which the curve stands
     path
-        P and Q alone; where Q = 0 and bulk strain alone changes, P and the load in whose terms
-        the memory curve is
+        P and Q alone; where Q = 0 and bulk strain alone changes, a load in proportion to that
+        change stands for Q
     bulk, tilt_and_moment
         stresses of both bodies, tilt and moment as paths over the same time; None for none
     moment_is_given
@@ -322,7 +322,7 @@ def _path_of_curve(
     first_segment_by_strain: int | None,
     strain_per_stress: tuple[float, float],
     strain_without_load: float,
-    slope: float,
+    strain_per_load: float,
 ) -> LoadPath | None:
     """Load path of a memory curve: P and Q alone, without bulk stress and tilt. From a certain
     segment on a load in proportion to the bulk strain eps may stand for Q.
@@ -339,7 +339,7 @@ def _path_of_curve(
         eps by a unit bulk stress of the lower and of the upper body [1/stress]
     strain_without_load
         eps at which that load is 0
-    slope
+    strain_per_load
         of eps over the load that stands for Q
     """
     segments = (*path.initial_loading, *path.cycle)
@@ -352,7 +352,7 @@ def _path_of_curve(
     ]
     for segment in segments[n_segments_with_q:]:
         segment_of_curve = _segment_with_strain_for_shear(
-            segment, strain_per_stress, strain_without_load, slope
+            segment, strain_per_stress, strain_without_load, strain_per_load
         )
         if segment_of_curve is None:
             return None
@@ -415,7 +415,6 @@ def _first_shearing_segment(samples_of_loading: list[Array], load_sizes: LoadSiz
     change of bulk strain; the number of segments where none does.
 
     `samples_of_loading` are P, Q, bulk strain eps and tilt alpha of each segment, (4, n).
-
     `load_sizes` holds the sizes up to which Q and a change of strain are round-off.
     """
     for segment_number, samples in enumerate(samples_of_loading):
@@ -431,12 +430,13 @@ class _AffineRelation(NamedTuple):
     Attributes
     ----------
     slope, tilt_without_load
-        kappa [1/load], alpha_0 [rad]
+        kappa [1/(force per thickness)] of both lines, alpha_0 [rad]
     holds
         whether strain and tilt of all samples are on the lines to round-off
     neglected_loads
-        "bulk stress" and "tilt": deviations from the lines that are more than round-off of strain
-        or tilt themselves, each over the size that makes an edge of contact slip or lift
+        "bulk stress" and "tilt": largest deviations from the lines, each over the strain or tilt
+        that makes an edge of contact slip or lift. One within the round-off of strain or tilt
+        itself has no entry
     """
 
     slope: float
@@ -487,11 +487,15 @@ class _AffineRelation(NamedTuple):
         tilt_deviations = np.abs(known_tilt - tilt_without_load - slope * p_with_tilt)
         tilt_deviation = float(np.max(tilt_deviations, initial=0.0))
         # _ROUND_OFF_SHARE: 1e-11.
-        strain_limit = load_sizes.strain_roundoff + _ROUND_OFF_SHARE * abs(slope) * np.max(
-            np.abs(q)
+        allowed_strain_deviation = load_sizes.strain_roundoff + _ROUND_OFF_SHARE * abs(
+            slope
+        ) * np.max(np.abs(q))
+        allowed_tilt_deviation = load_sizes.tilt_roundoff + _ROUND_OFF_SHARE * abs(slope) * np.max(
+            p
         )
-        tilt_limit = load_sizes.tilt_roundoff + _ROUND_OFF_SHARE * abs(slope) * np.max(p)
-        holds = not (strain_deviation > strain_limit or tilt_deviation > tilt_limit)
+        holds = not (
+            strain_deviation > allowed_strain_deviation or tilt_deviation > allowed_tilt_deviation
+        )
         neglected_loads = {}
         if holds:
             # A deviation within the last digits of strain or tilt is no neglected load.
@@ -587,10 +591,12 @@ class LoadSizes:
         is_tilt_known = np.isfinite(alpha)
         sample_of_largest_load = int(np.argmax(p))
         largest_load = float(p[sample_of_largest_load])
-        tilt = alpha[sample_of_largest_load] if is_tilt_known[sample_of_largest_load] else 0.0
+        tilt_at_largest_load = (
+            alpha[sample_of_largest_load] if is_tilt_known[sample_of_largest_load] else 0.0
+        )
         # Half-width a at the largest P; A P/(pi a) lifts an edge, f times it makes it slip.
         _, contact_half_width = profile.contact_centre_and_half_width(
-            compliance * largest_load, tilt
+            compliance * largest_load, tilt_at_largest_load
         )
         half_width = float(contact_half_width)
         lifting_tilt = 0.0
@@ -708,7 +714,7 @@ def _segment_with_strain_for_shear(
     segment: LoadSegment,
     strain_per_stress: tuple[float, float],
     strain_without_load: float,
-    slope: float,
+    strain_per_load: float,
 ) -> LoadSegment | None:
     """A segment of a load path at constant P in which Q is replaced by a load in proportion to the
     bulk strain eps, (eps - strain_without_load)/slope [force per thickness].
@@ -723,13 +729,13 @@ def _segment_with_strain_for_shear(
         bulk strain eps by a unit bulk stress of the lower and of the upper body [1/stress]
     strain_without_load
         eps at which that load is 0
-    slope
+    strain_per_load
         of eps over the load that stands for Q
     """
 
     def load_of(stresses: Sequence[float]) -> float:
         """Load that stands for bulk stresses of the lower and the upper body."""
-        return (float(np.dot(strain_per_stress, stresses)) - strain_without_load) / slope
+        return (float(np.dot(strain_per_stress, stresses)) - strain_without_load) / strain_per_load
 
     normal_load = float(segment.loads(segment.start)[0])
     bulk = segment.bulk
@@ -755,15 +761,15 @@ def _segment_with_strain_for_shear(
         segment.end,
         (normal_load, load_of(bulk.mean)),
         (),
-        _harmonics_of_strain(bulk, strain_per_stress, slope),
+        _harmonics_of_strain(bulk, strain_per_stress, strain_per_load),
     )
 
 
 def _harmonics_of_strain(
-    bulk: HarmonicSegment, strain_per_stress: tuple[float, float], slope: float
+    bulk: HarmonicSegment, strain_per_stress: tuple[float, float], strain_per_load: float
 ) -> tuple[tuple[float, float], ...]:
     """Amplitude [force per thickness] and phase [rad] of each harmonic of the load that stands for
-    bulk strain: the strain over `slope`.
+    bulk strain: the strain over `strain_per_load`.
 
     `bulk` stores the bulk stress of the lower body where other segments have P, that of the upper
     body where they have Q. `strain_per_stress` is the bulk strain by a unit of each [1/stress].
@@ -775,18 +781,24 @@ def _harmonics_of_strain(
         phasors_of_body[: len(harmonics)] = [
             amplitude * cmath.exp(-1j * phase) for amplitude, phase in harmonics
         ]
-    load_phasors = (np.array(strain_per_stress) @ phasors / slope).tolist()
+    load_phasors = (np.array(strain_per_stress) @ phasors / strain_per_load).tolist()
     return tuple((abs(phasor), -cmath.phase(phasor)) for phasor in load_phasors)
 
 
 class Eccentricity(NamedTuple):
-    """How far bulk strain moves the stick zone, and whether it is moderate.
+    """How far bulk strain moves the stick zone, and whether that strain is moderate.
 
-    `value` is e = eps R/(f a) of a parabola, eps half the range of the bulk strain in the cycle and
-    a the half-width at the largest P: at constant P and in phase the centre of stick moves by e a;
-    NaN of other profiles and without friction. `strain` is eps, `limit` = (A/(pi a)) Q with half
-    the range of Q: up to it bulk is `moderate`, in phase and at constant P both ends then slip one
-    way.
+    Attributes
+    ----------
+    value
+        e = eps R/(f a) of a parabola, with a the contact half-width at the largest P. At constant P
+        and in phase the centre of the stick zone moves by e a. NaN of other profiles and without
+        friction
+    strain
+        eps, half the range of the bulk strain in the cycle
+    limit
+        the largest moderate eps: A Q/(pi a), with half the range of Q. Up to it, in phase and at
+        constant P, both ends of contact slip one way
     """
 
     value: float
@@ -985,27 +997,29 @@ class PathLoads:
         # turning_points(c): times at which the weighted sum c of the two loads of a segment has a
         # maximum or minimum; NORMAL_LOAD, TANGENTIAL_LOAD: its first and its second load alone.
         # strain_per_stress: bulk strain by a unit of bulk stress in the lower and the upper body.
-        times = segment.turning_points(NORMAL_LOAD)
-        times += segment.turning_points(TANGENTIAL_LOAD)
+        turning_times = segment.turning_points(NORMAL_LOAD)
+        turning_times += segment.turning_points(TANGENTIAL_LOAD)
         if segment.bulk is not None:
-            times += segment.bulk.turning_points(Combination(*self.strain_per_stress))
+            turning_times += segment.bulk.turning_points(Combination(*self.strain_per_stress))
         # A segment with the tilt in the place of P and the moment in the place of Q.
         tilt_and_moment = segment.tilt_and_moment
         if tilt_and_moment is not None:
-            times += tilt_and_moment.turning_points(NORMAL_LOAD)
-            times += tilt_and_moment.turning_points(TANGENTIAL_LOAD)
+            turning_times += tilt_and_moment.turning_points(NORMAL_LOAD)
+            turning_times += tilt_and_moment.turning_points(TANGENTIAL_LOAD)
         different_times = [segment.end]
-        for time in times:
+        for time in turning_times:
             time_to_nearest = min(abs(time - known_time) for known_time in different_times)
             if time_to_nearest > 1e-6 * (segment.end - segment.start):
                 different_times.append(time)
         return different_times
 
 
-def _presses_only(samples: Array, sizes: LoadSizes) -> bool:
+def _presses_only(samples: Array, load_sizes: LoadSizes) -> bool:
     """Whether samples (4, n) of a segment have no Q and no change of bulk strain, to round-off."""
     _, q, eps, _ = samples
-    return bool(np.max(np.abs(q)) <= sizes.shear_roundoff and np.ptp(eps) <= sizes.strain_roundoff)
+    return bool(
+        np.max(np.abs(q)) <= load_sizes.shear_roundoff and np.ptp(eps) <= load_sizes.strain_roundoff
+    )
 
 
 def _samples_of_segments(
@@ -1067,8 +1081,8 @@ def _load_samples_of_segment(
     stress_of_lower_body, stress_of_upper_body = _companion_loads(segment.bulk, time)
     tilt, moment = _companion_loads(segment.tilt_and_moment, time)
     if contact_under_moment is not None and np.any(moment):
-        tilt_under_moment = contact_under_moment.tilt_under(*np.broadcast_arrays(p, moment))
-        tilt = np.where(p > 0, tilt_under_moment, np.nan)
+        tilt_by_moment = contact_under_moment.tilt_under(*np.broadcast_arrays(p, moment))
+        tilt = np.where(p > 0, tilt_by_moment, np.nan)
     lower_strain_per_stress, upper_strain_per_stress = strain_per_stress
     eps = (
         lower_strain_per_stress * stress_of_lower_body
@@ -1116,11 +1130,11 @@ def _companion_loads(companion: LoadSegment | None, time: Array) -> tuple[Array,
     return first_load + zeros, second_load + zeros
 
 
-def _least_squares_slope(load: Array, values: Array, rounding: float = 0.0) -> float:
+def _least_squares_slope(load: Array, values: Array, values_roundoff: float = 0.0) -> float:
     """Least-squares slope of values over a load, (n,) each; 0 where the load is constant to
-    round-off, or the values change by no more than their round-off `rounding`.
+    round-off, or the values change by no more than their round-off `values_roundoff`.
     """
-    if not len(load) or np.ptp(values) <= rounding:
+    if not len(load) or np.ptp(values) <= values_roundoff:
         return 0.0
     if np.ptp(load) <= _ROUND_OFF_SHARE * np.max(np.abs(load)):
         return 0.0

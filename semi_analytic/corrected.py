@@ -199,15 +199,16 @@ class TiltAndStrainPart(NamedTuple):
     Attributes
     ----------
     second_order
-        work and centres in the second order of these numbers, of `odd_memory`; None where it does
-        not hold
+        in the second order of tilt and strain (`odd_memory`): work of each cycle, and centres of
+        contact and stick zone over time; None where the second order does not hold
     left_out
         why nothing is added; empty where something is, or where there is neither tilt nor strain
     work_on_grids
         work of each cycle by a numerical solution on grids, where the second order does not hold
         [energy per thickness]
     relative_uncertainty
-        of either work: what curvatures and next order of the bodies make uncertain
+        fraction of either work that is uncertain by the curvatures of the bodies and their next
+        order
     """
 
     second_order: SecondOrderAnswer | None = None
@@ -249,9 +250,16 @@ class TiltAndStrainPart(NamedTuple):
 
 
 class TiltAndStrainWords(NamedTuple):
-    """Words of a note on an answer: what tilt and bulk strain change in it beside the dissipation,
-    if they are taken; what is said if they are left out; and the other effects, even in x, that are
-    in its values.
+    """Words of a note on an answer, which states the effects of finite bodies in its values.
+
+    Attributes
+    ----------
+    if_taken
+        what tilt and bulk strain change beside the dissipation, where they are taken
+    if_left_out
+        what is stated where tilt and bulk strain are left out
+    even
+        the other effects, even in x, that are in the values
     """
 
     if_taken: str
@@ -407,22 +415,22 @@ class _HalfPlanePath:
     ----------
     scene
         whose loads are followed
-    path
-        the solution of half-plane theory along the path
+    solved_path
+        the solution of half-plane theory along the load path
     """
 
     scene: Scene
-    path: LoadSeries | History
+    solved_path: LoadSeries | History
 
     @cached_property
     def instants(self) -> Array:
         """Instants at which half-plane theory was solved: some 400 a cycle, events among them."""
-        return self.path.default_times(False, False)[0]
+        return self.solved_path.default_times(False, False)[0]
 
     @property
     def period(self) -> float | None:
         """Duration of a cycle."""
-        return self.path.period
+        return self.solved_path.period
 
     @property
     def start(self) -> float:
@@ -432,16 +440,16 @@ class _HalfPlanePath:
     @property
     def cycle_ends(self) -> list[float]:
         """Times of the ends of the initial loading and of the first two cycles, 3 in all, also
-        where half-plane theory followed one cycle: the loads repeat. For a path without cycle
-        (`period` None) of its start and its end, 2 in all.
+        where half-plane theory followed one cycle: the loads repeat. A path without cycle (`period`
+        None) has two: its start and its end.
         """
         # instants: those at which half-plane theory was solved, ascending; start: the first of
         # them.
         end_time = float(self.instants[-1])
         if self.period is None:
             return [self.start, end_time]
-        # path.cycles: the cycles that half-plane theory followed.
-        cycle_start = end_time - len(self.path.cycles) * self.period
+        # solved_path.cycles: the cycles that half-plane theory followed.
+        cycle_start = end_time - len(self.solved_path.cycles) * self.period
         return [cycle_start + k * self.period for k in range(3)]
 
     def rows(self, time: Array) -> PathRows:
@@ -477,8 +485,8 @@ class _HalfPlanePath:
             )
 
         # A series is linear between given rows of loads; any other path is a function of time.
-        if isinstance(self.path, LoadSeries):
-            normal_load, tangential_load = _loads_of_series(self.path, instants)
+        if isinstance(self.solved_path, LoadSeries):
+            normal_load, tangential_load = _loads_of_series(self.solved_path, instants)
         else:
             normal_load, tangential_load = self.scene.load.path().at(instants)
         rows_of_ends = tuple(int(np.argmin(np.abs(instants - end))) for end in cycle_ends)
@@ -502,8 +510,8 @@ class _HalfPlanePath:
         cycle_ends = self.cycle_ends
         path_end = cycle_ends[-1]
         if self.period is not None:
-            # path.cycles: the cycles that half-plane theory followed.
-            time_before_last_cycle = (len(self.path.cycles) - 1) * self.period
+            # solved_path.cycles: the cycles that half-plane theory followed.
+            time_before_last_cycle = (len(self.solved_path.cycles) - 1) * self.period
             instants_of_last_cycle = instants[instants >= cycle_ends[0] + time_before_last_cycle]
             instants_in_first_cycle = instants_of_last_cycle - time_before_last_cycle
             instants = np.concatenate(
@@ -519,7 +527,7 @@ class _HalfPlanePath:
         self,
         path_rows: PathRows,
         friction: float,
-        curvatures: Curvatures,
+        curvatures_per_load: Curvatures,
         largest_parabola_load: float,
     ) -> PathRows:
         """Ends of the straight steps of a load path, with further instants at which slip reverses
@@ -539,19 +547,19 @@ class _HalfPlanePath:
             ends of the steps so far: `time` and the loads P and Q there, (n,) each
         friction
             f
-        curvatures
+        curvatures_per_load
             what the finite bodies add to kn and kt per unit of P and of Q
         largest_parabola_load
             G of the widest punch [force per thickness times length]
         """
-        if isinstance(self.path, LoadSeries):
+        if isinstance(self.solved_path, LoadSeries):
             return path_rows
         normal_load = path_rows.normal_load
         tangential_load = path_rows.tangential_load
 
         # kn and kt at the rows.
-        gap_curvature = curvatures.gap_curvature_under(normal_load, tangential_load)
-        face_curvature = curvatures.face_curvature_under(normal_load, tangential_load)
+        gap_curvature = curvatures_per_load.gap_curvature_under(normal_load, tangential_load)
+        face_curvature = curvatures_per_load.face_curvature_under(normal_load, tangential_load)
         # Turning points of the bound in both directions, by punch; G of a punch is a fraction of
         # the largest.
         turning_times_of_punches = []
@@ -706,22 +714,22 @@ class PathSeries:
             return displacement
 
         # Of the curvatures: `tangential` is T, `normal_under_shear` N_Q, `tangential_fourth` T_4.
-        curvatures = curvatures_of(self.effects)
+        curvatures_per_load = curvatures_of(self.effects)
         # followed_path: friction memory, loads, edges of contact and stick at all instants.
         followed_path = self.followed_path
 
         # T q_2 + N_Q p_2 + T_4 q_4/12
         # shear_second_moment: q_2, pressure_second_moment: p_2, shear_fourth_moment: q_4, (n,)
         # each.
-        twice_moment_terms = curvatures.tangential * followed_path.shear_second_moment
+        twice_moment_terms = curvatures_per_load.tangential * followed_path.shear_second_moment
         twice_moment_terms = (
             twice_moment_terms
-            + curvatures.normal_under_shear * followed_path.pressure_second_moment
+            + curvatures_per_load.normal_under_shear * followed_path.pressure_second_moment
         )
-        if curvatures.tangential_fourth:
+        if curvatures_per_load.tangential_fourth:
             twice_moment_terms = (
                 twice_moment_terms
-                + curvatures.tangential_fourth * followed_path.shear_fourth_moment / 12
+                + curvatures_per_load.tangential_fourth * followed_path.shear_fourth_moment / 12
             )
         displacement_by_compliance = (
             self.effects.tangential_compliance.value * followed_path.tangential_load
@@ -753,21 +761,21 @@ class PathSeries:
         if self.effects is None:
             return approach
         # Of the curvatures: `normal` is N, `tangential_under_pressure` T_P, `normal_fourth` N_4.
-        curvatures = curvatures_of(self.effects)
+        curvatures_per_load = curvatures_of(self.effects)
         # followed_path: friction memory, loads, edges of contact and stick at all instants.
         followed_path = self.followed_path
         # N p_2 + T_P q_2 + N_4 p_4/12
         # pressure_second_moment: p_2, shear_second_moment: q_2, pressure_fourth_moment: p_4, (n,)
         # each.
-        twice_moment_terms = curvatures.normal * followed_path.pressure_second_moment
+        twice_moment_terms = curvatures_per_load.normal * followed_path.pressure_second_moment
         twice_moment_terms = (
             twice_moment_terms
-            + curvatures.tangential_under_pressure * followed_path.shear_second_moment
+            + curvatures_per_load.tangential_under_pressure * followed_path.shear_second_moment
         )
-        if curvatures.normal_fourth:
+        if curvatures_per_load.normal_fourth:
             twice_moment_terms = (
                 twice_moment_terms
-                + curvatures.normal_fourth * followed_path.pressure_fourth_moment / 12
+                + curvatures_per_load.normal_fourth * followed_path.pressure_fourth_moment / 12
             )
         approach_by_compliance = self.effects.normal_compliance.value * followed_path.normal_load
         _, approach_by_tilt = self._displacements_by_tilt
@@ -847,13 +855,13 @@ class PathSeries:
         followed_path = self.followed_path
         shear_signs = np.zeros(len(followed_path.edge_s), dtype=np.int64)
         # Curvatures x^2/2 and x^4/24 that the loads add to gap and faces, (n,) each.
-        curvatures = (
+        curvatures_at_instants = (
             followed_path.normal_curvature,
             followed_path.tangential_curvature,
             followed_path.normal_fourth,
             followed_path.tangential_fourth,
         )
-        if not np.any(curvatures):
+        if not np.any(curvatures_at_instants):
             return shear_signs
         # Pressure at x = 0 under the largest P.
         row_of_largest_load = np.array([np.argmax(followed_path.normal_load)])
@@ -901,7 +909,7 @@ class PathSeries:
         return largest_excess, signs_of_shear
 
     @cached_property
-    def _inner_slips(self) -> dict[int, InnerSlip]:
+    def _inner_slips_by_row(self) -> dict[int, InnerSlip]:
         """Extra slip by the number of its instant, as far as it was asked for."""
         return {}
 
@@ -916,11 +924,11 @@ class PathSeries:
         # _shear_signs_beyond_limit: sign of q where it exceeds the limit, else 0, by instant.
         for index in np.flatnonzero(self._shear_signs_beyond_limit[row_numbers]).tolist():
             row = int(row_numbers[index])
-            if row not in self._inner_slips:
-                self._inner_slips[row] = self._inner_slip(row)
-            yield index, self._inner_slips[row]
+            if row not in self._inner_slips_by_row:
+                self._inner_slips_by_row[row] = self._computed_inner_slip(row)
+            yield index, self._inner_slips_by_row[row]
 
-    def _inner_slip(self, row: int) -> InnerSlip:
+    def _computed_inner_slip(self, row: int) -> InnerSlip:
         """Extra slip inside the contact at instant number `row`, where the shear of the memory
         curve exceeds the Coulomb limit, |q| > f p.
 
@@ -1104,12 +1112,12 @@ class PointFields:
             )
             if np.array_equal(known_rows[index_in_known_rows], row_numbers):
                 return known_slip[index_in_known_rows]
-        slip = self._slip(row_numbers)
+        slip = self._computed_slip(row_numbers)
         if np.all(np.diff(row_numbers) > 0):  # ascending, as a search among them needs
             self._known_slip = (row_numbers, slip)
         return slip
 
-    def _slip(self, row_numbers: Indices) -> Array:
+    def _computed_slip(self, row_numbers: Indices) -> Array:
         """Relative slip s of the faces at n instants `row_numbers`, at the k points, (n, k)
         [length].
 
@@ -1149,13 +1157,13 @@ class PointFields:
         """
         for index, inner_slip_of_row in self.series.inner_slips(row_numbers):
             row = int(row_numbers[index])
-            if row not in self._inner_slips:
+            if row not in self._inner_slips_by_row:
                 # self._x: |x| of the k points.
-                self._inner_slips[row] = inner_slip_of_row.at_points(self._x)
-            yield index, self._inner_slips[row]
+                self._inner_slips_by_row[row] = inner_slip_of_row.at_points(self._x)
+            yield index, self._inner_slips_by_row[row]
 
     @cached_property
-    def _inner_slips(self) -> dict[int, SlipAtPoints]:
+    def _inner_slips_by_row(self) -> dict[int, SlipAtPoints]:
         """Extra slip at the points by the number of its instant, as far as it was asked for."""
         return {}
 
@@ -1284,10 +1292,10 @@ class PointFields:
         """
         # self._x: |x| of the k points; series.modulus: E*.
         half_width_column = half_width[:, None]
-        root = np.sqrt(
+        square_root = np.sqrt(
             np.maximum((half_width_column - self._x) * (half_width_column + self._x), 0.0)
         )
-        parabola_pressure = self.series.modulus / 2 * root
+        parabola_pressure = self.series.modulus / 2 * square_root
         fourth_pressure = parabola_pressure * ((half_width_column**2 + 2 * self._x**2) / 12)
         return parabola_pressure, fourth_pressure
 
@@ -1307,14 +1315,15 @@ class PointFields:
         x = self._x
         upper_limit = np.minimum(half_width[:, None], x)
         squared_limit = upper_limit**2
-        root = np.sqrt(np.maximum(x**2 - squared_limit, 0.0))
+        square_root = np.sqrt(np.maximum(x**2 - squared_limit, 0.0))
         # c^2 arccosh(|x|/c) at the upper limit
         arccosh_term = (
-            np.arcsinh(root / np.where(upper_limit > 0, upper_limit, np.inf)) * squared_limit
+            np.arcsinh(square_root / np.where(upper_limit > 0, upper_limit, np.inf)) * squared_limit
         )
-        parabola_integral = (arccosh_term + x * (x - root)) / 2
+        parabola_integral = (arccosh_term + x * (x - square_root)) / 2
         fourth_integral = (
-            squared_limit * arccosh_term + x * (2 / 3 * x**3 - x**2 * root + root**3 / 3)
+            squared_limit * arccosh_term
+            + x * (2 / 3 * x**3 - x**2 * square_root + square_root**3 / 3)
         ) / 16
         return np.asarray(parabola_integral), np.asarray(fourth_integral)
 
@@ -1420,12 +1429,14 @@ def _findings_of_symmetric_scene(question: Question) -> Findings:
     time, row_numbers = instants_and_row_numbers(question, paths.rows, paths.last_cycle)
     fields = FieldsByDistance.of_question(question, path_with_bodies, x, row_numbers)
     # what tilt and bulk strain do
-    tilt_and_strain = _tilt_and_strain_of(paths)
-    values_over_time = _values_with_moved_edges(paths, tilt_and_strain, row_numbers)
+    part_by_tilt_and_strain = _part_by_tilt_and_strain(paths)
+    values_over_time = _values_with_moved_edges(paths, part_by_tilt_and_strain, row_numbers)
     stop_watch.add_lap("fields")
 
     # friction work of the cycles, W(x), and errors by the name of the value
-    friction_work = _works_and_density(paths, fields.point_fields, fields.distance, tilt_and_strain)
+    friction_work = _works_and_density(
+        paths, fields.point_fields, fields.distance, part_by_tilt_and_strain
+    )
     errors = friction_work.errors | _errors_of_steps(paths) | _errors_of_contact(paths)
     termination, message = _termination_and_message(paths)
     stop_watch.add_lap("dissipation")
@@ -1436,13 +1447,15 @@ def _findings_of_symmetric_scene(question: Question) -> Findings:
             **values_over_time,
             **fields.by_name,
             **friction_work.by_name(fields),
-            "permanent_stick_half_width": _permanent_stick_with_bodies(paths, tilt_and_strain),
+            "permanent_stick_half_width": _permanent_stick_with_bodies(
+                paths, part_by_tilt_and_strain
+            ),
             # a cycle that is followed but not in the answer is none of its steady ones
             "steady_from": paths.steady_from if paths.is_steady else None,
         },
         termination=termination,
         message=message,
-        notes=tuple(_notes_of(paths, tilt_and_strain)),
+        notes=tuple(_notes_of(paths, part_by_tilt_and_strain)),
         errors={name: error for name, error in errors.items() if error},
         certificates=admissibility_checks_of(path_with_bodies, fields.at_distances, row_numbers),
         counts={
@@ -1496,23 +1509,25 @@ class FieldsByDistance(NamedTuple):
 
 
 def _values_with_moved_edges(
-    paths: _Paths, tilt_and_strain: TiltAndStrainPart, row_numbers: Indices
+    paths: _Paths, part_by_tilt_and_strain: TiltAndStrainPart, row_numbers: Indices
 ) -> dict[str, Array]:
     """Loads, displacements, half-widths (n,) and edges (n, 2) at the rows with these numbers, by
     their names in a solution; contact and stick edges moved by tilt and bulk strain of the bodies.
     """
     values_over_time = values_over_time_at(paths.question, paths.path_with_bodies, row_numbers)
-    contact_centres, stick_centres = tilt_and_strain.centres(paths.rows.time)
+    contact_centres, stick_centres = part_by_tilt_and_strain.centres(paths.rows.time)
     for name, centres in (("contact_edges", contact_centres), ("stick_edges", stick_centres)):
         values_over_time[name] = values_over_time[name] + centres[row_numbers, None]
     return values_over_time
 
 
-def _permanent_stick_with_bodies(paths: _Paths, tilt_and_strain: TiltAndStrainPart) -> float:
+def _permanent_stick_with_bodies(
+    paths: _Paths, part_by_tilt_and_strain: TiltAndStrainPart
+) -> float:
     """Half-width of the permanent stick zone of the last cycle [length], which moves by tilt and
     bulk strain of the bodies; NaN where no point sticks throughout.
     """
-    _, stick_centres = tilt_and_strain.centres(paths.rows.time)
+    _, stick_centres = part_by_tilt_and_strain.centres(paths.rows.time)
     return permanent_stick_half_width(
         paths.path_with_bodies, paths.last_cycle, stick_centres[paths.last_cycle]
     )
@@ -1528,20 +1543,20 @@ def _followed_paths(question: Question) -> _Paths:
     effects = question.effects
     assert effects is not None  # for the type checker
     # Exact half-plane theory, without the effects, along the path of the scene.
-    path = path_of_question(replace(question, effects=None), None)
-    half_plane_path = _HalfPlanePath(scene, path)
+    solved_path = path_of_question(replace(question, effects=None), None)
+    half_plane_path = _HalfPlanePath(scene, solved_path)
     rows = half_plane_path.first_rows(question.time)
     modulus = composite_modulus(scene.material)
     contact = contact_of(scene.profile, scene.material)
-    curvatures = curvatures_of(effects)
+    curvatures_per_load = curvatures_of(effects)
 
     # Flat punches that make up the contact, with the loads that they carry.
-    table = punch_table_of(contact, modulus, rows, curvatures)
+    table = punch_table_of(contact, modulus, rows, curvatures_per_load)
     friction_coefficient = scene.friction.coefficient
     # G of the widest punch: load of the punches of x^2/2 up to it.
     largest_parabola_load = float(table.parabola_load(table.largest_s))
     rows = half_plane_path.rows_with_turning_points(
-        rows, friction_coefficient, curvatures, largest_parabola_load
+        rows, friction_coefficient, curvatures_per_load, largest_parabola_load
     )
 
     # `follow` gives friction memory and slip zones at the rows.
@@ -1552,7 +1567,7 @@ def _followed_paths(question: Question) -> _Paths:
     # Half-planes are given only for an estimate of q_2, the second moment of the shear, by which
     # the fourth-order term T_22 changes the curvature of the faces.
     memory_of_bodies = follow(
-        table, friction_coefficient, *loads, curvatures, memory_of_half_planes
+        table, friction_coefficient, *loads, curvatures_per_load, memory_of_half_planes
     )
     steady_from = _first_steady_cycle(memory_of_bodies, rows)
     return _Paths(
@@ -1622,11 +1637,13 @@ def punch_table_of(
         # The second moment p_2 of the pressure is at most that of a flat punch, P c^2/2.
         # normal_mixed: N_22, by which p_2 adds 2 N_22 p_2 to kn.
         largest_moment = path_rows.normal_load * float(table.half_width(table.largest_s)) ** 2 / 2
-        least_curvature = gap_curvature + 2 * min(curvatures.normal_mixed, 0.0) * largest_moment
-        # Load that the punches up to the widest carry, with the least kn that is possible.
-        load_at_table_end = float(table.profile_load(table.largest_s)) + least_curvature * float(
-            table.parabola_load(table.largest_s)
+        lower_bound_of_curvature = (
+            gap_curvature + 2 * min(curvatures.normal_mixed, 0.0) * largest_moment
         )
+        # Load that the punches up to the widest carry, with the least kn that is possible.
+        load_at_table_end = float(
+            table.profile_load(table.largest_s)
+        ) + lower_bound_of_curvature * float(table.parabola_load(table.largest_s))
         load_at_table_end = load_at_table_end + gap_fourth_coefficient * float(
             table.fourth_load(table.largest_s)
         )
@@ -1640,7 +1657,9 @@ def punch_table_of(
         largest_half_width *= _TABLE_WIDTH_FACTOR
     else:
         raise contact_splits_error()
-    _require_one_contact(table, contact, gap_curvature, least_curvature, gap_fourth_coefficient)
+    _require_one_contact(
+        table, contact, gap_curvature, lower_bound_of_curvature, gap_fourth_coefficient
+    )
     return table
 
 
@@ -1648,7 +1667,7 @@ def _require_one_contact(
     table: PunchTable,
     contact: SymmetricContact,
     gap_curvature: Array,
-    least_curvature: Array,
+    lower_bound_of_curvature: Array,
     gap_fourth_coefficient: Array,
 ) -> None:
     """Refuse curvatures under which the contact would split: InputError unless the load that flat
@@ -1661,7 +1680,7 @@ def _require_one_contact(
         eta, G and G_4 of the punches: of the profile, of x^2/2 and of x^4/24
     contact
         the profile, whose flat has no punches inside
-    gap_curvature, least_curvature
+    gap_curvature, lower_bound_of_curvature
         kn (n,) without the part by the second moment of the pressure, and a lower bound of kn
     gap_fourth_coefficient
         n4 (n,)
@@ -1676,12 +1695,12 @@ def _require_one_contact(
     profile_load = table.profile_load(s)
     parabola_load = table.parabola_load(s)
     fourth_load = table.fourth_load(s)
-    least_curvature_of_path = min(float(np.min(gap_curvature)), 0.0)
-    if np.any(np.diff(profile_load + least_curvature_of_path * parabola_load) < 0):
+    least_known_curvature = min(float(np.min(gap_curvature)), 0.0)
+    if np.any(np.diff(profile_load + least_known_curvature * parabola_load) < 0):
         raise contact_splits_error()
     # Where kn or n4 is least.
-    for row in {int(np.argmin(least_curvature)), int(np.argmin(gap_fourth_coefficient))}:
-        carried_load = profile_load + least_curvature[row] * parabola_load
+    for row in {int(np.argmin(lower_bound_of_curvature)), int(np.argmin(gap_fourth_coefficient))}:
+        carried_load = profile_load + lower_bound_of_curvature[row] * parabola_load
         carried_load = carried_load + gap_fourth_coefficient[row] * fourth_load
         if np.any(np.diff(carried_load) < 0):
             raise contact_splits_error()
@@ -1950,7 +1969,10 @@ class _WorkOfAnswer(NamedTuple):
 
 
 def _works_and_density(
-    paths: _Paths, point_fields: PointFields, distance: Array, tilt_and_strain: TiltAndStrainPart
+    paths: _Paths,
+    point_fields: PointFields,
+    distance: Array,
+    part_by_tilt_and_strain: TiltAndStrainPart,
 ) -> _WorkOfAnswer:
     """Friction work of the cycles of the answer, its density W(x), and their relative errors.
 
@@ -1967,7 +1989,7 @@ def _works_and_density(
         fields along the path with the bodies at `distance`
     distance
         (k,) |x| [length] from the middle
-    tilt_and_strain
+    part_by_tilt_and_strain
         work that tilt and bulk strain of the bodies add
 
     Returns
@@ -1993,7 +2015,9 @@ def _works_and_density(
         solved_works = np.asarray(exact_theory.values["cycle_dissipation"])
         exact_works = solved_works[np.minimum(paths.covered_cycles, len(solved_works) - 1)]
         # Also the work of the loads in the last cycle, int Q dU + P d(approach).
-        work_of_cycles, loop_work, errors = _works_and_errors(paths, exact_works, tilt_and_strain)
+        work_of_cycles, loop_work, errors = _works_and_errors(
+            paths, exact_works, part_by_tilt_and_strain
+        )
         if "dissipation" in errors:
             errors["dissipation"] += exact_theory.errors.get("dissipation", 0.0)
     if question.wants("dissipation_density"):
@@ -2045,7 +2069,7 @@ def _density_and_error(
 
 
 def _works_and_errors(
-    paths: _Paths, exact_works: Array, tilt_and_strain: TiltAndStrainPart
+    paths: _Paths, exact_works: Array, part_by_tilt_and_strain: TiltAndStrainPart
 ) -> tuple[Array, float, dict[str, float]]:
     """Friction work of each cycle of the answer (c,), the work of the loads in the last cycle, and
     the relative errors of both by name.
@@ -2053,8 +2077,8 @@ def _works_and_errors(
     Friction work is that of half-planes plus what curvatures, tilt and bulk strain of finite bodies
     change. The work of the loads is the closed integral of Q dU + P d(approach). It equals the
     friction work where the cycle is steady, and is NaN where it cannot be compared or is not asked
-    for. There are no errors where half-planes do no work. That of the friction work is NaN where
-    tilt and strain are left out.
+    for. There are no errors where half-planes do no work. The error of the friction work is NaN
+    where tilt and strain are left out.
 
     Parameters
     ----------
@@ -2063,7 +2087,7 @@ def _works_and_errors(
         of the c cycles of the answer the index of the followed cycle that it equals
     exact_works
         (c,) work of these cycles by exact half-plane theory [energy per thickness]
-    tilt_and_strain
+    part_by_tilt_and_strain
         work that tilt and bulk strain add, or why it is left out
     """
     # Rows of each cycle of the answer in the followed path.
@@ -2072,7 +2096,9 @@ def _works_and_errors(
         [paths.path_of_half_planes.work(rows) for rows in rows_of_cycles]
     )
     works_of_bodies = np.array([paths.path_with_bodies.work(rows) for rows in rows_of_cycles])
-    works_of_tilt_and_strain = [tilt_and_strain.work(cycle) for cycle in paths.covered_cycles]
+    works_of_tilt_and_strain = [
+        part_by_tilt_and_strain.work(cycle) for cycle in paths.covered_cycles
+    ]
 
     # Both paths by the same steps: their errors nearly cancel.
     friction_works = exact_works + (works_of_bodies - works_of_half_planes)
@@ -2082,7 +2108,7 @@ def _works_and_errors(
     # The displacements lack what tilt and bulk strain do to slip: no comparison with them.
     has_loop_work = (
         paths.question.wants("loop_work")
-        and not tilt_and_strain.has_work
+        and not part_by_tilt_and_strain.has_work
         and paths.is_steady
         and paths.rows.period is not None
     )
@@ -2095,7 +2121,7 @@ def _works_and_errors(
     errors = _errors_of_last_work(
         paths, exact_last_work, works_of_tilt_and_strain[-1].uncertainty, has_loop_work
     )
-    if tilt_and_strain.left_out:
+    if part_by_tilt_and_strain.left_out:
         errors["dissipation"] = math.nan  # how much tilt and strain add is not known
     return friction_works, loop_work, errors
 
@@ -2109,10 +2135,13 @@ def _errors_of_last_work(
     """Relative errors of the friction work of the last cycle, "dissipation", and of the work of the
     loads in it, "loop_work", where there is one.
 
-    Each is over `exact_work` > 0, the work by exact half-plane theory [energy per thickness]. The
-    error of the steps is half of that of half-planes, and twice the change by halved steps. What
-    the numbers of the bodies leave uncertain is added, and the uncertainty of the work that tilt
-    and bulk strain add.
+    Each is divided by `exact_work` > 0, the work by exact half-plane theory [energy per thickness].
+    That of the friction work is the sum of:
+
+    - half the error of the work of half-planes by the same steps;
+    - twice the change of the work with bodies when long steps are halved;
+    - what the uncertain curvatures of the bodies and their next order leave uncertain;
+    - the uncertainty of the work that tilt and bulk strain add.
     """
     path_of_half_planes = paths.path_of_half_planes
     last_cycle = paths.last_cycle
@@ -2166,11 +2195,15 @@ def work_uncertainty_by_bodies(
     )
     work_of_half_planes = path_of_half_planes.work(cycle_rows)
     change_by_bodies = path_with_bodies.work(cycle_rows) / work_of_half_planes - 1
-    curvatures = curvatures_of(effects)
+    curvatures_per_load = curvatures_of(effects)
 
     # are_of_mirrored_bodies: no gap curvature under Q and no face curvature under P. normal: N, gap
     # under P; tangential: T, faces under Q.
-    if curvatures.are_of_mirrored_bodies and curvatures.normal >= 0 and curvatures.tangential >= 0:
+    if (
+        curvatures_per_load.are_of_mirrored_bodies
+        and curvatures_per_load.normal >= 0
+        and curvatures_per_load.tangential >= 0
+    ):
         # Both kinds change W in one direction: nothing cancels.
         # LEAST_UNCERTAIN_FRACTION: 3e-5.
         return abs(change_by_bodies) * max(uncertain_fractions.values()) + LEAST_UNCERTAIN_FRACTION
@@ -2191,8 +2224,10 @@ def work_uncertainty_by_bodies(
             curvatures_of_kind,
             path_of_half_planes.followed_path,
         )
-        work = path_with_bodies.unit_compliance * float(np.sum(memory.step_work[cycle_rows][1:]))
-        change_by_kind = work / work_of_half_planes - 1
+        work_by_kind = path_with_bodies.unit_compliance * float(
+            np.sum(memory.step_work[cycle_rows][1:])
+        )
+        change_by_kind = work_by_kind / work_of_half_planes - 1
         uncertainty += abs(change_by_kind) * uncertain_fractions[kind]
         change_by_interaction -= change_by_kind
     return uncertainty + abs(change_by_interaction) * sum(uncertain_fractions.values())
@@ -2284,7 +2319,7 @@ def _work_of_halved_steps(paths: _Paths) -> float:
     )
 
 
-def _tilt_and_strain_of(paths: _Paths) -> TiltAndStrainPart:
+def _part_by_tilt_and_strain(paths: _Paths) -> TiltAndStrainPart:
     """Friction work and shift of the edges that tilt and bulk strain of the finite bodies cause.
     The uncertainty of that work includes what the curvatures of the bodies leave uncertain.
 
@@ -2304,22 +2339,22 @@ def _tilt_and_strain_of(paths: _Paths) -> TiltAndStrainPart:
     if not any(getattr(effects, name).value for name in TILT_AND_STRAIN_NAMES):
         return TiltAndStrainPart()
     try:
-        tilt_and_strain = TiltAndStrainPart(second_order_answer(question.scene, effects))
+        part_by_tilt_and_strain = TiltAndStrainPart(second_order_answer(question.scene, effects))
     except DeclinedError as reason:  # outside the range of the second order
         if not question.wants("dissipation"):
             return TiltAndStrainPart(left_out=str(reason))
         work_of_bodies = paths.path_with_bodies.work(paths.last_cycle)
-        tilt_and_strain = tilt_and_strain_part_on_grids(
+        part_by_tilt_and_strain = tilt_and_strain_part_on_grids(
             question.scene, effects, work_of_bodies, str(reason)
         )
     work_of_half_planes = paths.path_of_half_planes.work(paths.last_cycle)
     if not work_of_half_planes > 0:
-        return tilt_and_strain
+        return part_by_tilt_and_strain
     # Both sources of odd work are of half-planes without curvatures.
     change_by_curvatures = paths.path_with_bodies.work(paths.last_cycle) / work_of_half_planes - 1
     # Fourth order over curvature at the largest contact half-width of the last cycle.
     ratio_of_fourth_order = ratio_of_next_order(effects, paths.largest_half_width)
-    return tilt_and_strain._replace(
+    return part_by_tilt_and_strain._replace(
         relative_uncertainty=uncertain_fraction_of_tilt_and_strain(
             change_by_curvatures, ratio_of_fourth_order
         )
@@ -2369,9 +2404,8 @@ def _errors_of_steps(paths: _Paths) -> dict[str, float]:
 
     The path of half-planes by these steps is compared with exact theory at some instants of the
     last cycle and some points. An error is the largest difference over the largest f p, or over the
-    largest slip.
-    Points within 1 % of a half-width from an edge are left out. A field that is not asked for or 0
-    throughout has no error here, nor has any without friction.
+    largest slip. Points within 1 % of a half-width from an edge are left out. A field that is not
+    asked for or 0 throughout has no error here, nor has any without friction.
 
     Parameters
     ----------
@@ -2395,11 +2429,11 @@ def _errors_of_steps(paths: _Paths) -> dict[str, float]:
         exact_values = exact_theory.values[name]
         evaluate = point_fields.shear if name == "shear" else point_fields.slip
         difference = np.where(is_compared, np.abs(evaluate(row_numbers) - exact_values), 0.0)
-        scale = (
+        largest_value = (
             friction * largest_pressure if name == "shear" else float(np.max(np.abs(exact_values)))
         )
-        if scale > 0:
-            errors[name] = float(np.max(difference)) / scale
+        if largest_value > 0:
+            errors[name] = float(np.max(difference)) / largest_value
     return errors
 
 
@@ -2419,8 +2453,8 @@ def _rows_and_places_compared(paths: _Paths) -> tuple[Indices, Array]:
 
 def _is_off_edges(path: PathSeries, row_numbers: Indices, places: Array) -> NDArray[np.bool_]:
     """Whether places (k,) [length] are further than 1 % of the contact half-width from the edges of
-    contact and of stick, at the rows of a path with these numbers: (n, k). Next to the edges shear
-    and slip have roots.
+    contact and of stick, at the rows of a path with these numbers: (n, k). Next to an edge
+    shear and slip are not smooth.
     """
     half_width = path.half_width[row_numbers, None]
     stick_half_width = np.nan_to_num(path.stick_half_width[row_numbers, None])
@@ -2500,7 +2534,7 @@ def _termination_and_message(paths: _Paths) -> tuple[str, str]:
     return "steady", f"cycle {paths.steady_from + 1} ends in the state it started from"
 
 
-def _notes_of(paths: _Paths, tilt_and_strain: TiltAndStrainPart) -> Iterator[str]:
+def _notes_of(paths: _Paths, part_by_tilt_and_strain: TiltAndStrainPart) -> Iterator[str]:
     """Sentences on what a reader of the answer must not miss: which effects of finite bodies are in
     it, what is left out, and why the work of the loads is not compared with the friction work.
 
@@ -2509,7 +2543,7 @@ def _notes_of(paths: _Paths, tilt_and_strain: TiltAndStrainPart) -> Iterator[str
     paths
         load path followed with the bodies; `last_cycle`: rows of the last cycle of the answer;
         whether that cycle is steady; `rows.period`: duration of a cycle, None without one
-    tilt_and_strain
+    part_by_tilt_and_strain
         work that tilt and bulk strain of the bodies add, or why none is added
     """
     question = paths.question
@@ -2520,8 +2554,8 @@ def _notes_of(paths: _Paths, tilt_and_strain: TiltAndStrainPart) -> Iterator[str
     load = _reference_load(scene, paths.rows.normal_load[paths.last_cycle])
     half_width = float(paths.path_with_bodies.contact.half_width(load))
     modulus = composite_modulus(scene.material)
-    yield from notes_of_effects(paths.effects, half_width, modulus, tilt_and_strain)
-    if tilt_and_strain.has_work:
+    yield from notes_of_effects(paths.effects, half_width, modulus, part_by_tilt_and_strain)
+    if part_by_tilt_and_strain.has_work:
         yield (
             "no closed integral of Q dU to compare the dissipation with: displacements are without"
             " what tilt and bulk strain do to slip"
