@@ -109,7 +109,7 @@ class ContactLaw:
     corner_half_widths
         half-widths of the corners, ascending
     power
-        P goes as d^power for small d
+        exponent: P goes as d^power for small d
     extent
         largest half-width, where the profile ends
     half_width_may_be_steep
@@ -248,12 +248,12 @@ class PunchSuperposition:
         return np.where(is_tip, np.inf, np.maximum(pressure, 0.0))
 
     def pressure_rise(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """Contact pressure p(x, P) at the point x as one term of a difference between two loads
-        [stress].
+        """Contact pressure p(x, P) at the point x [stress], for differences between two loads.
 
-        At the tip of a sharp wedge, where p is infinite, it is (g/pi) ln(a/L), a the contact
-        half-width, g = dP/da, L the datum length: differences of it are right.
-        `_pressure_and_error` takes the power of the load in the integrand, here 0, |x| and P.
+        It differs from `pressure` at the tip of a sharp wedge alone, where p is infinite. There it
+        is (g/pi) ln(a/L), of which only differences have a meaning. a is the contact half-width,
+        g = dP/da, L the datum length. `_pressure_and_error` takes the exponent of the load in the
+        integrand, here 0, then |x| and P.
         """
         pressure, _ = self._pressure_and_error(0, np.abs(as_floats(x)), as_floats(load))
         return pressure if self._is_sharp_wedge else np.maximum(pressure, 0.0)
@@ -262,7 +262,7 @@ class PunchSuperposition:
         """First moment over the load of the pressure rise at x, int_0^P eta dp(x, eta)
         [stress * load]; eta is the load on the way to P.
         """
-        # 1: the power of eta in the integrand
+        # 1: the exponent of eta in the integrand
         moment, _ = self._pressure_and_error(1, np.abs(as_floats(x)), as_floats(load))
         return np.maximum(moment, 0.0)
 
@@ -285,7 +285,7 @@ class PunchSuperposition:
         0.18
         """
         distance = np.abs(as_floats(x))
-        # 0: no power of eta in the integrand
+        # 0: the exponent of eta in the integrand
         integral, _ = self._arccosh_integral_and_error(0, distance, as_floats(load))
         return np.maximum(integral, 0.0)
 
@@ -295,7 +295,7 @@ class PunchSuperposition:
         eta, P_x the load at which the edge of contact reaches x.
         """
         distance = np.abs(as_floats(x))
-        # 1: eta to the first power in the integrand
+        # 1: the exponent of eta in the integrand
         moment, _ = self._arccosh_integral_and_error(1, distance, as_floats(load))
         return np.maximum(moment, 0.0)
 
@@ -325,7 +325,7 @@ class PunchSuperposition:
         loads = as_floats(load)
         # a - a_0, a_0 the half-width without load
         advance = self.law.edge_advance(loads)
-        # int_0^a P/alpha d alpha; 0: without a further power of P
+        # int_0^a P/alpha d alpha; 0: the exponent of eta in int ln(2 L/a) d eta
         integral_of_load, _ = self._load_per_width_integral_and_error(0, advance)
         return loads * self._log_datum_ratio(advance) + integral_of_load
 
@@ -337,7 +337,7 @@ class PunchSuperposition:
         loads = as_floats(load)
         # a - a_0, a_0 the half-width without load
         advance = self.law.edge_advance(loads)
-        # int_0^a P^2/(2 alpha) d alpha; 1: with a further power of P
+        # int_0^a P^2/(2 alpha) d alpha; 1: the exponent of eta in int eta ln(2 L/a) d eta
         integral_of_half_square, _ = self._load_per_width_integral_and_error(1, advance)
         return loads * loads * self._log_datum_ratio(advance) / 2 + integral_of_half_square
 
@@ -416,11 +416,11 @@ class PunchSuperposition:
         """Difference of the squares of two contact half-widths, outer minus inner, (n,) [length^2],
         without loss of digits where they are close.
 
-        Close are those within 1 % of the outer square, or 1e-6 across several corners. They are
-        compared by `load_difference`, the rise of the load P from the inner to the outer, over the
-        mean of dP/d(a^2). With several corners of the profile in between, the plain difference of
-        squares has more digits, unless the corners are next to each other. It is taken also where
-        the inner advance is negative, that of a point within a flat.
+        Squares are close where they differ by less than 1 % of the outer one, or by less than 1e-6
+        of it across several corners. Their difference is then `load_difference` over the mean of
+        dP/d(a^2) between the two. Elsewhere the squares are subtracted. With several corners of the
+        profile in between, this has more digits, unless the corners are next to each other. So it
+        is where the inner advance is negative, that of a point within a flat.
 
         Parameters
         ----------
@@ -448,21 +448,25 @@ class PunchSuperposition:
         )
         if np.any(are_close):
             # mean of dP/d(a^2) between the two
-            mean_rate = self._mean_rate(inner_advance[are_close], outer_advance[are_close])
+            load_rise_per_square = self._mean_load_rise_per_square(
+                inner_advance[are_close], outer_advance[are_close]
+            )
             difference_of_squares[are_close] = load_difference[are_close] / np.where(
-                mean_rate > 0, mean_rate, np.inf
+                load_rise_per_square > 0, load_rise_per_square, np.inf
             )
         return difference_of_squares
 
-    def _mean_rate(self, inner_advance: Array, outer_advance: Array) -> Array:
+    def _mean_load_rise_per_square(self, inner_advance: Array, outer_advance: Array) -> Array:
         """Mean of dP/d(a^2) between two contact half-widths that are close, (n,) [stress/length].
 
         Both are given by their advance a - a_0 beyond the half-width a_0 without load.
         `law.corner_advances`, 0 first, are those at which the edge is at a corner of the profile:
         dP/da is not smooth there. The range is cut at the first corner between the two; further
-        ones are integrated across. The rises of P and a^2 are the sums of those before and behind
-        the corner. Half of each is summed, since the factor 2 drops out of the mean. `law` is that
-        of the profile, P over the advance. Where neither P nor a^2 rises the mean is 0.
+        ones are integrated across.
+
+        The mean is the rise of P over the rise of a^2, each summed before and behind the corner.
+        Half of each is summed, since the factor 2 drops out of the quotient. `law` is that of the
+        profile, P as a function of the advance. Where neither P nor a^2 rises the mean is 0.
         """
 
         # A range of at least four last digits of the inner advance, so that there is a mean. At
@@ -551,13 +555,15 @@ class PunchSuperposition:
 
     def _is_exact_as_difference(self, load: Array, load_above_stick: Array) -> NDArray[np.bool_]:
         """Whether Lam(P, P_c) = int ln(a(eta)/c) d eta is taken as a difference of two larger
-        numbers, a boolean for each pair of loads: where P - P_c is above 2 % of P, and too long for
-        Gauss' rule.
+        numbers, a boolean for each pair of loads.
 
-        Elsewhere it is integrated as a sum of positive terms. `load` is P, `load_above_stick` is
-        P - P_c, P_c the load at the stick edge; a(eta) is the contact half-width under the load
-        eta, c = a(P_c). Gauss' rule suits a range of loads without a corner of the profile. It must
-        be shorter than 0.3 of the distance from P_c to the load at the corner below.
+        So it is where P - P_c is above 2 % of P, and too long for Gauss' rule. Elsewhere Lam is
+        integrated as a sum of positive terms. Gauss' rule suits a range of loads without a corner
+        of the profile. The range must be shorter than 0.3 of P_c minus the load at the corner
+        below.
+
+        `load` is P, `load_above_stick` is P - P_c, P_c the load at the stick edge. a(eta) is the
+        contact half-width under the load eta, c = a(P_c).
         """
         # P_c
         stick_edge_load = np.maximum(load - load_above_stick, 0.0)
@@ -606,10 +612,10 @@ class PunchSuperposition:
             load, load_above_stick
         )
         # int_0^a P/alpha d alpha and the same up to c
-        both_integrals, _ = self._load_per_width_integral_and_error(
+        integrals_to_both_edges, _ = self._load_per_width_integral_and_error(
             0, np.stack([contact_advance, stick_advance])
         )
-        integral_to_contact, integral_to_stick = both_integrals
+        integral_to_contact, integral_to_stick = integrals_to_both_edges
         return load * log_width_ratio - (integral_to_contact - integral_to_stick)
 
     def _kernel_as_integral(self, load: Array, load_above_stick: Array) -> Array:
@@ -720,13 +726,21 @@ class PunchSuperposition:
         """Estimated error of the values that the method called `name` returns for these arguments,
         in their units; not below the true error.
 
-        `name` is "pressure", "slip_integral", these with "_moment", "approach_integral",
-        "approach_moment" or "dissipation_kernel". The error is the sum of three: what the Chebyshev
-        series leave out, what the last digit of a half-width changes, and the error of P(a) itself.
         `law.edge_advance` is a - a_0 as a function of the load, `least_half_width` is a_0, without
-        load, _EPS the round-off of numbers. Methods that end in `_and_error` return an integral and
-        the error of its series. The last of the `arguments` is the load, except for
-        "dissipation_kernel", which has P and P - P_c, P_c the load at the stick edge.
+        load, _EPS the round-off of numbers. The error is the sum of three:
+
+        - what the Chebyshev series leave out;
+        - what the last digit of a half-width changes;
+        - the error of P(a) itself, and fifty round-offs.
+
+        Parameters
+        ----------
+        name
+            "pressure", "pressure_moment", "slip_integral", "slip_integral_moment",
+            "approach_integral", "approach_moment" or "dissipation_kernel"
+        arguments
+            those of the method: x and P of a field at points, P of "approach_...". Of
+            "dissipation_kernel" P and P - P_c, P_c the load at the stick edge.
         """
         argument_arrays = np.broadcast_arrays(*(as_floats(argument) for argument in arguments))
         if name == "dissipation_kernel":
@@ -735,7 +749,7 @@ class PunchSuperposition:
         load_power = int(name.endswith("_moment"))
         load = argument_arrays[-1]
         half_width = self.least_half_width + self.law.edge_advance(load)
-        # |x| of a field at points; the load again of the two others
+        # The first argument is x of "pressure" and "slip_integral", P of "approach_integral".
         value, error, sensitive_length = self._value_error_and_sensitive_length(
             name.removesuffix("_moment"), load_power, argument_arrays[0], load
         )
@@ -747,12 +761,15 @@ class PunchSuperposition:
     def _value_error_and_sensitive_length(
         self, method_name: str, load_power: int, point_or_load: Array, load: Array
     ) -> tuple[Array, Array, Array]:
-        """Value of an integral over flat punches, the error of its Chebyshev series, and the length
-        whose relative change is that of the value; round-off of a half-width changes it most.
+        """Value of an integral over flat punches, the error of its Chebyshev series, and a length
+        by which the error from round-off of a half-width is estimated.
 
-        That length is the distance to the edge of contact for "pressure"; for "slip_integral" the
-        length of the punches within the point, beyond `least_half_width`, the half-width without
-        load; for "approach_integral" the half-width.
+        The value changes by about the same share as this sensitive length. It is
+
+        - of "pressure" the distance from x to the edge of contact;
+        - of "slip_integral" the smaller of half-width and |x|, minus `least_half_width`, the
+          half-width without load;
+        - of "approach_integral" the half-width.
 
         Parameters
         ----------
@@ -972,13 +989,13 @@ class PunchSuperposition:
             [length]
         """
         cached_primitives = self._primitives.setdefault((kind, load_power), [])
-        # A primitive up to a larger advance than this would lose digits of the smaller ones.
-        # the ratio of advances that one primitive serves with all digits
+        # A primitive that goes up to this advance, or beyond, would lose digits of smaller ones.
+        # _advance_ratio_of_primitive: the ratio of advances that it serves with all digits
         advance_limit = largest_advance * self._advance_ratio_of_primitive
         for primitive in cached_primitives:
             point_numbers = np.minimum(np.searchsorted(primitive.x, x), len(primitive.x) - 1)
-            has_range = largest_advance <= primitive.largest_advance < advance_limit
-            if has_range and np.array_equal(primitive.x[point_numbers], x):
+            has_suitable_range = largest_advance <= primitive.largest_advance < advance_limit
+            if has_suitable_range and np.array_equal(primitive.x[point_numbers], x):
                 return primitive, point_numbers
         # none serves: a new one, `law` being P(a) of the profile
         primitive = primitive_of(kind, load_power, x, largest_advance, self.law)
@@ -994,8 +1011,8 @@ class PunchSuperposition:
         alpha is the half-width of a punch, g = dP/d alpha its load per half-width. With
         `load_power` 1 the load eta stands in front of g. `law.edge_advance` is a minus
         `least_half_width`, the half-width without load; `law.stiffness` is g as a function of it.
-        At the tip of a sharp wedge the integral has no lower end: there it is (g/pi) ln(a/L), L the
-        `datum_length`, of which only differences have a meaning.
+        At the tip of a sharp wedge the integral is infinite. In its place stands (g/pi) ln(a/L), L
+        the `datum_length`, of which only differences have a meaning.
         """
         # half-width a under the load, minus that without load
         advance = self.law.edge_advance(load)
@@ -1132,6 +1149,8 @@ class Primitive:
 
     Attributes
     ----------
+    kind
+        which integral: "pressure", "outside" (of arccosh) or "logarithm"
     distance_beyond_flat
         (k,) x - a_0 [length]
     panels
@@ -1166,7 +1185,7 @@ class Primitive:
         x - a_0 of the points, a_0 the half-width without load.
         """
         panels = self.panels
-        # number of the panel begins, in order of their advance, that are not above the advance
+        # how many advances at which a panel begins are not above this one
         rank_of_advance = np.searchsorted(self._sorted_begin_advances, advance, side="right")
         # integers that sort by point, then by advance
         key = self._key(point_number, rank_of_advance)
@@ -1414,11 +1433,22 @@ def _resolved_series(
     """Chebyshev series of an integrand on panels, ranges of the variable v, which are halved until
     the last coefficients of each series are negligible.
 
-    Halving ends after twelve times. Last coefficients that halving does not make smaller are
-    round-off of P(d) and dP/dd: they count as error. `kind` and `load_power` name the integral,
-    `law` is P(d) of the profile, d the advance of the edge of contact. A panel goes from `begin_v`
-    to `end_v`, belongs to the point `point_number`, and has v = 0 at `advance_at_v0`. Panels come
-    back in any order.
+    A panel is halved twelve times at most. Last coefficients that halving does not make smaller
+    are round-off of P(d) and dP/dd: they count as error.
+
+    Parameters
+    ----------
+    kind, load_power
+        which integral; with 1 the load stands in front of the integrand
+    panels
+        ranges of v, from `begin_v` to `end_v`; each belongs to the point `point_number`
+    law
+        P(d) of the profile, d the advance of the edge of contact
+
+    Returns
+    -------
+    _PanelSeries
+        Panels, the halves among them, in any order, with their series and its error.
     """
     finished_series: list[_PanelSeries] = []
     former_last_coefficients = np.full(len(panels.point_number), np.inf)
@@ -1690,12 +1720,12 @@ def _integrand(
     root_of_distance = np.sqrt(advance_beyond_v0)
     half_width = law.least_half_width + advance
     if kind == "pressure":
-        load_per_width = law.stiffness(advance) * (law.load(advance) if load_power else 1.0)
+        eta_power_times_g = law.stiffness(advance) * (law.load(advance) if load_power else 1.0)
         half_width_beyond_x = (
             np.maximum(advance_at_v0 - (x - law.least_half_width), 0.0) + advance_beyond_v0
         )
         return (
-            load_per_width
+            eta_power_times_g
             * 2
             * root_of_distance
             * scale
@@ -1725,10 +1755,12 @@ def _pressure_of_smallest_punches(
     """
     if kind != "pressure" or law.least_half_width > 0:
         return np.zeros(len(x))
-    load_per_width = float(law.stiffness(np.array(advance)))
-    power_of_width = law.power - 1
+    eta_power_times_g = float(law.stiffness(np.array(advance)))
+    exponent_of_width = law.power - 1
     if load_power:
-        load_per_width = load_per_width * float(law.load(np.array(advance)))
-        power_of_width = 2 * law.power - 1
-    pressure_at_middle = load_per_width / (np.pi * power_of_width) if power_of_width > 0 else 0.0
+        eta_power_times_g = eta_power_times_g * float(law.load(np.array(advance)))
+        exponent_of_width = 2 * law.power - 1
+    pressure_at_middle = (
+        eta_power_times_g / (np.pi * exponent_of_width) if exponent_of_width > 0 else 0.0
+    )
     return np.where(x == 0, pressure_at_middle, 0.0)

@@ -55,9 +55,9 @@ class LoadsLeft(NamedTuple):
 
 @lru_cache(maxsize=256)
 def loads_left_at_stroke_end(stick_ratio: float, n_panels: int) -> LoadsLeft:
-    """Tangential load T that the smooth end of a slip stroke leaves on flat punches, over their
-    half-widths c' from the edge of stick to that of contact. A stroke is half a cycle, with slip in
-    one direction.
+    """Tangential load T that the smooth end of a slip stroke leaves on flat punches of half-widths
+    c', from the edge of stick to that of contact. A stroke is half a cycle, with slip in one
+    direction.
 
     Where tilt or bulk strain still changes, one side of the slip zone comes to rest before the
     other, and shear r(x) is left. Its even part carries the load T(c') = 2 int_c'^a r
@@ -81,23 +81,28 @@ def loads_left_at_stroke_end(stick_ratio: float, n_panels: int) -> LoadsLeft:
     panel_begin = np.concatenate([-outer_border[::-1], inner_border])
     panel_end = np.concatenate([-inner_border[::-1], outer_border])
     # on all panels; the even part is the mean of both sides
-    shear = _shear_left(stick_ratio, panel_begin, panel_end)
-    even_shear = (shear[n_panels:] + shear[:n_panels][::-1]) / 2
+    shear_on_panels = _shear_left(stick_ratio, panel_begin, panel_end)
+    even_shear = (shear_on_panels[n_panels:] + shear_on_panels[:n_panels][::-1]) / 2
     panel_middles = (inner_border + outer_border) / 2
-    # int x/sqrt(x^2 - c'^2) dx over each panel, with c' at the middles
-    upper_root = np.sqrt(np.maximum(outer_border**2 - panel_middles[:, None] ** 2, 0.0))
-    lower_root = np.sqrt(np.maximum(inner_border**2 - panel_middles[:, None] ** 2, 0.0))
+    # int x/sqrt(x^2 - c'^2) dx over each panel is a difference of roots sqrt(x^2 - c'^2), 0 where
+    # |x| < c'; rows: c' at the middle of each panel.
+    root_at_outer_border = np.sqrt(np.maximum(outer_border**2 - panel_middles[:, None] ** 2, 0.0))
+    root_at_inner_border = np.sqrt(np.maximum(inner_border**2 - panel_middles[:, None] ** 2, 0.0))
     return LoadsLeft(
-        panel_middles, outer_border - inner_border, 2 * (upper_root - lower_root) @ even_shear
+        panel_middles,
+        outer_border - inner_border,
+        2 * (root_at_outer_border - root_at_inner_border) @ even_shear,
     )
 
 
 def _shear_left(stick_ratio: float, panel_begin: Array, panel_end: Array) -> Array:
-    """Shear that the smooth end of a slip stroke leaves on each panel of the slip zone, a range of
-    x, (n,), over (pi/A)^2 a a_s'^2/N''. A stroke is half a cycle, with slip in one direction. a is
-    the contact half-width, A = 2/E*, s the direction of slip. N'' is the second derivative of f P -
-    s Q at the end of the stroke. a_s' is the rate of f alpha - s eps, alpha the tilt, eps the bulk
-    strain. The panels are in the order in which they stop.
+    """Shear that the smooth end of a slip stroke leaves on each of n panels, ranges of x in the
+    slip zone, (n,), over (pi/A)^2 a a_s'^2/N''.
+
+    A stroke is half a cycle, with slip in one direction. a is the contact half-width, A = 2/E*, s
+    the direction of slip. N'' is the second derivative of f P - s Q at the end of the stroke. a_s'
+    is the rate of f alpha - s eps, alpha the tilt, eps the bulk strain. The panels are in the order
+    in which they stop.
 
         L^-T (y^2/z)/2,    y = L^-1 sgn(x) sqrt(x^2 - c^2),    z = L^-1 arccosh(|x|/c)
 

@@ -273,13 +273,13 @@ def edge_tension(
     # Memory curves of all instants; P is `snapshot.load`. At most 128 curves are summed at once.
     contact, snapshot = memory_at(scene, times)
     instants_in_contact = np.flatnonzero(snapshot.load > 0)
-    signs = sign_of_body * [1.0, -1.0]  # (bodies, edges)
+    signs_of_tensions = sign_of_body * [1.0, -1.0]  # (bodies, edges)
     for first_index in range(0, len(instants_in_contact), _CURVES_AT_ONCE):
         instant_numbers = instants_in_contact[first_index : first_index + _CURVES_AT_ONCE]
         load = snapshot.load[instant_numbers]
         half_width = np.atleast_1d(contact.half_width(load))
         tensions = _edge_tensions_of_curves(contact, snapshot, instant_numbers, half_width)
-        values[instant_numbers] = signs * tensions[:, None, None]
+        values[instant_numbers] = signs_of_tensions * tensions[:, None, None]
         # _ROUNDOFF_OF_TENSION: 1e-11 of P/a.
         uncertainties[instant_numbers] = (_ROUNDOFF_OF_TENSION * load / half_width)[:, None, None]
     return values, uncertainties
@@ -382,7 +382,7 @@ def _panels_of_curves(
             lower_loads.append(lower_load)
             upper_loads.append(upper_load)
             slope_functions.append(slope_function)
-    begin_widths = np.atleast_1d(contact.half_width(np.array(lower_loads)))
+    begin_half_widths = np.atleast_1d(contact.half_width(np.array(lower_loads)))
 
     # The half-width at P is the edge to the last digit: one digit more or less would move the
     # integral of the root by 1e-8.
@@ -391,17 +391,17 @@ def _panels_of_curves(
     half_width_at_upper_load = np.minimum(
         contact.half_width(np.array(upper_loads)), edge_half_width
     )
-    end_widths = np.where(reaches_edge, edge_half_width, half_width_at_upper_load)
+    end_half_widths = np.where(reaches_edge, edge_half_width, half_width_at_upper_load)
     return [
         _Panel(instant_number, panel_begin, panel_end, slope_function)
-        for instant_number, least_width, largest_width, slope_function in zip(
+        for instant_number, least_half_width, largest_half_width, slope_function in zip(
             instant_numbers,
-            begin_widths.tolist(),
-            end_widths.tolist(),
+            begin_half_widths.tolist(),
+            end_half_widths.tolist(),
             slope_functions,
             strict=True,
         )
-        for panel_begin, panel_end in _panels_between(contact, least_width, largest_width)
+        for panel_begin, panel_end in _panels_between(contact, least_half_width, largest_half_width)
     ]
 
 
@@ -414,7 +414,7 @@ def _answers_with_tractions(
 
     New solutions have points across several of the contacts, and close to the edges of all.
     """
-    # By time: a solution, and the number of the instant in it.
+    # Key: time. Value: a solution, and the number (row) of the instant in it.
     answers: dict[float, tuple[ContactSolution, int]] = {}
     if isinstance(source, ContactSolution):
         scene = source.scene
@@ -566,13 +566,15 @@ def _edge_tensions_of_answer(
     cos(phi) that is the mean over phi of 2 q cot(phi/2) at the left edge, of -2 q tan(phi/2) at the
     right one.
 
-    The uncertainty is the root of a sum of squares, of errors of different causes: a third of the
-    change if half of the points are used, since q/p is taken as straight lines between points, and
-    the tension of a slip zone that is narrower than a cell, or than the distance of the first
-    point. For an answer from grids the change by coarse grids and a fraction of the stated error of
-    the shear are added; it is NaN where coarse grids do not follow its path. For other answers it
-    is 1e-3 of f times the largest pressure. Stress and uncertainty are 0 where no point is in
-    contact.
+    The uncertainty is the root of a sum of squares of errors:
+
+    - a third of the change if half of the points are used, as q/p is linear between points;
+    - the tension of a slip zone narrower than a cell, or than the distance of the first point;
+    - for an answer from grids, the change by coarse grids, NaN where these do not follow its path;
+    - for it also a fraction of the stated error of the shear;
+    - for other answers 1e-3 of f times the largest pressure.
+
+    Stress and uncertainty are 0 where no point is in contact.
 
     Parameters
     ----------
@@ -624,7 +626,7 @@ def _edge_tensions_of_answer(
         )
         error_by_shear = share_of_shear_error * largest_friction
 
-    # Of slip zones beside either edge: points and places by their distance from it.
+    # Tension of slip zones beside either edge: points and places by their distance from it.
     tension_of_slip_zones = np.array(
         [
             _tension_of_narrow_slip_zone(
@@ -650,16 +652,21 @@ def _tension_of_narrow_slip_zone(
     distances_of_places: Array,
     tension_of_sliding: Array,
 ) -> float:
-    """Tension at an edge of contact that a slip zone may add which has just begun there, and is
-    too narrow for the cells and points of an answer [stress].
+    """Estimate of the tension that a narrow slip zone may add at an edge of contact [stress]. The
+    zone has just begun there, and is too narrow for the cells and points of an answer.
 
     Beside an edge p = K sqrt(d) at the distance d. Where a load has turned, a slip zone of width z
     changes q by -F (sqrt(d) - sqrt(d - z)), with F = f K |s - r|: r is q/(f p) before, s = +-1 its
-    value in slip. That is F z/(2 sqrt(d)) farther in, and 2 F sqrt(z) of the tension. A zone within
-    a cell is seen by what it leaves farther in. This grows as z, so that its tension grows as the
-    root of the difference of q/(f p) in the cell beside the edge from that in the next one, times
-    |s - r|. s is the sign of the difference. Where the cell beside the edge slips that way already,
-    the zone is wider than the cell, and nothing is added.
+    value in slip. Farther in that is F z/(2 sqrt(d)); of the tension it is 2 F sqrt(z).
+
+    The answer holds only what the zone changes farther in, which grows as z. So the tension grows
+    as the root of two factors:
+
+    - q/(f p) at the edge minus that at the width of a cell farther in, in size;
+    - |s - r|, s being the sign of that difference.
+
+    Where the cell beside the edge slips that way already, the zone is wider than the cell, and
+    nothing is added.
 
     Parameters
     ----------
@@ -671,17 +678,18 @@ def _tension_of_narrow_slip_zone(
         (m,) distances of places across the contact from the edge, and the tension by q = f p there,
         whose mean is that of the whole contact [stress]
     """
-    order = np.argsort(distances)
+    # numbers of the points from the edge inwards
+    order_from_edge = np.argsort(distances)
     # Nothing is known nearer to the edge than the nearest point, and within a cell.
-    unresolved_width = cell_width + float(distances[order[0]])
+    unresolved_width = cell_width + float(distances[order_from_edge[0]])
     ratio_at_edge, ratio_farther_in = np.interp(
-        [0.0, unresolved_width], distances[order], friction_ratio[order]
+        [0.0, unresolved_width], distances[order_from_edge], friction_ratio[order_from_edge]
     )
-    difference = float(ratio_at_edge - ratio_farther_in)
-    rest_to_slip = 1 - math.copysign(1.0, difference) * float(ratio_at_edge)
+    ratio_difference = float(ratio_at_edge - ratio_farther_in)
+    ratio_left_to_slip = 1 - math.copysign(1.0, ratio_difference) * float(ratio_at_edge)
     tension_of_cell = float(np.mean(tension_of_sliding * (distances_of_places < unresolved_width)))
-    share = math.sqrt(abs(difference) * max(rest_to_slip, 0.0) / 2)
-    return _TENSION_OF_NARROW_SLIP_ZONE * tension_of_cell * share
+    share_of_sliding_tension = math.sqrt(abs(ratio_difference) * max(ratio_left_to_slip, 0.0) / 2)
+    return _TENSION_OF_NARROW_SLIP_ZONE * tension_of_cell * share_of_sliding_tension
 
 
 def _places_across(answer: ContactSolution, row: int, count: int) -> tuple[Array, Array]:
@@ -814,9 +822,14 @@ def _curve_parts(snapshot: Snapshot, instant_number: int) -> Iterator[tuple[floa
 
     The contact is a superposition of flat punches: those up to the load eta make up the contact
     under P = eta. M(eta) is the tangential force that they carry. From the load at the stick edge
-    to P the contact slips: M' is f or -f. Below that edge the curve consists of pieces. The
-    `snapshot` holds several instants. For each it has P as `load`, P minus the load at the stick
-    edge as `slip_zone_load`, the direction of slip, and the number of the piece at that edge.
+    to P the contact slips: M' is f or -f. Below that edge the curve consists of linked pieces.
+
+    The `snapshot` holds several instants; `instant_number` is that of the wanted one. It has
+
+    - `load`: P of each;
+    - `slip_zone_load`: P minus the load at the stick edge of each;
+    - `direction`: of slip, 1 forward, -1 in reverse, 0 for none;
+    - `piece_number`: of each, the index in `sticking_pieces` of the piece at the stick edge.
     """
     load = float(snapshot.load[instant_number])
     stick_edge_load = float(snapshot.load[instant_number] - snapshot.slip_zone_load[instant_number])
@@ -833,7 +846,8 @@ def _curve_parts(snapshot: Snapshot, instant_number: int) -> Iterator[tuple[floa
 
 def _slope_of_piece(piece: CurvePart, friction: float) -> Slope:
     """Slope M'(eta) on a piece of the memory curve M, the tangential force of the flat punches up
-    to the load eta; |M'| <= f.
+    to the load eta. On a piece that was appended along an arc of the load path it is clipped to
+    +-f, `friction`.
     """
     if piece.arc_times is None:
         return piece.slope_at
@@ -866,9 +880,9 @@ def _potentials(
     potentials = np.zeros((4, len(x)), dtype=complex)
     distance = np.abs(x)
     for lower_load, upper_load, slope in curve_parts:
-        begin_width = float(contact.half_width(lower_load))
-        end_width = float(contact.half_width(upper_load))
-        for panel_ends in _panels_between(contact, begin_width, end_width):
+        begin_half_width = float(contact.half_width(lower_load))
+        end_half_width = float(contact.half_width(upper_load))
+        for panel_ends in _panels_between(contact, begin_half_width, end_half_width):
             _add_panel_of_punches(potentials, contact, slope, panel_ends, distance, y)
     potentials[:2, x < 0] = -potentials[:2, x < 0].conj()
     potentials[2:, x < 0] = potentials[2:, x < 0].conj()
@@ -876,15 +890,19 @@ def _potentials(
 
 
 def _panels_between(
-    contact: SymmetricContact, least_width: float, largest_width: float
+    contact: SymmetricContact, least_half_width: float, largest_half_width: float
 ) -> Iterator[tuple[float, float]]:
     """First and last half-width of each panel into which the flat punches between two half-widths
     are divided [length]: cut where the profile has a corner (`corner_half_widths`).
     """
     inner_corners = (
-        place for place in contact.corner_half_widths if least_width < place < largest_width
+        place
+        for place in contact.corner_half_widths
+        if least_half_width < place < largest_half_width
     )
-    for first_half_width, last_half_width in pairwise([least_width, *inner_corners, largest_width]):
+    for first_half_width, last_half_width in pairwise(
+        [least_half_width, *inner_corners, largest_half_width]
+    ):
         if last_half_width > first_half_width:
             yield first_half_width, last_half_width
 
@@ -921,24 +939,26 @@ def _add_panel_of_punches(
     The potential of a punch is singular at |x| equal to its half-width. The panel is cut there for
     points x between its ends.
     """
-    begin_width, end_width = ends
-    panel_width = end_width - begin_width
+    begin_half_width, end_half_width = ends
+    panel_width = end_half_width - begin_half_width
     rule = RULE_FOR_INVERSE_ROOTS
     # A rule for inverse roots at both ends: distances of its nodes from 0 and from 1, and weights.
     # Nodes in the lower half of the panel are placed from its begin, the others from its end.
     is_in_lower_half = rule.distance_from_begin < 0.5
-    half_widths = _distances_to_nodes(0.0, begin_width, end_width)
+    half_widths = _distances_to_nodes(0.0, begin_half_width, end_half_width)
 
     # Normal and tangential load at each node, (2, nodes).
     loads_of_panel = _loads_of_punches(contact, slope, half_widths, panel_width * rule.weight)
-    is_in_panel = (x > begin_width) & (x < end_width)
+    is_in_panel = (x > begin_half_width) & (x < end_half_width)
     # _KERNELS_AT_ONCE: a million pairs of point and node, which bounds the memory.
     points_at_once = _KERNELS_AT_ONCE // len(rule.distance_from_begin)
 
     # Points beside the panel, many at once.
     points_beside = np.flatnonzero(~is_in_panel)
     for point_numbers in np.array_split(points_beside, 1 + len(points_beside) // points_at_once):
-        distance_to_punch = _distances_to_nodes(x[point_numbers, None], begin_width, end_width)
+        distance_to_punch = _distances_to_nodes(
+            x[point_numbers, None], begin_half_width, end_half_width
+        )
         _add_punches(potentials, point_numbers, loads_of_panel, distance_to_punch, x, y)
 
     # Points whose |x| is a half-width of the panel: the panel is cut there into two parts.
@@ -948,13 +968,13 @@ def _add_panel_of_punches(
     ):
         x_of_points = x[point_numbers, None]
         # Part of narrower punches, sign -1, then part of wider ones, sign 1.
-        for sign, part_end in ((-1.0, begin_width), (1.0, end_width)):
-            part_width = sign * (part_end - x_of_points)
+        for sign, part_end_half_width in ((-1.0, begin_half_width), (1.0, end_half_width)):
+            part_width = sign * (part_end_half_width - x_of_points)
             distance_to_punch = sign * part_width * rule.distance_from_begin
             half_widths = np.where(
                 is_in_lower_half,
                 x_of_points + distance_to_punch,
-                part_end - sign * part_width * rule.distance_from_end,
+                part_end_half_width - sign * part_width * rule.distance_from_end,
             )
             loads_of_part = _loads_of_punches(contact, slope, half_widths, part_width * rule.weight)
             _add_punches(potentials, point_numbers, loads_of_part, distance_to_punch, x, y)

@@ -73,7 +73,7 @@ class FollowingLoads(PathLoads):
 
         Strain and tilt are sums of a multiple of P and one of Q: they may turn where neither does.
         """
-        different_times = super().turning_times(segment)
+        distinct_times = super().turning_times(segment)
         effects = self.effects
         # bulk strain, then tilt: by a unit of P and by a unit of Q
         for effect_of_normal_load, effect_of_shear_load in (
@@ -85,10 +85,10 @@ class FollowingLoads(PathLoads):
             for time in segment.turning_points(
                 Combination(effect_of_normal_load.value, effect_of_shear_load.value)
             ):
-                time_to_nearest = min(abs(time - known_time) for known_time in different_times)
+                time_to_nearest = min(abs(time - known_time) for known_time in distinct_times)
                 if time_to_nearest > 1e-6 * (segment.end - segment.start):
-                    different_times.append(time)
-        return different_times
+                    distinct_times.append(time)
+        return distinct_times
 
 
 def change_by_tilt_and_strain(scene: Scene, effects: BodyEffects) -> Estimate:
@@ -116,6 +116,7 @@ def change_by_tilt_and_strain(scene: Scene, effects: BodyEffects) -> Estimate:
         for a path of more than 60 segments, a profile that bends down somewhere, a grid that does
         not converge.
     """
+    # None where every number of `effects` is 0
     if checked_effects(effects) is None:
         return ZERO_ESTIMATE
     # TILT_AND_STRAIN_NAMES: attributes of `effects` with tilt under P and Q, strain under P and Q.
@@ -157,6 +158,7 @@ def _change_by_second_order(scene: Scene, effects: BodyEffects, work: float) -> 
     half-planes [energy per thickness].
     """
     try:
+        # `works`: what tilt and strain add to the work of each cycle or path
         added_work = second_order_answer(scene, effects).works[-1]
     except DeclinedError:
         return None
@@ -190,10 +192,10 @@ def _change_by_grids(scene: Scene, effects: BodyEffects) -> Estimate:
     # TILT_AND_STRAIN_NAMES: attributes with tilt under P and Q, strain under P and Q.
     no_tilt_nor_strain: dict[str, Any] = dict.fromkeys(TILT_AND_STRAIN_NAMES, ZERO_ESTIMATE)
     effects_without_tilt_and_strain = replace(effects, **no_tilt_nor_strain)
-    work_with_effects, work_without_effects = _works_on_same_grids(
+    work_with_tilt_and_strain, work_without_tilt_and_strain = _works_on_same_grids(
         scene, [effects, effects_without_tilt_and_strain]
     )
-    change = work_with_effects / work_without_effects - 1
+    change = work_with_tilt_and_strain / work_without_tilt_and_strain - 1
 
     # Sum of the relative uncertainties of those numbers that are not 0.
     relative_uncertainty = sum(
@@ -205,12 +207,12 @@ def _change_by_grids(scene: Scene, effects: BodyEffects) -> Estimate:
 
 
 def _works_on_same_grids(scene: Scene, effects_of_bodies: list[BodyEffects]) -> list[float]:
-    """Friction work W of the last cycle, or of a path without cycle, under the P and Q of a scene
-    and the tilt and bulk strain of each of some bodies [energy per thickness].
+    """Friction works W of the last cycle, or of a path without cycle, one for each entry of
+    `effects_of_bodies` [energy per thickness].
 
+    An entry is tilt and bulk strain per load of one pair of bodies; P and Q are those of the scene.
     All are solved on the same grids, so that most of their error cancels in a ratio of two works. W
-    is the mean over grids that are moved by fractions of a cell. `effects_of_bodies` are tilt and
-    bulk strain per load of each body.
+    is the mean over grids that are moved by fractions of a cell.
     """
     # P and Q of the scene over time, and its contact under any load and tilt.
     path_loads, contact = path_loads_and_contact(scene)

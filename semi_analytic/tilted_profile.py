@@ -117,7 +117,10 @@ class Angles(NamedTuple):
 
 
 class ConvexProfile(abc.ABC):
-    """A profile that bends down nowhere, and its contact under any load and tilt.
+    """A profile h(x) that bends down nowhere, and its contact under any load and tilt.
+
+    A contact is given by its centre m and half-length c. Subclasses hold h as parabolas or as
+    functions.
 
     Attributes
     ----------
@@ -180,7 +183,9 @@ class ConvexProfile(abc.ABC):
 
     @abc.abstractmethod
     def approach(self, m: Array, c: Array, tilt: ArrayLike) -> Array:
-        """Normal approach of x = 0 minus (A P/pi) ln(2 L/c) [length]."""
+        """Normal approach of the point x = 0 minus (A P/pi) ln(2 L/c) [length]; A = 2/E*, L the
+        distance of the point that does not move.
+        """
 
     @abc.abstractmethod
     def moment(self, m: Array, c: Array, tilt: ArrayLike) -> Array:
@@ -205,8 +210,8 @@ class ConvexProfile(abc.ABC):
             arrays.append(np.reshape(argument, new_axes + np.shape(argument)))
         if not shape:
             return np.array(function(*arrays))
-        # As many rows as have 100,000 terms at most (_VALUES_AT_ONCE), but one row at least;
-        # _values_per_point: terms for one value.
+        # A block has as many rows, places along the first axis, as need 100,000 terms at most
+        # (_VALUES_AT_ONCE), but one row at least; _values_per_point: terms for one value.
         terms_per_row = max(self._values_per_point * math.prod(shape[1:]), 1)
         rows_at_once = max(_VALUES_AT_ONCE // terms_per_row, 1)
         values = np.empty(shape)
@@ -299,10 +304,10 @@ class ConvexProfile(abc.ABC):
         #           the contact, h d theta is integrated from 0 to pi
         """
         m, c = self._wide_contact(first_touch)
-        # `balance` gives the mean slope, A times the carried load, and integrals of h'' over a
-        # contact.
-        shift = 0 * first_touch  # step of m from the last accepted one to the trial
-        widening = 0 * first_touch  # step of c
+        # `balance` gives the mean slope, A times the load that a contact carries, and integrals of
+        # h'' over it.
+        shift = 0 * first_touch  # trial step of m, from its last accepted value
+        widening = 0 * first_touch  # trial step of c, likewise
 
         # |derivative of the potential along the step| where the step begins
         descent_before_step = np.full(first_touch.shape, np.inf)
@@ -320,7 +325,8 @@ class ConvexProfile(abc.ABC):
             is_accepted = ascent_behind_step <= descent_before_step / 2
             m = np.where(is_accepted, trial_m, m)
             c = np.where(is_accepted, trial_c, c)
-            # Next step of the centre and of the half-length.
+            # Next step of the centre and of the half-length. Without a Newton step the half-length
+            # grows by c: it doubles.
             newton_shift, newton_widening = _newton_step(
                 trial_balance, slope_residual, load_residual, trial_c, c
             )
@@ -344,12 +350,20 @@ class ConvexProfile(abc.ABC):
 def _limited_step(
     shift: Array, widening: Array, centre_to_first_touch: Array, half_width: Array
 ) -> tuple[Array, Array]:
-    """Steps of the centre and of the half-length of contacts, (n,) each [length], of which neither
-    moves an end by more than the half-length, nor past the place that touches first.
+    """Steps of the centre and of the half-length of contacts, (n,) each [length], shortened such
+    that no end of contact moves too far.
 
-    `shift` and `widening` (n,) are the steps without these limits, `half_width` (n,) is the
-    half-length before. `centre_to_first_touch` (n,) is the distance from the centre of contact to
-    the place that touches without load, with its sign.
+    An end moves outwards by the half-length at most. It moves inwards by 0.9 of its distance from
+    the place that touches without load at most.
+
+    Parameters
+    ----------
+    shift, widening
+        (n,) steps of centre and half-length without these limits [length]
+    centre_to_first_touch
+        (n,) x of the place that touches without load minus that of the centre of contact [length]
+    half_width
+        (n,) half-length of contact before the step [length]
     """
     left_move = np.clip(
         shift - widening,
@@ -374,9 +388,9 @@ def _newton_step(
     """Newton steps of the centre m and of the half-length c of contacts, (n,) each [length], from
     the residuals of the balances of slope and of load.
 
-    The residual of slope is the derivative by m of a potential that is least at the solution, that
-    of load minus its derivative by c. Where the Hessian is not positive the centre stays, and the
-    contact widens by `fallback_widening`.
+    A potential is least at the solution. The residual of slope is its derivative by m, that of load
+    is minus its derivative by c. Where the Hessian is not positive the centre stays, and the
+    half-length grows by `fallback_widening`.
 
     Parameters
     ----------
@@ -390,7 +404,7 @@ def _newton_step(
     half_width
         (n,) half-length c before the step [length]
     fallback_widening
-        (n,) [length]
+        (n,) growth of the half-length where Newton's method gives no step [length]
     """
     curvature_integral = balance.curvature_integral
     curvature_cosine_integral = balance.curvature_cosine_integral
@@ -592,7 +606,7 @@ class PiecewiseParabola(ConvexProfile):
         if self.is_parabola:
             squared_root = np.maximum((c - x + m) * (c + x - m), 0.0)
             return np.asarray(np.pi * self.curvature[0] * np.sqrt(squared_root))
-        # Angle theta_b of each knot, with sine and cosine, (..., knots).
+        # Angle theta_b of each knot, with sine and cosine, (..., knots); root: r.
         knot_angles = self.angles(m, c)
         root = np.sqrt(np.maximum((c - distance_from_centre) * (c + distance_from_centre), 0.0))[
             ..., None
@@ -1175,9 +1189,9 @@ class NestedIntervals:
         # begin_loads: eta_b of each range; cuts_on_axis: where the ranges begin and end on the
         # axis.
         range_number = np.searchsorted(series.begin_loads, eta, side="right") - 1
-        root = np.sqrt(eta - series.begin_loads[range_number])
+        v = np.sqrt(eta - series.begin_loads[range_number])
         next_cut_on_axis = series.cuts_on_axis[range_number + 1]
-        place_on_axis = np.minimum(series.cuts_on_axis[range_number] + root, next_cut_on_axis)
+        place_on_axis = np.minimum(series.cuts_on_axis[range_number] + v, next_cut_on_axis)
         half_width = np.maximum(series.half_width(place_on_axis), 0.0)
         return series.centre(place_on_axis), np.where(eta > 0, half_width, 0.0)
 
@@ -1217,19 +1231,19 @@ class NestedIntervals:
         """
         series = self._series
         outward_movement = np.zeros(load.shape)
-        # From the load downwards, in each pass over the range between two cuts that holds what is
-        # left. begin_loads: eta_b; cuts_on_axis: the cuts on the axis of v.
+        # From the load downwards, one range of v in each pass, until the whole rise is integrated.
+        # begin_loads: eta_b; cuts_on_axis: ends of the ranges on the axis of v.
         range_number = np.searchsorted(series.begin_loads, load, side="right") - 1
         remaining_rise = load_rise
-        upper_root = np.sqrt(load - series.begin_loads[range_number])
+        upper_v = np.sqrt(load - series.begin_loads[range_number])
         while np.any(range_number >= 0):
-            rise_in_range = np.minimum(remaining_rise, upper_root * upper_root)
-            lower_root = np.sqrt(upper_root * upper_root - rise_in_range)
-            root_step = rise_in_range / np.maximum(upper_root + lower_root, 1e-300)
-            outward_movement += series.movement_in_range(side, range_number, upper_root, root_step)
+            rise_in_range = np.minimum(remaining_rise, upper_v * upper_v)
+            lower_v = np.sqrt(upper_v * upper_v - rise_in_range)
+            v_step = rise_in_range / np.maximum(upper_v + lower_v, 1e-300)
+            outward_movement += series.movement_in_range(side, range_number, upper_v, v_step)
             range_number = np.where(remaining_rise > rise_in_range, range_number - 1, -1)
             remaining_rise = remaining_rise - rise_in_range
-            upper_root = series.cuts_on_axis[range_number + 1] - series.cuts_on_axis[range_number]
+            upper_v = series.cuts_on_axis[range_number + 1] - series.cuts_on_axis[range_number]
         return outward_movement
 
     def load_with_edge_at(self, x: Array) -> Array:
@@ -1265,8 +1279,8 @@ class NestedIntervals:
         c = largest_c / 2
         # _MOST_NEWTON_STEPS: 120.
         for _ in range(_MOST_NEWTON_STEPS):
-            # Of a trial contact: mean of h', A times the carried load, and integrals of h'' over
-            # the angle.
+            # Of a trial contact: mean of h', A times the load that it carries, int h'' d theta and
+            # int h'' cos(theta) d theta, theta the angle of x = m + c cos(theta).
             balance = self.profile.balance(x - side * c, c)
             # Sum of mean slope and tilt, times side: positive while c is too small.
             slope_excess = side * (balance.mean_slope + self.tilt_without_load)
@@ -1306,7 +1320,7 @@ class _IntervalSeries(NamedTuple):
     half_width: PiecewiseSeries
 
     def movement_in_range(
-        self, side: Array, range_number: NDArray[np.intp], upper_root: Array, root_step: Array
+        self, side: Array, range_number: NDArray[np.intp], upper_v: Array, v_step: Array
     ) -> Array:
         """Distance by which an end of contact moves outwards within one range of v, (n,) [length]:
         the integral of its rate over v, by eight Gauss points.
@@ -1317,21 +1331,21 @@ class _IntervalSeries(NamedTuple):
             (n,) +1 for the right end, -1 for the left one
         range_number
             (n,) number of the range
-        upper_root, root_step
+        upper_v, v_step
             (n,) v at the larger load, and its growth up to there [square root of a load]
         """
         gauss_nodes, gauss_weights = gauss_rule(8)
         lower_cut_on_axis = self.cuts_on_axis[range_number][:, None]
         upper_cut_on_axis = np.nextafter(self.cuts_on_axis[range_number + 1], 0.0)[:, None]
         place_on_axis = np.clip(
-            lower_cut_on_axis + (upper_root[:, None] - root_step[:, None] * gauss_nodes),
+            lower_cut_on_axis + (upper_v[:, None] - v_step[:, None] * gauss_nodes),
             lower_cut_on_axis,
             upper_cut_on_axis,
         )
         half_width_rate = self.half_width.derivative(place_on_axis)
         centre_rate = self.centre.derivative(place_on_axis)
         outward_rate = half_width_rate + side[:, None] * centre_rate
-        return np.asarray(root_step * np.sum(gauss_weights * outward_rate, axis=1))
+        return np.asarray(v_step * np.sum(gauss_weights * outward_rate, axis=1))
 
 
 def _on_one_axis(series: list[PiecewiseSeries], cuts_on_axis: Array) -> PiecewiseSeries:
@@ -1364,8 +1378,9 @@ class TiltedProfile:
         L, distance of the point that does not move, from which displacements count [length]
     kernel_quantity
         what `log_datum_ratio`, `approach_integral` and `approach_moment` give by an increment of
-        M(eta), over A/pi: the tangential displacement U; U + kappa m_q, which is conjugate to Q in
-        the friction work W; or, not over A/pi, the moment of the shear m_q
+        M(eta): "displacement", the tangential displacement U over A/pi; "conjugate_displacement",
+        U + kappa m_q over A/pi, which is conjugate to Q in the friction work W; or "shear_moment",
+        the moment m_q of the shear about x = 0
     """
 
     intervals: NestedIntervals
@@ -1503,10 +1518,10 @@ class TiltedProfile:
             return -moment / (self.profile.radius * np.where(load > 0, load, np.inf))
 
         # Each pair of load and moment is solved once.
-        different_pairs, pair_number = np.unique(
+        distinct_pairs, pair_number = np.unique(
             np.stack([load, moment]), axis=1, return_inverse=True
         )
-        load, moment = different_pairs
+        load, moment = distinct_pairs
         least_tilt = np.full(load.shape, -np.inf)
         largest_tilt = np.full(load.shape, np.inf)
         tilt = np.zeros(load.shape)
@@ -1547,9 +1562,9 @@ class TiltedProfile:
     pressure_rise = pressure
 
     def pressure_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """Integral of eta dp(x, eta) over loads eta from 0 to `load`, at points x, arrays that
-        broadcast [stress times force per thickness]; p(x, eta) is the pressure at x under the load
-        eta.
+        """First moment of the pressure over the load, not over x: the integral of eta dp(x, eta)
+        over loads eta from 0 to `load` [stress times force per thickness]. p(x, eta) is the
+        pressure at x under the load eta; `x` and `load` broadcast.
 
         By parts it is load p(x, load) - int p d eta, since p is 0 before the contact reaches x. The
         integral is by quadrature.
@@ -1590,8 +1605,9 @@ class TiltedProfile:
         return np.maximum(gap_before - gap_after, 0.0) * np.pi / self._compliance
 
     def slip_integral_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """Integral of eta K(x, eta) over loads eta from 0 to `load`, up to where the contact
-        reaches x, arrays that broadcast [force^2 per thickness^2].
+        """First moment of the slip kernel K over the load: the integral of eta K(x, eta) over loads
+        eta from 0 to `load`, or up to that at which the contact reaches x, if this is smaller.
+        `x` and `load` broadcast [force^2 per thickness^2].
 
         K is the kernel of slip, `arccosh_ratio`: pi/A times the slip at x by a unit of tangential
         force on the contact interval of the load eta. By quadrature.
@@ -1728,8 +1744,8 @@ class TiltedProfile:
         return scaled_approach
 
     def approach_moment(self, load: ArrayLike) -> Array:
-        """Integral of eta times the kernel `log_datum_ratio` over loads eta from 0 to `load`, by
-        quadrature; an array of the shape of `load`.
+        """First moment over the load of the kernel `log_datum_ratio`: its integral with eta in
+        front, over loads eta from 0 to `load`, by quadrature; an array of the shape of `load`.
         """
         eta, weight = self._nodes_over_load(np.zeros(np.shape(load)), np.asarray(load, dtype=float))
         return np.asarray(np.sum(weight * eta * self.log_datum_ratio(eta), axis=-1))
@@ -1770,11 +1786,11 @@ class TiltedProfile:
         return np.maximum(kernel, 0.0)
 
     def quadrature_error(self, name: str, *arguments: ArrayLike) -> Array:
-        """Error of the kernel method `name` at given arguments by the round-off of the contact's
-        centre m and half-length c.
+        """Error of the values that the kernel method `name` returns for its `arguments`, in their
+        units: by the round-off of the contact's centre m and half-length c.
 
-        It is the relative round-off times the size of the kernel. To that of `dissipation_kernel`,
-        a difference of larger numbers, the load, its first argument, is added.
+        It is the relative round-off times the size of the value. `dissipation_kernel` is a
+        difference of larger numbers: there the load, its first argument, is added to the size.
         """
         size = np.abs(getattr(self, name)(*arguments))
         if name == "dissipation_kernel":
