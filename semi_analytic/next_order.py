@@ -42,8 +42,10 @@ CURVATURES = {
         "tangential_mixed",
     ),
 }
-"""The numbers of `BodyEffects` that are even in x, by the load that they follow: the curvature, the
-coupling one of bodies without a mirror line, the two of fourth order.
+"""The numbers of `BodyEffects` that are even in x, by the load that they follow.
+
+Each tuple holds, in this order: the curvature N or T; the curvature that the same load causes in
+the other displacement, of bodies without a mirror line; N_4 or T_4; N_22 or T_22.
 """
 
 
@@ -52,7 +54,8 @@ def ratio_of_next_order(effects: BodyEffects, half_width: float) -> float:
     0 for a curvature that is 0.
     """
     return max(
-        _ratio_to_curvature(effects, curvature, half_width) for curvature, *_ in CURVATURES.values()
+        _ratio_to_curvature(effects, name_of_curvature, half_width)
+        for name_of_curvature, *_ in CURVATURES.values()
     )
 
 
@@ -97,20 +100,22 @@ def uncertain_fraction_of_tilt_and_strain(change_by_curvatures: float, ratio: fl
 
 
 def with_one_group_alone(effects: BodyEffects, name_of_group: str) -> BodyEffects:
-    """Effects of finite bodies without tilt and bulk strain, and with the curvatures of one name
-    alone: "curvature under P" or "curvature under Q", the names of `CURVATURES`.
+    """The `effects` of finite bodies with the curvatures under one load alone: those of all other
+    groups, tilt and bulk strain are set to 0.
+
+    `name_of_group` is "curvature under P" or "curvature under Q", a key of `CURVATURES`.
     """
-    other_effects: dict[str, Any] = dict.fromkeys(TILT_AND_STRAIN_NAMES, ZERO_ESTIMATE)
-    for name_of_other_group, names in CURVATURES.items():
-        if name_of_other_group != name_of_group:
-            other_effects |= dict.fromkeys(names, ZERO_ESTIMATE)
-    return replace(effects, **other_effects)
+    effects_set_to_zero: dict[str, Any] = dict.fromkeys(TILT_AND_STRAIN_NAMES, ZERO_ESTIMATE)
+    for group, names_of_curvatures in CURVATURES.items():
+        if group != name_of_group:
+            effects_set_to_zero |= dict.fromkeys(names_of_curvatures, ZERO_ESTIMATE)
+    return replace(effects, **effects_set_to_zero)
 
 
 def without_next_order(effects: BodyEffects) -> BodyEffects:
-    """The effects without the fourth order."""
-    next_order: dict[str, Any] = dict.fromkeys(NEXT_ORDER, ZERO_ESTIMATE)
-    return replace(effects, **next_order)
+    """The `effects` with the numbers of fourth order set to 0."""
+    effects_set_to_zero: dict[str, Any] = dict.fromkeys(NEXT_ORDER, ZERO_ESTIMATE)
+    return replace(effects, **effects_set_to_zero)
 
 
 def has_next_order(effects: BodyEffects) -> bool:
@@ -119,27 +124,31 @@ def has_next_order(effects: BodyEffects) -> bool:
 
 
 def _uncertain_fraction_of_curvature(
-    effects: BodyEffects, curvature: str, half_width: float
+    effects: BodyEffects, name_of_curvature: str, half_width: float
 ) -> float:
     """Relative uncertainty of the change of a value by one curvature of finite bodies, N or T; 0
     where the curvature is 0.
 
-    It is that of the curvature itself plus that by the order after the fourth, 0.02 r + 0.1 r^2, r
-    = |N_4 a^2/N|. `curvature` is its name among the attributes of `effects`, `half_width` is a.
+    It is that of the curvature itself plus that by the order after the fourth, 0.02 r + 0.1 r^2.
+    r is |N_4 a^2/N| or |T_4 a^2/T|, a the `half_width` of contact. The attribute of `effects` with
+    the `name_of_curvature` is N or T.
     """
-    estimate: Estimate = getattr(effects, curvature)
-    if not estimate.value:
+    curvature: Estimate = getattr(effects, name_of_curvature)
+    if not curvature.value:
         return 0.0
     linear_factor, square_factor = _FACTORS_OF_SIXTH_ORDER
-    ratio = _ratio_to_curvature(effects, curvature, half_width)
-    uncertainty_of_curvature = estimate.uncertainty / abs(estimate.value)
+    ratio = _ratio_to_curvature(effects, name_of_curvature, half_width)
+    uncertainty_of_curvature = curvature.uncertainty / abs(curvature.value)
     return uncertainty_of_curvature + linear_factor * ratio + square_factor * ratio**2
 
 
-def _ratio_to_curvature(effects: BodyEffects, curvature: str, half_width: float) -> float:
-    """|N_4 a^2/N|, fourth order over curvature, for the curvature of that name; 0 where it is 0."""
-    leading_estimate: Estimate = getattr(effects, curvature)
-    if not leading_estimate.value:
+def _ratio_to_curvature(effects: BodyEffects, name_of_curvature: str, half_width: float) -> float:
+    """|N_4 a^2/N| or |T_4 a^2/T|, fourth order over curvature; 0 where the curvature is 0.
+
+    The attribute of `effects` with the `name_of_curvature` is N or T; a is the `half_width`.
+    """
+    curvature: Estimate = getattr(effects, name_of_curvature)
+    if not curvature.value:
         return 0.0
-    fourth_order_estimate: Estimate = getattr(effects, curvature.replace("curvature", "fourth"))
-    return abs(fourth_order_estimate.value / leading_estimate.value) * half_width**2
+    fourth_order: Estimate = getattr(effects, name_of_curvature.replace("curvature", "fourth"))
+    return abs(fourth_order.value / curvature.value) * half_width**2

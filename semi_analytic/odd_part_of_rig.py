@@ -44,11 +44,11 @@ def second_order_answer_of_rig(
     scene: Scene, effects: BodyEffects, driven_path: DrivenPath, last_cycle: slice
 ) -> SecondOrderAnswer:
     """Friction work that tilt and bulk strain of finite bodies add in the steady cycle of a rig, to
-    the second order in both, and the centres of contact and stick. The cycle is repeated: the last
-    of the returned `works` is that of the steady cycle.
+    the second order in both, and the centres of contact and stick.
 
     Tilt and strain make tractions that are odd in x. The displacements that the rig prescribes are
-    replaced by the loads P and Q that followed from them.
+    replaced by the loads P and Q that followed from them. The cycle is repeated: the last of the
+    returned `works` is that of the steady cycle.
 
     Parameters
     ----------
@@ -65,9 +65,10 @@ def second_order_answer_of_rig(
     Raises
     ------
     DeclinedError
-        Where the bodies slide as a whole, or part; where the loads of the cycle are constant, or
-        one side of the contact slips alone under them; and where the second order does not hold for
-        another reason.
+        - where the contact slides as a whole, or the bodies separate;
+        - where the loads of the cycle are constant;
+        - where one side of the contact slips alone, or the second order does not hold for another
+          reason.
     """
     if np.any(driven_path.followed_path.normal_load[last_cycle] <= 0):
         raise DeclinedError("the bodies part")
@@ -116,23 +117,26 @@ def loads_of_cycle(
 
 
 def _polygon_of_turning_points(normal_load: Array, tangential_load: Array) -> PolygonLoad:
-    """The cycle of P and Q (n,) at constant P as straight steps between the turning points of Q,
-    the largest Q first. DeclinedError where Q does not turn round.
+    """The cycle of P and Q (n,) at constant P as straight steps between the turning points of Q.
+
+    It begins at the turning point with the largest Q. DeclinedError where Q does not turn round.
     """
     # Steps in which Q changes, and whether the next such step goes the other way.
-    change_of_load = np.diff(tangential_load)
-    steps_with_change = np.flatnonzero(change_of_load)
+    changes_of_tangential_load = np.diff(tangential_load)
+    steps_with_change = np.flatnonzero(changes_of_tangential_load)
     next_steps_with_change = np.roll(steps_with_change, -1)
-    turns_back = np.sign(change_of_load[steps_with_change]) != np.sign(
-        change_of_load[next_steps_with_change]
+    turns_back = np.sign(changes_of_tangential_load[steps_with_change]) != np.sign(
+        changes_of_tangential_load[next_steps_with_change]
     )
     turning_rows = steps_with_change[turns_back] + 1
     if len(turning_rows) < 2:
         raise DeclinedError("Q rests")
     turning_loads = tangential_load[turning_rows]
     turning_loads = np.roll(turning_loads, -int(np.argmax(turning_loads)))
-    points = [(float(normal_load[0]), float(turning_load)) for turning_load in turning_loads]
-    return PolygonLoad(initial_loading=(points[0],), cycle=tuple(points[1:]))
+    loads_at_vertices = [
+        (float(normal_load[0]), float(turning_load)) for turning_load in turning_loads
+    ]
+    return PolygonLoad(initial_loading=(loads_at_vertices[0],), cycle=tuple(loads_at_vertices[1:]))
 
 
 def _sum_of_harmonics(time: Array, normal_load: Array, tangential_load: Array) -> HarmonicLoad:
@@ -146,9 +150,9 @@ def _sum_of_harmonics(time: Array, normal_load: Array, tangential_load: Array) -
         time[0] + (time[-1] - time[0]) * np.arange(_INSTANTS_OF_TRANSFORM) / _INSTANTS_OF_TRANSFORM
     )
 
-    def mean_and_harmonics(values: Array) -> tuple[float, tuple[tuple[float, float], ...]]:
-        """Mean of n values, and (amplitude, phase in degrees) of each harmonic."""
-        fourier_terms = np.fft.rfft(np.interp(equal_times, time, values)) / _INSTANTS_OF_TRANSFORM
+    def mean_and_harmonics(load: Array) -> tuple[float, tuple[tuple[float, float], ...]]:
+        """Mean of P or Q at n times, and (amplitude, phase in degrees) of each harmonic."""
+        fourier_terms = np.fft.rfft(np.interp(equal_times, time, load)) / _INSTANTS_OF_TRANSFORM
         amplitudes = 2 * np.abs(fourier_terms[1 : _HARMONIC_COUNT + 1])
         phases = -np.degrees(np.angle(fourier_terms[1 : _HARMONIC_COUNT + 1]))
         amplitudes[amplitudes < _LEAST_AMPLITUDE_SHARE * np.max(amplitudes)] = 0.0
@@ -171,5 +175,9 @@ def _straight_steps(normal_load: Array, tangential_load: Array, n_steps: int) ->
     some of these instants, evenly chosen by their number.
     """
     rows = np.unique(np.linspace(0, len(normal_load) - 1, n_steps + 1).astype(int))
-    points = list(zip(normal_load[rows].tolist(), tangential_load[rows].tolist(), strict=True))
-    return PolygonLoad(initial_loading=(points[0],), cycle=tuple(points[1:-1]))
+    loads_at_vertices = list(
+        zip(normal_load[rows].tolist(), tangential_load[rows].tolist(), strict=True)
+    )
+    return PolygonLoad(
+        initial_loading=(loads_at_vertices[0],), cycle=tuple(loads_at_vertices[1:-1])
+    )

@@ -48,13 +48,13 @@ def logistic_rule(low: float, high: float, step: float = _STEP_OF_LOGISTIC_RULE)
 
 
 GRADED_RULE = logistic_rule(-36.0, 36.0)
-"""For roots and logarithms at the ends: what lies beyond the outermost nodes, 2e-16 of the range,
-is left out.
+"""For square roots and logarithms at the ends: what lies beyond the outermost nodes, 2e-16 of the
+range, is left out.
 """
 
 RULE_FOR_INVERSE_ROOTS = logistic_rule(-75.0, 75.0)
-"""For an inverse root at either end too: its integral over what is left out there, 3e-33 of the
-range, is 1e-16.
+"""For an inverse square root at either end too: its integral over what is left out there, 3e-33 of
+the range, is 1e-16.
 """
 
 GRADED_NODE_COUNT = len(GRADED_RULE.distance_from_begin)
@@ -70,10 +70,10 @@ def graded_nodes(begin: ArrayLike, end: ArrayLike, stride: int = 1) -> tuple[Arr
     """Quadrature nodes and weights on [begin, end], a new last axis, for integrands singular at or
     next to the ends: the trapezoidal rule in s, for nodes begin + (end - begin)/(1 + exp(-s)).
 
-    A singularity beyond an end lies on the line Im s = pi, however near the end it is. Roots and
-    logarithms there cost no digits: the error is about 1e-14 of the largest value times the range.
-    With a `stride` of 2 every second node is taken, which halves the number of digits. GRADED_RULE
-    is that rule on [0, 1]; its nodes are held as distances from the nearer end.
+    A singularity beyond an end lies on the line Im s = pi, however near the end it is. Square roots
+    and logarithms there cost no digits: the error is about 1e-14 of the largest value times the
+    range. With a `stride` of 2 every second node is taken, which halves the number of digits.
+    GRADED_RULE is that rule on [0, 1]; here its nodes are taken as distances from the nearer end.
 
     >>> nodes, weights = graded_nodes(0.0, 4.0)
     >>> round(float(np.sum(weights * np.sqrt(nodes))), 12)  # 2/3 4^(3/2)
@@ -108,11 +108,12 @@ def gauss_rule(n_nodes: int) -> tuple[Array, Array]:
 
 
 def crowded_nodes(begin: ArrayLike, end: ArrayLike) -> tuple[Array, Array]:
-    """Quadrature nodes and weights on [begin, end], a new last axis, for integrands with roots at
-    the ends: Gauss' rule of 24 nodes in t, for nodes begin + (end - begin) (3 t^2 - 2 t^3).
+    """Quadrature nodes and weights on [begin, end], a new last axis, for integrands with square
+    roots at the ends.
 
-    The nodes crowd to both ends; they are an eighth of those of `graded_nodes`. The rule is for
-    ranges that are halved until the integral has converged.
+    It is Gauss' rule of 24 nodes in t, for nodes begin + (end - begin) (3 t^2 - 2 t^3). The nodes
+    crowd to both ends; they are an eighth of those of `graded_nodes`. The rule is for ranges that
+    are halved until the integral has converged.
 
     >>> nodes, weights = crowded_nodes(0.0, 4.0)
     >>> round(float(np.sum(weights * np.sqrt(nodes))), 12)  # 2/3 4^(3/2)
@@ -135,7 +136,7 @@ class PanelNodes(NamedTuple):
     place
         of each node
     distance_from_begin, distance_from_end
-        their distances from the begin and from the end of the range, without cancellation
+        distance of each node from the begin and from the end of the range, without cancellation
     weight
         of each node
     """
@@ -150,11 +151,12 @@ def panel_nodes(
     begin: ArrayLike, end: ArrayLike, cut_places: Iterable[ArrayLike] = ()
 ) -> PanelNodes:
     """Quadrature nodes and weights on [begin, end], (..., panels, nodes), for integrands singular
-    at both ends and at `cut_places`; distances from both ends are free of cancellation.
+    at both ends and at `cut_places`.
 
     The range is cut into panels at the `cut_places`, which ascend, each an array like `end`. A
-    place outside of a range makes no panel in it, or one without length. GRADED_RULE holds the
-    nodes on [0, 1] as distances from both ends, and their weights.
+    place outside of all ranges makes no panel; one outside of a single range makes a panel without
+    length there. Each node comes with its distances from both ends of the range, free of
+    cancellation. GRADED_RULE holds the nodes of a panel on [0, 1] and their weights.
     """
     begin_places, end_places = np.broadcast_arrays(
         np.asarray(begin, dtype=float), np.asarray(end, dtype=float)
@@ -170,12 +172,12 @@ def panel_nodes(
     panel_begin = np.stack(panel_ends[:-1], axis=-1)[..., None]
     panel_end = np.stack(panel_ends[1:], axis=-1)[..., None]
     panel_length = panel_end - panel_begin
-    distance_to_panel_begin = panel_length * GRADED_RULE.distance_from_begin
-    distance_to_panel_end = panel_length * GRADED_RULE.distance_from_end
-    distance_from_begin = (panel_begin - begin_places[..., None, None]) + distance_to_panel_begin
-    distance_from_end = (end_places[..., None, None] - panel_end) + distance_to_panel_end
+    distance_from_panel_begin = panel_length * GRADED_RULE.distance_from_begin
+    distance_from_panel_end = panel_length * GRADED_RULE.distance_from_end
+    distance_from_begin = (panel_begin - begin_places[..., None, None]) + distance_from_panel_begin
+    distance_from_end = (end_places[..., None, None] - panel_end) + distance_from_panel_end
     places = np.where(
-        _IN_LOWER_HALF, panel_begin + distance_to_panel_begin, panel_end - distance_to_panel_end
+        _IN_LOWER_HALF, panel_begin + distance_from_panel_begin, panel_end - distance_from_panel_end
     )
     return PanelNodes(
         places, distance_from_begin, distance_from_end, panel_length * GRADED_RULE.weight

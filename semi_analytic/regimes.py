@@ -42,7 +42,7 @@ class FrettingMap:
     dissipation
         W of the steady cycle [energy / thickness]
     slide
-        way that the contact slides as a whole in the steady cycle, forward and back [length]
+        distance that the contact slides as a whole in the steady cycle, forward and back [length]
     largest_tangential_load
         largest |Q| of the steady cycle [force / thickness]
     """
@@ -99,29 +99,29 @@ def fretting_map(
     scene = scene_of(scene)
     actuator_path = _repeated_path_of_actuators(scene)
     stroke_factors, load_factors = _factors_of_map(stroke, normal_load)
-    # the normal contact and the compliance of contact, bodies and springs
-    rig = rigged_scene(scene, checked_effects(effects))
+    # the scene with its normal contact and the compliance of contact, bodies and springs
+    rig_and_contact = rigged_scene(scene, checked_effects(effects))
     most_cycles = max(scene.cycles, 2)
-    # instants, P or normal approach, and displacement of the actuator
-    rows = actuator_rows(actuator_path, most_cycles, one_step_at_constant_load=True)
+    # at the ends of steps: instant, P or normal approach, and displacement of the actuator
+    actuator_steps = actuator_rows(actuator_path, most_cycles, one_step_at_constant_load=True)
 
     # follow each scaled path, up to its first steady cycle
-    cycles_of_map = []
+    steady_cycles = []
     for stroke_factor, load_factor in zip(
         stroke_factors.ravel().tolist(), load_factors.ravel().tolist(), strict=True
     ):
-        scaled_rows = rows._replace(
-            load_or_approach=load_factor * rows.load_or_approach,
-            displacement=stroke_factor * rows.displacement,
+        scaled_steps = actuator_steps._replace(
+            load_or_approach=load_factor * actuator_steps.load_or_approach,
+            displacement=stroke_factor * actuator_steps.displacement,
         )
-        steady_cycle = _steady_cycle_of(rig.driven_path_of_rows(scaled_rows))
+        steady_cycle = _steady_cycle_of(rig_and_contact.driven_path_of_rows(scaled_steps))
         if steady_cycle is None:
             raise InputError(
                 f"fretting_map: no steady cycle among the first {most_cycles} with stroke ="
                 f" {stroke_factor:.6g}, normal_load = {load_factor:.6g}: raise cycles of the scene"
             )
-        cycles_of_map.append(steady_cycle)
-    return _map_of_cycles(cycles_of_map, stroke_factors.shape)
+        steady_cycles.append(steady_cycle)
+    return _map_of_cycles(steady_cycles, stroke_factors.shape)
 
 
 def _repeated_path_of_actuators(scene: Scene) -> LoadPath:
@@ -155,8 +155,18 @@ def _factors_of_map(stroke: ArrayLike, normal_load: ArrayLike) -> tuple[Array, A
 
 
 class _SteadyCycle(NamedTuple):
-    """Regime of a contact, and what its steady cycle has: friction work W [energy / thickness], way
-    of gross sliding, forward and back [length], and largest |Q| [force / thickness].
+    """The first steady cycle of one member of a fretting map.
+
+    Attributes
+    ----------
+    regime
+        partial slip, mixed or gross sliding
+    dissipation
+        friction work W of the cycle [energy / thickness]
+    slide
+        distance that the contact slides as a whole in the cycle, forward and back [length]
+    largest_tangential_load
+        largest |Q| of the cycle [force / thickness]
     """
 
     regime: Regime
@@ -195,9 +205,9 @@ def _steady_cycle_of(driven_path: DrivenPath) -> _SteadyCycle | None:
 
 
 def _map_of_cycles(steady_cycles: list[_SteadyCycle], shape: tuple[int, ...]) -> FrettingMap:
-    """The fretting map, arrays of one `shape`, from the steady cycles of its members: regime,
-    friction work, way of gross sliding and largest |Q| of each. The last index of the map runs
-    fastest.
+    """The fretting map, arrays of one `shape`, from the steady cycle of each of its members.
+
+    The last index of the map runs fastest in the list.
     """
 
     def array_of(name: str, dtype: type) -> NDArray[Any]:

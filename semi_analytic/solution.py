@@ -67,9 +67,9 @@ def solve(
         (n_instants,) instants, sorted or not, or one; about 400 a cycle, all events among them, if
         None
     cycles
-        "all" (the initial loading and every cycle up to the first steady one) or "steady" (that
-        one only: where bulk stress and tilt are constant in it, of fields that do not depend on
-        the initial loading, without grids); no effect where `time` is given
+        "all": the initial loading and every cycle up to the first steady one. "steady": the steady
+        cycle alone. Where bulk stress and tilt are constant in it, fields that do not depend on
+        the initial loading are then found without grids. No effect where `time` is given
     fields
         a name out of `FIELDS`, or several; the others come back as NaN (state: open) and are
         counted in `work.skipped`. Without "loop_work" the closed integral of Q dU is evaluated
@@ -89,18 +89,21 @@ def solve(
     ContactSolution
         Its dissipations are those of the last whole cycle within `time`; where `time` holds
         none, or is not given, those of the steady cycle (of cycle number `scene.cycles` if none
-        is steady before). Cycles after the steady one are looked up, not solved. A path of more
-        than 1,000 rows is answered at every row where no `time` is given, at about 400 of them
-        with pointwise fields; a million rows take some seconds and memory for the rows asked
-        for, W(x), the friction work per area, at 200 points five seconds for a parabola, minutes
-        for a tabulated profile: leave "dissipation_density" out of `fields` where it is not wanted.
+        is steady before). Cycles after the steady one are looked up, not solved.
+
+        A measured path of more than 1,000 rows is answered at every row where no `time` is given,
+        at about 400 of them with pointwise fields. A million rows take some seconds, and memory
+        for the rows asked for. W(x), the friction work per area, at 200 points takes five seconds
+        for a parabola, and minutes for a tabulated profile. Leave "dissipation_density" out
+        of `fields` where it is not wanted.
 
     Raises
     ------
     InputError
-        For a scene that does not pass its own check, an unknown field, a time outside the path, a
-        profile that this engine does not know, bulk stress or tilt under which an increment on
-        grids does not converge.
+        - for a scene that does not pass its own check;
+        - for an unknown field, and for a time outside the path;
+        - for a profile that this engine does not know;
+        - for bulk stress or tilt under which an increment on grids does not converge.
     InadmissibleLoadError
         For gross sliding or separation anywhere in the path, with the instant and the loads.
 
@@ -132,15 +135,22 @@ def solve(
 
 
 def _findings(question: Question) -> Findings:
-    """Values, stated errors and notes of half-plane theory for a question, by the first method that
-    holds for its scene.
+    """Values, stated errors and notes of half-plane theory for a question, by the first of these
+    methods that holds for its scene:
 
-    In this order: rigs, with a prescribed displacement; finite bodies; one memory curve; the steady
-    cycle alone; a numerical solution on grids. STEADY_FIELDS are those that do not depend on how
-    the steady cycle was reached. A memory curve is the tangential force, or the bulk strain, locked
-    in up to each load. The question holds the scene, the fields that are wanted, straight steps or
-    the scene's own path, and what finite bodies add, `effects` (None: nothing).
-    `wants_last_cycle_alone` tells that no times are given and `cycles` is "steady".
+    1. prescribed displacements of a rig;
+    2. finite bodies, `effects` of the question;
+    3. one memory curve, of scenes without bulk stress, tilt or unequal sides;
+    4. one memory curve, of other scenes (`one_curve`);
+    5. the steady cycle without grids, if the question wants it alone, and only STEADY_FIELDS, those
+       that do not depend on how the steady cycle was reached;
+    6. a numerical solution on grids.
+
+    A memory curve is the tangential force, or the bulk strain, locked in up to each load.
+
+    The question holds the scene, the names of the wanted `fields`, and `effects`, what finite
+    bodies add (None: nothing). With `straight_steps` it wants straight steps in place of the
+    scene's own path. `wants_last_cycle_alone`: no times are given, and `cycles` is "steady".
 
     Raises
     ------
@@ -181,26 +191,27 @@ def _findings_on_grids(question: Question) -> Findings:
     """Values, stated errors and notes for a question by a numerical solution on grids of points in
     the contact, for scenes without a single memory curve.
 
-    A memory curve is the tangential force, or the bulk strain, locked in up to each load. The
-    friction work of the steady cycle is taken from a method without grids where there is one and
-    the path reaches a steady cycle; `steady_from` is the first of these, None without one.
-    WORK_FIELDS are the fields of friction work.
+    A memory curve is the tangential force, or the bulk strain, locked in up to each load.
+
+    If the path reaches a steady cycle, its friction work is taken from a method without grids
+    where one holds. `path_on_grids.steady_from` is the index of the first steady cycle, None
+    without one. WORK_FIELDS are the fields of friction work.
     """
     from semi_analytic.answer_on_grids import (  # noqa: PLC0415 - for other memories alone
         WORK_FIELDS,
         GridAnswer,
     )
 
-    # the path followed on grids, with points x and instants
-    followed_path = GridAnswer(question)
+    # the load path followed on grids, at its points x
+    grid_answer = GridAnswer(question)
     fields_of_work = question.fields & (WORK_FIELDS | {"loop_work"})
     # friction work without grids, None where there is none
-    findings_of_cycle = None
-    if followed_path.path_on_grids.steady_from is not None and fields_of_work:
-        findings_of_cycle = _findings_of_steady_cycle(
-            replace(question, fields=fields_of_work, x=followed_path.x, time=None, cycles="steady")
+    findings_without_grids = None
+    if grid_answer.path_on_grids.steady_from is not None and fields_of_work:
+        findings_without_grids = _findings_of_steady_cycle(
+            replace(question, fields=fields_of_work, x=grid_answer.x, time=None, cycles="steady")
         )
-    return followed_path.findings(findings_of_cycle)
+    return grid_answer.findings(findings_without_grids)
 
 
 def _findings_of_steady_cycle(question: Question) -> Findings | None:

@@ -1,11 +1,13 @@
-"""How far values along one memory curve may be from exact ones, as theory states it: one relative
-estimate for each kernel, and what each quantity makes of it.
+"""Errors that half-plane theory states for its values along one memory curve.
+
+A relative error is estimated for each kernel. The error of a quantity follows from those of its
+kernels.
 
 Every value is a sum over the pieces of the memory curve, or an integral over its spans, of kernels
-of the normal contact P(a). A kernel's estimate (`quadrature_error` of the contact) is what its
-quadrature and its last digits may be off; 0 of closed forms.
+of the normal contact P(a). A kernel's estimate (`quadrature_error` of the contact) is its error by
+quadrature and round-off; 0 of closed forms.
 
-| kernel | quantity: what it makes of the estimate |
+| kernel | quantity: how often the estimate counts |
 |---|---|
 | p(x, P) | p: once; q: once for each kernel of the sum |
 | slip integral | s: once for each kernel of the sum |
@@ -13,11 +15,11 @@ quadrature and its last digits may be off; 0 of closed forms.
 | d = P - P_c, which slips | s: eight times; W and W(x): three times |
 | int ln(2 L/a) d eta | U: once |
 
-Of grids and of steps of a rig each value has the change from coarser ones, in `grid` and
-`answer_of_rig`.
+On grids, and for the steps of a rig, the error is the change from a coarser solution: see `grid`
+and `answer_of_rig`.
 
-Tractions begin like roots at the edges of contact and stick. A last digit of an edge counts for
-much more next to it, so that p and q have a second estimate, "at the edge".
+Tractions begin like square roots at the edges of contact and stick. A last digit of an edge counts
+for much more next to it, so that p and q have a second estimate, "at the edge".
 
 # notation: P_c load at the stick edge, c its half-width; W ~ d^3 and s ~ d^(3/2) where d is small
 """
@@ -134,29 +136,32 @@ def error_of_work(
     loop_integral
         the closed integral of Q dU over A/pi, and its round-off
     """
-    difference = 0.0
+    difference_of_loop = 0.0
     if math.isfinite(loop_integral.work) and work > 0:
-        difference = abs(loop_integral.work / work - 1)
+        difference_of_loop = abs(loop_integral.work / work - 1)
     if contact.has_closed_form or not work > 0:
-        return 0.0, difference
+        return 0.0, difference_of_loop
     error = math.fsum(_error_of_span(contact, span) for span in spans) / work
     # Round-off of U in the loop is no error of W.
     # _ROUNDOFF_OF_LOOP: 100
-    is_unexplained = difference > _ROUNDOFF_OF_LOOP * loop_integral.roundoff / work
+    is_unexplained = difference_of_loop > _ROUNDOFF_OF_LOOP * loop_integral.roundoff / work
     # share: largest P - P_c over the largest P, P_c the load at the stick edge;
     # _LEAST_SLIPPED_SHARE: 1e-6
     if is_unexplained and slip_zone_share(spans) > _LEAST_SLIPPED_SHARE:
-        error += difference
-    return error, difference
+        error += difference_of_loop
+    return error, difference_of_loop
 
 
 def _error_of_span(contact: Contact, span: Span) -> float:
     """Error of the friction work f int Lam dw in one span of slip by the error of its kernel Lam,
-    over A/pi [force^2 per thickness^2]; 0 in stick and gross sliding. w = +-Q - f P grows in slip;
-    Lam is the integral of ln(a/c) over the loads from P_c, that at the edge of stick, to P; a and c
-    are the half-widths of contact and of stick, A = 2/E*. The span holds its load segment, begin,
-    end and direction of slip, 0 for none. Its `sticking_piece` is the piece of the memory curve
-    (tangential force up to each load) that holds the stick edge, None if nothing sticks.
+    over A/pi [force^2 per thickness^2]; 0 in stick and gross sliding.
+
+    w = +-Q - f P grows in slip. Lam is the integral of ln(a/c) over the loads from P_c, that at the
+    edge of stick, to P. a and c are the half-widths of contact and of stick, A = 2/E*.
+
+    The span holds its load segment, begin, end and direction of slip, 0 for none. Its
+    `sticking_piece` is the piece of the memory curve (tangential force up to each load) that holds
+    the stick edge, None if nothing sticks.
     """
     if not span.direction or span.sticking_piece is None:
         return 0.0
@@ -164,11 +169,15 @@ def _error_of_span(contact: Contact, span: Span) -> float:
     times = np.linspace(span.begin.time, span.end.time, _SAMPLED_TIMES + 2)[1:-1]
     load, _ = span.segment.loads(times)
     # of Lam, from P and P - P_c
-    error = contact.quadrature_error("dissipation_kernel", load, span.slip_zone_load(times))
-    growth_rate = np.maximum(
+    kernel_error = contact.quadrature_error("dissipation_kernel", load, span.slip_zone_load(times))
+    growth_rate_of_w = np.maximum(
         span.segment.rate_of(slip_combination(span.direction, span.friction), times), 0.0
     )
-    return span.friction * largest_error(growth_rate * error) * (span.end.time - span.begin.time)
+    return (
+        span.friction
+        * largest_error(growth_rate_of_w * kernel_error)
+        * (span.end.time - span.begin.time)
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,33 +218,37 @@ def errors_of_sums(contact: Contact, sums: SumsOfKernels) -> dict[str, float]:
     """Relative errors of the sums of kernels that are pressure, shear and slip, by name.
 
     They hold farther than 1 % of a half-width from the edges of contact and of stick. With "at the
-    edge" behind the name they hold at the points themselves, however near. A kernel is a pressure
-    or slip integral of the contact under one load; a sum has at most `n_kernels`. The record `sums`
-    holds points, loads and half-widths at which kernels are sampled. Pressure and shear are over
-    the largest p and f p, slip over the largest slip; without pressure or slip they are left out.
-    Of closed forms, and of tilted contacts, only errors along arcs are there, above 1e-12; arcs are
-    curved pieces of the memory curve.
+    edge" behind the name they hold at the points themselves, however near.
+
+    A kernel is a pressure or a slip integral of the `contact` under one load. A sum has at most
+    `n_kernels` of them. `sums` holds the points, loads and half-widths at which kernels are
+    sampled.
+
+    Pressure is over the largest p, shear over the largest f p, slip over the largest slip. Without
+    pressure, or slip, its name is left out. Of closed forms and of tilted contacts the result has
+    only the errors along arcs (curved pieces of the memory curve) that are above 1e-12.
     """
     # 25 points
     sampled_places = sums.distances[_evenly_spread_numbers(len(sums.distances), _SAMPLED_PLACES)]
-    load = sums.loads[:, None]
-    # finite values only
-    largest_pressure = _largest_finite(contact.pressure(sampled_places, load))
+    # (n, 1): rows are loads, columns places
+    load_column = sums.loads[:, None]
+    # of the finite values
+    largest_pressure = _largest_finite(contact.pressure(sampled_places, load_column))
     errors_of_arcs = _errors_along_arcs(sums, largest_pressure)
     if contact.has_closed_form or isinstance(contact, TiltedProfile):
         return {name: error for name, error in errors_of_arcs.items() if error > PROMISED_ERROR}
     if largest_pressure <= _SMALLEST_FLOAT:
         return {}
-    half_width = contact.half_width(load)
+    half_width = contact.half_width(load_column)
     # _NEAR_EDGE: 0.01
     is_off_edge = np.abs(sampled_places - half_width) > _NEAR_EDGE * half_width
-    kernel_errors = contact.quadrature_error("pressure", sampled_places, load)
+    kernel_errors = contact.quadrature_error("pressure", sampled_places, load_column)
     kernel_error = largest_error(np.where(is_off_edge, kernel_errors, 0.0)) / largest_pressure
     errors = _errors_of_tractions(
         contact, sums, largest_pressure, kernel_error, errors_of_arcs["shear"]
     )
     if sums.largest_slip > _SMALLEST_FLOAT:
-        slip_kernel_errors = contact.quadrature_error("slip_integral", sampled_places, load)
+        slip_kernel_errors = contact.quadrature_error("slip_integral", sampled_places, load_column)
         slip_kernel_error = sums.friction * largest_error(slip_kernel_errors) / sums.largest_slip
         errors["slip"] = errors_of_arcs["slip"] + sums.n_kernels * slip_kernel_error
     return errors
@@ -285,11 +298,11 @@ def _errors_of_tractions(
 
 
 def _errors_along_arcs(sums: SumsOfKernels, largest_pressure: float) -> dict[str, float]:
-    """Relative errors of the integrals of shear and of slip along curved pieces of the memory curve
-    (tangential force up to each load), by the names "shear" and "slip": over the largest f p and
-    the largest slip; 0 where these are 0.
+    """Relative errors of the integrals of shear and of slip along arcs, curved pieces of the memory
+    curve (tangential force up to each load), by the names "shear" and "slip".
 
-    `sums` has the errors themselves as `arc_errors`; `largest_pressure` is the largest p [stress].
+    They are the `arc_errors` of `sums` over the largest f p and the largest slip; 0 where these are
+    0. `largest_pressure` is the largest p [stress].
     """
     largest_values = {"shear": sums.friction * largest_pressure, "slip": sums.largest_slip}
     return {
@@ -314,29 +327,29 @@ def _error_beside_edges(
     contact: SymmetricContact, x: Array, half_widths: Array, nearest_share: float
 ) -> float:
     """Largest error of the pressure next to an edge of contact or of stick [stress], by the error
-    of its half-width a.
+    of the half-width a of that edge.
 
-    At the distance d from the edge p = (g/pi) sqrt(2 d/a), g = dP/da. d is that of the nearest of
-    the points x (k,) ascending, and at least `nearest_share` times a. P(a) is the load under which
-    the contact has the half-width a, `relative_roundoff` its relative error, and g is `stiffness`.
-    The `half_widths` a (n,) may be NaN.
+    At the distance d from the edge p = (g/pi) sqrt(2 d/a), g = dP/da. P(a) is the load under which
+    the contact has the half-width a. The result is the change of p where d grows by the error of a.
+
+    d is the distance of the nearest of the points x (k,) ascending, and at least `nearest_share`
+    times a. `half_widths` (n,) are the values of a, NaN where there is no edge. The contact gives g
+    as `stiffness` and the relative error of P(a) as `relative_roundoff`.
     """
-    half_width_of_edge = half_widths[np.isfinite(half_widths) & (half_widths > 0)]
+    edge_half_width = half_widths[np.isfinite(half_widths) & (half_widths > 0)]
     last_point = len(x) - 1
-    point_after_edge = np.clip(np.searchsorted(x, half_width_of_edge), 1, max(last_point, 1))
-    distance_to_point_before = np.abs(x[point_after_edge - 1] - half_width_of_edge)
-    distance_to_point_after = np.abs(
-        x[np.minimum(point_after_edge, last_point)] - half_width_of_edge
-    )
+    point_after_edge = np.clip(np.searchsorted(x, edge_half_width), 1, max(last_point, 1))
+    distance_to_point_before = np.abs(x[point_after_edge - 1] - edge_half_width)
+    distance_to_point_after = np.abs(x[np.minimum(point_after_edge, last_point)] - edge_half_width)
     distance = np.maximum(
         np.minimum(distance_to_point_before, distance_to_point_after),
-        nearest_share * half_width_of_edge,
+        nearest_share * edge_half_width,
     )
-    stiffness = contact.stiffness(half_width_of_edge)
+    stiffness = contact.stiffness(edge_half_width)
     # of P(a) by round-off
-    error_of_load = contact.relative_roundoff * contact.load(half_width_of_edge)
+    error_of_load = contact.relative_roundoff * contact.load(edge_half_width)
     positive_stiffness = np.where(stiffness > 0, stiffness, np.inf)
-    # 40 last digits of a, and what the error of P makes of it
-    error_of_edge = _DIGITS_OF_EDGE * _EPS * half_width_of_edge + error_of_load / positive_stiffness
-    change_of_root = np.sqrt(distance + error_of_edge) - np.sqrt(distance)
-    return largest_error(stiffness / np.pi * np.sqrt(2 / half_width_of_edge) * change_of_root)
+    # of a: 40 last digits, plus the error of P(a) over dP/da
+    error_of_edge = _DIGITS_OF_EDGE * _EPS * edge_half_width + error_of_load / positive_stiffness
+    change_of_square_root = np.sqrt(distance + error_of_edge) - np.sqrt(distance)
+    return largest_error(stiffness / np.pi * np.sqrt(2 / edge_half_width) * change_of_square_root)
