@@ -410,9 +410,13 @@ def _tangential_with_normal_mesh_error(interface: Interface, distances_in_spacin
     is_in_wide_band = np.abs(distances_in_spacings) <= 2 * _SPACINGS_WITH_MESH_ERROR
     weights = interface.face_lengths
     row_sums = (tangential_compliance - interface.tangential_compliance) @ weights
-    # The symmetric matrix v_i + v_j on the wide band has these row sums.
-    v = solve(np.diag(is_in_wide_band @ weights) + is_in_wide_band * weights, row_sums)
-    tangential_compliance -= np.where(is_in_wide_band, np.add.outer(v, v), 0.0)
+    # The symmetric matrix v_i + v_j on the wide band has these row sums; v are the corrections.
+    node_corrections = solve(
+        np.diag(is_in_wide_band @ weights) + is_in_wide_band * weights, row_sums
+    )
+    tangential_compliance -= np.where(
+        is_in_wide_band, np.add.outer(node_corrections, node_corrections), 0.0
+    )
     return np.asarray(tangential_compliance)
 
 

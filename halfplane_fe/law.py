@@ -30,8 +30,11 @@ _OPEN, _STICK, *_SLIPS = np.array([OPEN, STICK, SLIP_FORWARD, SLIP_REVERSE], dty
 def project(
     trial_pressure: ArrayLike, trial_shear: ArrayLike, friction: float
 ) -> tuple[Array, Array, States]:
-    """Return mapping of contact and friction: trial pressure and shear are moved to the nearest
-    admissible ones, p >= 0 and |q| <= f p (the Coulomb cone).
+    """Return mapping of contact and friction: trial pressure and shear are projected onto the
+    Coulomb cone, p >= 0 and |q| <= f p.
+
+    A negative pressure becomes 0. Then a shear beyond the Coulomb limit at that pressure becomes
+    the limit, with its sign.
 
     Parameters
     ----------

@@ -3,8 +3,9 @@ all nodes.
 
 Where the load path and the faces are their own mirror image in x = 0, so is the answer: p is even
 in x. So is q where nothing couples the two; without a tangential load q is odd, an effect of p
-alone, and U = 0. With F_k the force on a node and its image together, S the matrix that shares it
-(1/2 and +-1/2; in the middle 1, or 0 of an odd q), f = S F,
+alone, and U = 0. F_k is the force on a node and its image together. The matrix S shares it between
+both (1/2 and +-1/2; in the middle 1, or 0 of an odd q): f = S F are the forces at all nodes. With N
+a compliance matrix,
 
     N F -> S^T N S F,   sum f = sum F,   gap and slip those of the node with x > 0,
 

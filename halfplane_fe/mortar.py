@@ -121,7 +121,7 @@ def mortar(lower_face: Face, upper_face: Face) -> Mortar:
     lower_at_points = _face_at_points(lower_face, x)
     upper_at_points = _face_at_points(upper_face, x)
     line = _line_half_way(lower_at_points, upper_at_points, weights)
-    duals = _DualFunctions.of_face(lower_face, lower_at_points, line.lengths)
+    duals = _DualFunctions.of_face(lower_face, lower_at_points, line.weights)
     dual_integrals = duals.integrals_with(np.ones_like(x))
     normal_integrals = [duals.integrals_with(component) for component in line.unit_normal]
     directions = np.stack([line.unit_normal, line.unit_tangent])
@@ -164,7 +164,7 @@ class _LineHalfWay(NamedTuple):
 
     Attributes
     ----------
-    lengths
+    weights
         (s, m) weight of each point in integrals along the line [length]
     unit_normal, unit_tangent
         (2, s, m) x and y components of the normal N, out of the lower body, and the tangent T
@@ -172,7 +172,7 @@ class _LineHalfWay(NamedTuple):
         (s, m) from the lower face to the upper one along N [length]
     """
 
-    lengths: Array
+    weights: Array
     unit_normal: Array
     unit_tangent: Array
     distance: Array
@@ -191,7 +191,7 @@ def _line_half_way(
     length_factor = np.sqrt(1 + slope**2)  # length along the line over that along x
     unit_normal = np.stack([-slope, np.ones_like(slope)]) / length_factor
     return _LineHalfWay(
-        lengths=weights * length_factor,
+        weights=weights * length_factor,
         unit_normal=unit_normal,
         unit_tangent=np.stack([unit_normal[1], -unit_normal[0]]),
         distance=(upper_at_points.y - lower_at_points.y) * unit_normal[1],
@@ -218,11 +218,13 @@ class _DualFunctions(NamedTuple):
     n_nodes: int
 
     @classmethod
-    def of_face(cls, face: Face, face_at_points: _FaceAtPoints, lengths: Array) -> _DualFunctions:
+    def of_face(
+        cls, face: Face, face_at_points: _FaceAtPoints, weights_along_line: Array
+    ) -> _DualFunctions:
         """Dual functions of the nodes of a face, by its shape functions at the points and the
-        weights `lengths` (s, m) of these in integrals.
+        weights (s, m) of these in integrals along the line half-way between the faces.
         """
-        weighted_values = _weighted_dual_functions(face, face_at_points, lengths)
+        weighted_values = _weighted_dual_functions(face, face_at_points, weights_along_line)
         return cls(weighted_values, face_at_points.nodes, len(face.x))
 
     def integrals_with(self, values: Array) -> Array:
@@ -268,7 +270,9 @@ class _DualFunctions(NamedTuple):
         return operator
 
 
-def _weighted_dual_functions(face: Face, face_at_points: _FaceAtPoints, lengths: Array) -> Array:
+def _weighted_dual_functions(
+    face: Face, face_at_points: _FaceAtPoints, weights_along_line: Array
+) -> Array:
     """Dual shape functions of the elements of a contact face at Gauss points, times the weight of
     each point in integrals: (s, k, m) at m points of s segments, of the k nodes of an element.
 
@@ -281,16 +285,16 @@ def _weighted_dual_functions(face: Face, face_at_points: _FaceAtPoints, lengths:
     face, face_at_points
         the face with its elements of order 1 or 2, and at the points of each segment the shape
         functions and node numbers of the element that it lies in
-    lengths
+    weights_along_line
         (s, m) Gauss weight of each point, along the line half-way between the faces [length]
     """
     phi = face_at_points.shapes  # (s, k, m)
     element = face_at_points.nodes[:, 0] // face.order  # number of that of each segment
     n_elements = (len(face.x) - 1) // face.order
     mass_matrices = np.zeros((n_elements, face.order + 1, face.order + 1))
-    np.add.at(mass_matrices, element, np.einsum("skm,sm,slm->skl", phi, lengths, phi))
+    np.add.at(mass_matrices, element, np.einsum("skm,sm,slm->skl", phi, weights_along_line, phi))
     dual_matrices = mass_matrices.sum(axis=2)[:, :, None] * np.linalg.inv(mass_matrices)
-    return np.asarray(np.einsum("skl,slm,sm->skm", dual_matrices[element], phi, lengths))
+    return np.asarray(np.einsum("skl,slm,sm->skm", dual_matrices[element], phi, weights_along_line))
 
 
 class _FaceAtPoints(NamedTuple):

@@ -264,11 +264,11 @@ def turning_points(segment: LoadSegment, friction: float) -> list[float]:
                     stress_or_tilt.segment, *stress_or_tilt.combination
                 )
 
-    rounding = 1e-9 * (segment.end - segment.start)
+    least_distance = 1e-9 * (segment.end - segment.start)
     separate_times: list[float] = []
     for time in sorted(all_times):
         time_before = separate_times[-1] if separate_times else segment.start
-        if min(time - time_before, segment.end - time) > rounding:
+        if min(time - time_before, segment.end - time) > least_distance:
             separate_times.append(time)
     return separate_times
 
@@ -390,8 +390,10 @@ def check_admissible(path: LoadPath, friction: float, *, is_driven: bool = False
 
         is_separated = is_after_start & (normal_load <= _LEAST_LOAD_RATIO * largest_load)
         if is_separated.any():
-            k = int(np.argmin(np.where(is_separated, normal_load, np.inf)))
-            worst_instant = LoadedInstant(times[k], normal_load[k], tangential_load[k])
+            worst_index = int(np.argmin(np.where(is_separated, normal_load, np.inf)))
+            worst_instant = LoadedInstant(
+                times[worst_index], normal_load[worst_index], tangential_load[worst_index]
+            )
             raise _separation_error(worst_instant, largest_load, friction, is_driven)
         if is_driven:
             continue
@@ -403,8 +405,10 @@ def check_admissible(path: LoadPath, friction: float, *, is_driven: bool = False
             & (tangential_load != 0)
         )
         if is_sliding.any():
-            k = int(np.argmax(np.where(is_sliding, force_beyond_limit, -np.inf)))
-            worst_instant = LoadedInstant(times[k], normal_load[k], tangential_load[k])
+            worst_index = int(np.argmax(np.where(is_sliding, force_beyond_limit, -np.inf)))
+            worst_instant = LoadedInstant(
+                times[worst_index], normal_load[worst_index], tangential_load[worst_index]
+            )
             raise InadmissibleLoadError(
                 "gross sliding", worst_instant, friction=friction, rule=_ADVICE_ON_SLIDING
             )

@@ -450,17 +450,17 @@ class BodyNumbers:
     Attributes
     ----------
     normal_compliance, tangential_compliance
-        c_n, c_t [1 / stress]
+        c_n, c_t, the constant terms of k_nn and k_tt [1 / stress]
     normal_curvature, tangential_curvature
-        N, T [1 / (stress length^2)]
+        N, T, of (x^2 + s^2)/2 in k_nn and k_tt [1 / (stress length^2)]
     strain_under_pressure
         e, strain of the face along x by P = 1 [1 / (stress length)]
     slope_under_shear
         a, slope of the outward displacement by Q = 1 [1 / (stress length)]
     normal_fourth, tangential_fourth
-        N_4, T_4 [1 / (stress length^4)]
+        N_4, T_4, of (x^4 + s^4)/24 in k_nn and k_tt [1 / (stress length^4)]
     normal_mixed, tangential_mixed
-        N_22, T_22 [1 / (stress length^4)]
+        N_22, T_22, of x^2 s^2 in k_nn and k_tt [1 / (stress length^4)]
     unknowns, factorisations
         of the linear systems that were solved
     """
@@ -525,28 +525,29 @@ def face_series(kernels: RemainderKernels, degree: int = _LARGEST_DEGREE) -> Fac
     degree
         largest i + j; 8 by default
     """
-    # Places over the half-length of the part of the face that is fitted, (n, m) each.
+    # Places over the half-length of the part of the face that is fitted, (n, m) each. Pairs (i, j)
+    # below are exponents of x and s.
     half_length = float(np.abs(kernels.x).max())
     x, s = np.meshgrid(kernels.x / half_length, kernels.x_of_forces / half_length, indexing="ij")
 
     # k_nn and k_tt: coefficients (n_terms, 2).
-    even_powers = [(i, j) for i, j in even_exponents(degree) if i <= j]
-    even_terms = np.stack([(x**i * s**j + x**j * s**i).ravel() for i, j in even_powers], axis=1)
+    even_pairs = [(i, j) for i, j in even_exponents(degree) if i <= j]
+    even_terms = np.stack([(x**i * s**j + x**j * s**i).ravel() for i, j in even_pairs], axis=1)
     direct_kernels = np.stack(
         [kernels.inward_displacement_by_pressure.ravel(), kernels.x_displacement_by_shear.ravel()],
         axis=1,
     )
     coefficients = np.linalg.lstsq(even_terms, direct_kernels, rcond=None)[0]
-    # Those of the power series; equal powers of x and s stand twice in a term.
-    compliance = 2 * coefficients[even_powers.index((0, 0))]
-    curvature = 2 * coefficients[even_powers.index((0, 2))] / half_length**2
-    fourth_coefficients = 24 * coefficients[even_powers.index((0, 4))] / half_length**4
-    mixed_coefficients = 2 * coefficients[even_powers.index((2, 2))] / half_length**4
+    # Those of the power series. A pair (0, 0) or (2, 2) gives its term twice, hence a factor of 2.
+    compliance = 2 * coefficients[even_pairs.index((0, 0))]
+    curvature = 2 * coefficients[even_pairs.index((0, 2))] / half_length**2
+    fourth_coefficients = 24 * coefficients[even_pairs.index((0, 4))] / half_length**4
+    mixed_coefficients = 2 * coefficients[even_pairs.index((2, 2))] / half_length**4
 
     # k_tn(x, s) and -k_nt(s, x), with x and s exchanged.
-    odd_powers = odd_exponents(degree)
-    terms_by_pressure = np.stack([(x**i * s**j).ravel() for i, j in odd_powers], axis=1)
-    terms_by_shear = np.stack([(s**i * x**j).ravel() for i, j in odd_powers], axis=1)
+    odd_pairs = odd_exponents(degree)
+    terms_by_pressure = np.stack([(x**i * s**j).ravel() for i, j in odd_pairs], axis=1)
+    terms_by_shear = np.stack([(s**i * x**j).ravel() for i, j in odd_pairs], axis=1)
     odd_terms = np.concatenate([terms_by_pressure, terms_by_shear])
     cross_kernels = np.concatenate(
         [kernels.x_displacement_by_pressure.ravel(), -kernels.outward_displacement_by_shear.ravel()]
@@ -558,8 +559,8 @@ def face_series(kernels: RemainderKernels, degree: int = _LARGEST_DEGREE) -> Fac
         tangential_compliance=float(compliance[1]),
         normal_curvature=float(curvature[0]),
         tangential_curvature=float(curvature[1]),
-        strain_under_pressure=float(first_coefficients[odd_powers.index((1, 0))]),
-        slope_under_shear=-float(first_coefficients[odd_powers.index((0, 1))]),
+        strain_under_pressure=float(first_coefficients[odd_pairs.index((1, 0))]),
+        slope_under_shear=-float(first_coefficients[odd_pairs.index((0, 1))]),
         normal_fourth=float(fourth_coefficients[0]),
         tangential_fourth=float(fourth_coefficients[1]),
         normal_mixed=float(mixed_coefficients[0]),

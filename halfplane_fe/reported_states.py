@@ -189,10 +189,10 @@ def _is_driven(
     dQ > f dP, reverse slip where -dQ > f dP. Bulk stress and tilt change dP and dQ from node to
     node.
 
-    In full stick both tractions are [d(P, Q)/pi - d(tilt, strain) (x - x_m)/A] over one common
-    root.
+    In full stick the pressure changes by [dP/pi - d(tilt) (x - x_m)/A] over the root of
+    a^2 - (x - x_m)^2, and the shear likewise by dQ and a strain: the roots cancel.
 
-    # notation: x_m middle of the stick zone, A = 2/E* = 2 in scaled variables
+    # notation: x_m middle of the stick zone, a half-width, A = 2/E* = 2 in scaled variables
 
     Parameters
     ----------
@@ -247,7 +247,7 @@ def _slip_limits(
     """Largest |slip| of any node in any of m increments, and for each increment, (m,), the |slip|
     beyond which a node counts as fast; both over P/E*.
 
-    Fast is more than a hundredth of the largest slip per change of load in the same revolution,
+    Fast is more than a hundredth of the largest slip per change of load in the same revolution_of_increment,
     times the change of load of the increment. Change of load is the sum of |dP|, |dQ| and the
     others.
 
@@ -260,7 +260,7 @@ def _slip_limits(
     load_increments
         (m, n_loads) changes of the loads
     cycle_starts
-        index of the contact state at which each revolution starts
+        index of the contact state at which each revolution_of_increment starts
     """
     # Largest slip of the sliding nodes in each increment, over its change of load.
     n_increments = len(load_increments)
@@ -274,17 +274,19 @@ def _slip_limits(
         largest_sliding_slip[block] = np.abs(slip * sense).max(axis=1)
         largest_slip = max(largest_slip, float(np.abs(slip).max()))
 
-    # Largest value in each revolution; 0 is the initial loading.
+    # Largest value in each revolution_of_increment; 0 is the initial loading.
     starts = np.asarray(cycle_starts, dtype=int)
-    revolution = np.searchsorted(starts, np.arange(n_increments), side="right")
+    revolution_of_increment = np.searchsorted(starts, np.arange(n_increments), side="right")
     slip_per_load = largest_sliding_slip / load_changes
     largest_slip_per_load = np.array(
         [
-            slip_per_load[revolution == number].max(initial=0.0)
+            slip_per_load[revolution_of_increment == number].max(initial=0.0)
             for number in range(len(cycle_starts) + 1)
         ]
     )
-    least_fast_slip = _LEAST_SPEED_SHARE * largest_slip_per_load[revolution] * load_changes
+    least_fast_slip = (
+        _LEAST_SPEED_SHARE * largest_slip_per_load[revolution_of_increment] * load_changes
+    )
     return largest_slip, least_fast_slip
 
 

@@ -1,7 +1,7 @@
 """Notes on what the mesh does not resolve: contacts, slip zones and flanks of the pressure (parts
 of a contact beyond a kink of the profile) that are too few elements wide.
 
-# notation: h element at the edges of contact and stick, of the coarser side; a half-width; A =
+# notation: h element size at the edges of contact and stick, of the coarser side; a half-width; A =
 2/E*; f coefficient of friction
 
 Measured on Hertz at P0 : P1 = 3 : 1, quadratic elements, h = a/1.1 ... a/160, matching sides and
@@ -37,7 +37,7 @@ _LEAST_LOAD_RATIO = 0.3
 # Exponent of a power law below which the peak at its tip is lost: it is 2.4 % low for x^1.2 on a
 # coarse mesh, 6.8 % for x^1.15, 41 % for x^1.05; p and q in L2 have errors of 0.4 % and 1 % at
 # most.
-_LEAST_POWER_OF_PEAK = 1.25
+_LEAST_EXPONENT_OF_PEAK = 1.25
 # Halvings of an element at a tip, at most.
 _MOST_HALVINGS = 16
 # Share of the error of the pressure there that is to be left.
@@ -45,10 +45,10 @@ _ERROR_LEFT_AT_TIP = 1 / 64
 # Further halvings within a rounded tip: the peak of a wedge has an error of 1e-3 with two elements
 # there, and of a tenth of that with eight.
 _HALVINGS_WITHIN_TIP = 2
-# Power from which on a tip counts as smooth: rows and fitted curves are no exact parabolas.
+# Exponent from which on a tip counts as smooth: rows and fitted curves are no exact parabolas.
 SMOOTH_TIP = 1.99
-# Digits that a power has.
-_DIGITS_OF_POWER = 9
+# Digits behind the point to which an exponent is rounded.
+_DIGITS_OF_EXPONENT = 9
 # Dissipation over A f^2 P^2 (h/a)^2 of a mesh on which nothing should slip.
 _DISSIPATION_BY_MESH = 0.04
 # Elements below which the dissipation of a slip zone has an error of per cents: Cattaneo-Mindlin's
@@ -84,7 +84,7 @@ def tip_power(profile: Profile, distance: float) -> float:
             else math.inf
         )
         exponents.append(math.log2(height_ratio))
-    return round(min(exponents), _DIGITS_OF_POWER)
+    return round(min(exponents), _DIGITS_OF_EXPONENT)
 
 
 def tip_halvings(profile: Profile, size: float) -> int:
@@ -106,11 +106,11 @@ def tip_halvings(profile: Profile, size: float) -> int:
     count = 0
     error_left = 1.0
     while count < _MOST_HALVINGS and error_left > _ERROR_LEFT_AT_TIP:
-        power = tip_power(profile, size / 2**count)  # n at the present size
-        if power >= SMOOTH_TIP:
+        exponent = tip_power(profile, size / 2**count)  # n at the present size
+        if exponent >= SMOOTH_TIP:
             return count + _HALVINGS_WITHIN_TIP if count else 0
         count += 1
-        error_left /= 2 ** (power - 1)
+        error_left /= 2 ** (exponent - 1)
     return count
 
 
@@ -247,8 +247,8 @@ def resolution_notes(
     # A profile near a wedge.
     # _MOST_HALVINGS: 16
     exponent = tip_power(profile, element_size / 2**_MOST_HALVINGS)
-    # _LEAST_POWER_OF_PEAK: 1.25
-    if exponent < _LEAST_POWER_OF_PEAK:
+    # _LEAST_EXPONENT_OF_PEAK: 1.25
+    if exponent < _LEAST_EXPONENT_OF_PEAK:
         yield (
             f"the profile rises as |x|^{exponent:g}, next to a wedge, whose pressure is infinite at"
             " the tip: the largest pressure is too low, by 7% for |x|^1.15 and by 40% for"

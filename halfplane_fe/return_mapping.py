@@ -38,8 +38,8 @@ from halfplane_fe.systems import Layer, SingularSet, Systems
 from scenes import OPEN, STICK
 from scenes.array_types import Array, Mask, States
 
-# Tolerated change of a multiplier, and tolerated difference of mapped and iterated tractions, over
-# the largest nodal pressure.
+# Tolerated change of a multiplier, and tolerated difference of projected and iterated tractions,
+# over the largest nodal pressure.
 _TOLERANCE = 1e-10
 # Where Newton's method cycles, the penalty of the next try over that of the one before.
 _PENALTY_RATIO = 0.1
@@ -60,7 +60,7 @@ class Tractions(NamedTuple):
     pressure, shear, states
         (n,) after it: admissible tractions, and open, stick or slip
     error
-        largest difference of the mapped tractions from the iterated ones, over the tolerance
+        largest difference of the projected tractions from the iterated ones, over the tolerance
     """
 
     trial_pressure: Array
@@ -72,8 +72,8 @@ class Tractions(NamedTuple):
 
 
 class _TargetsOfStep(NamedTuple):
-    """What the linearised equations of the return mapping demand of n nodes after a Newton step;
-    scaled.
+    """Right sides of the linearised equations of the return mapping in a Newton step: gap, slip and
+    shear that the n nodes have to take; scaled.
 
     Attributes
     ----------
@@ -256,8 +256,10 @@ class _Iteration:
     def __post_init__(self) -> None:
         self.values = self.start.values.copy()
         # (n,) views of `values`: what changes them changes `values`
-        self._slip, self._pressure, self._shear, self._gap = self.values[3:].reshape(4, -1)
-        self._slip_at_start = self._slip.copy()
+        self._iterated_slip, self._iterated_pressure, self._iterated_shear, self._iterated_gap = (
+            self.values[3:].reshape(4, -1)
+        )
+        self._slip_at_start = self._iterated_slip.copy()
         self._latest_states = self.start.states
 
     def run_to_convergence(self, most_steps: int) -> bool:
@@ -268,9 +270,9 @@ class _Iteration:
         outer loop replaces the multipliers by the tractions found, until these change no more. The
         penalty method has no multipliers: one inner loop is all.
 
-        `start` holds the node states at the start of the increment and the change of its loads;
-        `_pressure` and `_shear` (n,) are the iterated nodal forces, parts of `values`;
-        `penalty_compliance` (n,) is the inverse of the penalty, normal and tangential.
+        - `start`: node states at the start of the increment, and the change of its loads.
+        - `_iterated_pressure`, `_iterated_shear`: (n,) nodal forces, parts of `values`.
+        - `penalty_compliance`: (n,) inverse of the penalty, normal and tangential.
 
         Raises
         ------
@@ -279,12 +281,12 @@ class _Iteration:
         """
         # The first step adds the loads, with the tractions and states at the start of the
         # increment.
-        pressure = self._pressure.copy()
-        shear = self._shear.copy()
+        pressure = self._iterated_pressure.copy()
+        shear = self._iterated_shear.copy()
         tractions_at_start = Tractions(pressure, shear, pressure, shear, self.start.states, np.inf)
         self._newton_step(tractions_at_start, self.start.change_of_loads)
 
-        # Outer loop. Mapped tractions: what the contact law makes of trial tractions.
+        # Outer loop. Projected tractions: trial tractions, projected onto p >= 0 and |q| <= f p.
         multipliers = np.stack([pressure, shear])
         has_multipliers = (
             self.penalty_compliance.normal_compliance.any()
@@ -292,77 +294,81 @@ class _Iteration:
         )
         # _MOST_UPDATES: 2000
         while self.multiplier_updates < _MOST_UPDATES:
-            mapped_tractions = self._inner_loop(most_steps)
-            if mapped_tractions is None:
+            projected_tractions = self._inner_loop(most_steps)
+            if projected_tractions is None:
                 return False
             if not has_multipliers:
                 return True
             self.multiplier_updates += 1
-            change_over_tolerance = self._update_multipliers(multipliers, mapped_tractions)
-            if change_over_tolerance <= 1.0 and self._mapped_tractions().error <= 1.0:
+            change_over_tolerance = self._update_multipliers(multipliers, projected_tractions)
+            if change_over_tolerance <= 1.0 and self._projected_tractions().error <= 1.0:
                 return True
         return False
 
     def _inner_loop(self, most_steps: int) -> Tractions | None:
-        """Newton's method at constant multipliers: the mapped tractions on which it converges, what
-        the laws of contact and friction make of trial tractions. None where a set of node states
-        comes back (the steps would cycle), or after `most_steps`.
+        """Newton's method at constant multipliers: the projected tractions on which it converges,
+        which are trial tractions, projected onto p >= 0 and |q| <= f p. None where a set of node
+        states comes back (the steps would cycle), or after `most_steps`.
 
-        `error` of mapped tractions is their difference from the iterated ones, over the tolerance.
+        `error` of projected tractions is their difference from the iterated ones, over the
+        tolerance.
         """
         earlier_states: set[bytes] = set()  # sets of node states of all steps so far
         for _ in range(most_steps):
-            mapped_tractions = self._mapped_tractions()
-            if mapped_tractions.error <= 1.0:
-                return mapped_tractions
-            states_as_bytes = mapped_tractions.states.tobytes()
+            projected_tractions = self._projected_tractions()
+            if projected_tractions.error <= 1.0:
+                return projected_tractions
+            states_as_bytes = projected_tractions.states.tobytes()
             if states_as_bytes in earlier_states:
                 return None
             earlier_states.add(states_as_bytes)
             # The loads do not change from step to step.
-            mapped_tractions = self._tractions_with_more_stick(mapped_tractions)
-            self._newton_step(mapped_tractions, np.zeros_like(self.start.change_of_loads))
+            projected_tractions = self._tractions_with_more_stick(projected_tractions)
+            self._newton_step(projected_tractions, np.zeros_like(self.start.change_of_loads))
         return None
 
-    def _tractions_with_more_stick(self, mapped_tractions: Tractions) -> Tractions:
-        """Mapped tractions for the next Newton step in which some nodes stick, with their trial
-        shear, that should slide by the return mapping, so that the steps converge.
+    def _tractions_with_more_stick(self, projected_tractions: Tractions) -> Tractions:
+        """Projected tractions for the next Newton step, in which some nodes stick with their trial
+        shear though they should slide by the return mapping. So the steps converge.
 
         - A node that slides one way and is to slide the other way sticks first: if it changed its
           direction at once, the next step would change it back.
         - Where all nodes are to slide, the one least beyond the Coulomb limit sticks: Q < f P, so
           one has to.
 
-        `mapped_tractions` has trial and mapped pressure and shear of the n nodes, and their states:
-        0 open, 1 stick, above that slip. `_latest_states` (n,) are those of the step before.
+        `projected_tractions` has trial and projected pressure and shear of the n nodes, and their
+        states: 0 open, 1 stick, above that slip. `_latest_states` (n,) are those of the step
+        before.
         """
-        is_sliding = mapped_tractions.states > STICK
+        is_sliding = projected_tractions.states > STICK
         is_sticking_first = (
             is_sliding
             & (self._latest_states > STICK)
-            & (mapped_tractions.states != self._latest_states)
+            & (projected_tractions.states != self._latest_states)
         )
 
         # No stick is needed to balance Q on one half of a contact whose shear is odd in x, nor
         # where an actuator prescribes the tangential displacement.
-        nothing_sticks = not np.any((mapped_tractions.states == STICK) | is_sticking_first)
+        nothing_sticks = not np.any((projected_tractions.states == STICK) | is_sticking_first)
         may_slide_freely = (
             self.problem.interface.has_odd_shear or self.problem.actuators.prescribe_displacement
         )
         if self.problem.has_shear and nothing_sticks and not may_slide_freely:
             force_beyond_limit = (
-                np.abs(mapped_tractions.trial_shear)
-                - self.problem.friction * mapped_tractions.pressure
+                np.abs(projected_tractions.trial_shear)
+                - self.problem.friction * projected_tractions.pressure
             )
             is_sticking_first[np.argmin(np.where(is_sliding, force_beyond_limit, np.inf))] = True
-        return mapped_tractions._replace(
-            states=np.where(is_sticking_first, STICK, mapped_tractions.states).astype(np.int8),
-            shear=np.where(is_sticking_first, mapped_tractions.trial_shear, mapped_tractions.shear),
+        return projected_tractions._replace(
+            states=np.where(is_sticking_first, STICK, projected_tractions.states).astype(np.int8),
+            shear=np.where(
+                is_sticking_first, projected_tractions.trial_shear, projected_tractions.shear
+            ),
         )
 
-    def _mapped_tractions(self) -> Tractions:
+    def _projected_tractions(self) -> Tractions:
         """Tractions and states of the nodes by the return mapping at their present values: the
-        trial tractions p - G/c_n and q + (S - S_start)/c_t, moved into p >= 0 and |q| <= f p.
+        trial tractions p - G/c_n and q + (S - S_start)/c_t, projected onto p >= 0 and |q| <= f p.
 
         The iterated gap G and slip S are those of penalty springs: with multipliers l of p and m of
         q, G = g + c (p - l) and S = s - c (q - m), c the compliance of the penalty.
@@ -372,11 +378,11 @@ class _Iteration:
         # f coefficient of friction
         """
         compliance = self.systems.layer  # (n,) normal and tangential, of layer and penalty
-        trial_pressure = self._pressure - self._gap / compliance.normal_compliance
-        trial_shear = self._shear
+        trial_pressure = self._iterated_pressure - self._iterated_gap / compliance.normal_compliance
+        trial_shear = self._iterated_shear
         if self.problem.has_shear:
-            slip_increment = self._slip - self._slip_at_start
-            trial_shear = self._shear + slip_increment / compliance.tangential_compliance
+            slip_increment = self._iterated_slip - self._slip_at_start
+            trial_shear = self._iterated_shear + slip_increment / compliance.tangential_compliance
         pressure, shear, node_states = project(trial_pressure, trial_shear, self.problem.friction)
         return Tractions(
             trial_pressure,
@@ -384,57 +390,58 @@ class _Iteration:
             pressure,
             shear,
             node_states.astype(np.int8),
-            self._over_tolerance(pressure - self._pressure, shear - self._shear),
+            self._over_tolerance(pressure - self._iterated_pressure, shear - self._iterated_shear),
         )
 
     def _over_tolerance(self, pressure_changes: Array, shear_changes: Array) -> float:
         """Largest of some changes (n,) of nodal forces, over the tolerated one: 1e-10 of the
         largest nodal pressure; infinite where no node bears pressure.
         """
-        tolerance = _TOLERANCE * float(np.abs(self._pressure).max())
+        tolerance = _TOLERANCE * float(np.abs(self._iterated_pressure).max())
         largest_change = float(np.abs(pressure_changes).max())
         if self.problem.has_shear:
             largest_shear_change = float(np.abs(shear_changes).max())
             largest_change = max(largest_change, largest_shear_change / self.problem.shear_scale)
         return largest_change / tolerance if tolerance > 0 else np.inf
 
-    def _newton_step(self, mapped_tractions: Tractions, change_of_loads: Array) -> None:
+    def _newton_step(self, projected_tractions: Tractions, change_of_loads: Array) -> None:
         """One Newton step: change `values` so that the linearised equations of the return mapping
         are met, with loads that differ by `change_of_loads` from those before the step.
 
-        With p_m, q_m the mapped tractions and p_t, q_t the trial ones, a node has to meet
+        With p_m, q_m the projected tractions and p_t, q_t the trial ones, a node has to meet
 
             open     p = p_m,                 q = q_m
             closed   gap = c_n (p_m - p_t)
             stick    slip increment = c_t (q_m - q_t)
             slip     q -+ f p = q_m -+ f p_m
 
-        # notation: gap and slip as iterated (`_gap`, `_slip`: parts of `values`, as are `_pressure`
-        # and `_shear`); c_n, c_t compliances of the nodes, of layer and penalty together; f
-        # coefficient of friction
+        # notation: gap, slip, p and q as iterated, parts of `values` (`_iterated_gap` and so on);
+        # c_n, c_t compliances of the nodes, of layer and penalty together; f coefficient of
+        # friction
 
         Parameters
         ----------
-        mapped_tractions
-            trial and mapped pressure and shear of the n nodes, and their states
+        projected_tractions
+            trial and projected pressure and shear of the n nodes, and their states
         change_of_loads
             (n_loads,) of P, Q and, with bulk stress or tilt, both bulk stresses, tilt or moment
         """
-        node_states = mapped_tractions.states
+        node_states = projected_tractions.states
         self._latest_states = node_states
-        targets = self._targets_of_step(mapped_tractions)
+        targets = self._targets_of_step(projected_tractions)
         # One equation of each node in either direction: right side minus present left side.
         normal_residuals = np.where(
             node_states == OPEN,
-            mapped_tractions.pressure - self._pressure,
-            targets.gap - self._gap,
+            projected_tractions.pressure - self._iterated_pressure,
+            targets.gap - self._iterated_gap,
         )
         tangential_residuals = np.zeros_like(normal_residuals)
         if self.problem.has_shear:
             tangential_residuals = np.where(
                 node_states == STICK,
-                targets.slip_in_stick - self._slip,
-                targets.shear_beyond_limit - (self._shear - targets.limit_ratio * self._pressure),
+                targets.slip_in_stick - self._iterated_slip,
+                targets.shear_beyond_limit
+                - (self._iterated_shear - targets.limit_ratio * self._iterated_pressure),
             )
 
         # Derivatives of the values by each load, (3 + 4 n,), and their change by the residuals.
@@ -455,32 +462,33 @@ class _Iteration:
         # Set once more without round-off error: the next trial tractions divide gap and slip by
         # small compliances.
         is_open = node_states == OPEN
-        self._gap[~is_open] = targets.gap[~is_open]
-        self._pressure[is_open] = mapped_tractions.pressure[is_open]
+        self._iterated_gap[~is_open] = targets.gap[~is_open]
+        self._iterated_pressure[is_open] = projected_tractions.pressure[is_open]
         if self.problem.has_shear:
             is_stuck = node_states == STICK
-            self._slip[is_stuck] = targets.slip_in_stick[is_stuck]
-            self._shear[:] = np.where(
+            self._iterated_slip[is_stuck] = targets.slip_in_stick[is_stuck]
+            self._iterated_shear[:] = np.where(
                 is_stuck,
-                self._shear,
-                targets.limit_ratio * self._pressure + targets.shear_beyond_limit,
+                self._iterated_shear,
+                targets.limit_ratio * self._iterated_pressure + targets.shear_beyond_limit,
             )
 
-    def _targets_of_step(self, mapped_tractions: Tractions) -> _TargetsOfStep:
-        """What the linearised equations of the return mapping demand of the nodes after a Newton
-        step: gap, slip and shear by the difference of mapped and trial tractions.
+    def _targets_of_step(self, projected_tractions: Tractions) -> _TargetsOfStep:
+        """Right sides of the linearised equations of the return mapping in a Newton step: gap, slip
+        and shear by the difference of projected and trial tractions.
         """
         compliance = self.systems.layer  # (n,) normal and tangential, of layer and penalty
-        slip_sense = slip_sign(mapped_tractions.states).astype(float)
+        slip_sense = slip_sign(projected_tractions.states).astype(float)
         limit_ratio = slip_sense * self.problem.friction
         return _TargetsOfStep(
             gap=compliance.normal_compliance
-            * (mapped_tractions.pressure - mapped_tractions.trial_pressure),
+            * (projected_tractions.pressure - projected_tractions.trial_pressure),
             slip_in_stick=self._slip_at_start
             + compliance.tangential_compliance
-            * (mapped_tractions.shear - mapped_tractions.trial_shear),
+            * (projected_tractions.shear - projected_tractions.trial_shear),
             limit_ratio=limit_ratio,
-            shear_beyond_limit=mapped_tractions.shear - limit_ratio * mapped_tractions.pressure,
+            shear_beyond_limit=projected_tractions.shear
+            - limit_ratio * projected_tractions.pressure,
         )
 
     def _tilt_to_moment(self, derivatives_by_tilt: Array, moment: float) -> None:
@@ -503,21 +511,23 @@ class _Iteration:
         _, pressure, shear, _ = values[3:].reshape(4, -1)
         return float(self.problem.interface.moment(pressure, shear))
 
-    def _update_multipliers(self, multipliers: Array, mapped_tractions: Tractions) -> float:
-        """Replace the multipliers (2, n) of pressure and shear, in place, by the mapped tractions;
-        returns their largest change, over the tolerated one.
+    def _update_multipliers(self, multipliers: Array, projected_tractions: Tractions) -> float:
+        """Replace the multipliers (2, n) of pressure and shear, in place, by the projected
+        tractions; returns their largest change, over the tolerated one.
 
-        With multipliers l of p and m of q, the iterated gap G = g + c_n (p - l) and slip
-        S = s - c_t (q - m) change too (`_gap`, `_slip`).
+        Projected tractions are trial tractions, projected onto p >= 0 and |q| <= f p. With
+        multipliers l of p and m of q, the iterated gap G = g + c_n (p - l) and slip
+        S = s - c_t (q - m) change too (`_iterated_gap`, `_iterated_slip`).
 
-        # notation: g gap, s slip, p and q tractions, c_n and c_t compliances of the penalty
+        # notation: g gap, s slip, p and q iterated pressure and shear, c_n and c_t compliances of
+        # the penalty, f coefficient of friction
         """
-        pressure_change = mapped_tractions.pressure - multipliers[0]
-        shear_change = mapped_tractions.shear - multipliers[1]
-        self._gap -= self.penalty_compliance.normal_compliance * pressure_change
-        self._slip += self.penalty_compliance.tangential_compliance * shear_change
-        multipliers[0] = mapped_tractions.pressure
-        multipliers[1] = mapped_tractions.shear
+        pressure_change = projected_tractions.pressure - multipliers[0]
+        shear_change = projected_tractions.shear - multipliers[1]
+        self._iterated_gap -= self.penalty_compliance.normal_compliance * pressure_change
+        self._iterated_slip += self.penalty_compliance.tangential_compliance * shear_change
+        multipliers[0] = projected_tractions.pressure
+        multipliers[1] = projected_tractions.shear
         return self._over_tolerance(pressure_change, shear_change)
 
     def values_and_states(self) -> tuple[Array, States]:
@@ -529,17 +539,17 @@ class _Iteration:
         increment: its tractions are the same in both, but later events (a node opens or slips) are
         found by the state that it had. The tolerance of a force is 1e-10 of the largest pressure.
         """
-        tolerance = _TOLERANCE * float(np.abs(self._pressure).max())
+        tolerance = _TOLERANCE * float(np.abs(self._iterated_pressure).max())
         node_states = self._states_within_tolerance(tolerance)
         if self.problem.has_shear:
             is_stuck = node_states == STICK
-            self._slip[is_stuck] = self._slip_at_start[is_stuck]
+            self._iterated_slip[is_stuck] = self._slip_at_start[is_stuck]
 
         # Without round-off.
         is_open = node_states == OPEN
-        self._gap[~is_open & self._has_no_gap(tolerance)] = 0.0
-        self._pressure[is_open] = 0.0
-        self._shear[is_open] = 0.0
+        self._iterated_gap[~is_open & self._has_no_gap(tolerance)] = 0.0
+        self._iterated_pressure[is_open] = 0.0
+        self._iterated_shear[is_open] = 0.0
         return self.values, node_states.astype(np.int8)
 
     def _has_no_gap(self, tolerance: float) -> Mask:
@@ -548,7 +558,7 @@ class _Iteration:
         """
         # (n,) of layer and penalty
         normal_compliance = self.systems.layer.normal_compliance
-        return np.abs(self._gap) <= tolerance * normal_compliance
+        return np.abs(self._iterated_gap) <= tolerance * normal_compliance
 
     def _states_within_tolerance(self, tolerance: float) -> States:
         """States (n,) of the nodes by the return mapping of their trial tractions; a node within
@@ -559,21 +569,23 @@ class _Iteration:
         """
         friction = self.problem.friction
         was_open = self.start.states == OPEN
-        mapped_tractions = self._mapped_tractions()
-        has_no_gap_or_pressure = np.abs(self._pressure) <= tolerance
+        projected_tractions = self._projected_tractions()
+        has_no_gap_or_pressure = np.abs(self._iterated_pressure) <= tolerance
         has_no_gap_or_pressure &= self._has_no_gap(tolerance)
         # _TOUCHING_PRESSURE: a positive number of the size of round-off, 1e-11
         trial_pressure = np.where(
             has_no_gap_or_pressure,
             np.where(was_open, 0.0, _TOUCHING_PRESSURE),
-            mapped_tractions.trial_pressure,
+            projected_tractions.trial_pressure,
         )
-        _, _, node_states = project(trial_pressure, mapped_tractions.trial_shear, friction)
+        _, _, node_states = project(trial_pressure, projected_tractions.trial_shear, friction)
         if not self.problem.has_shear:
             return node_states
-        shear_of_slip = mapped_tractions.trial_shear - self._shear  # slip over compliance
+        shear_of_slip = (
+            projected_tractions.trial_shear - self._iterated_shear
+        )  # slip over compliance
         shear_tolerance = tolerance * self.problem.shear_scale
-        shear_beyond_limit = np.abs(self._shear) - friction * self._pressure
+        shear_beyond_limit = np.abs(self._iterated_shear) - friction * self._iterated_pressure
         is_at_coulomb_limit = np.abs(shear_beyond_limit) <= shear_tolerance
         is_at_coulomb_limit &= np.abs(shear_of_slip) <= shear_tolerance
         is_at_coulomb_limit &= ~was_open & (node_states != OPEN)

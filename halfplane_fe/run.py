@@ -68,9 +68,9 @@ _ROUNDING_OF_VALUES = 1e-12
 # revolution to the next. Half-way between the two a series counts as algebraic.
 _RISE_OF_RATIO = 1.0
 # Steep ends of series look steeper than they are: k^-3 is the steepest that was met.
-_STEEPEST_POWER = 3.0
+_STEEPEST_EXPONENT = 3.0
 # Slower than k^-1/2 is no trend.
-_SLOWEST_POWER = 0.5
+_SLOWEST_EXPONENT = 0.5
 # Drift of a revolution over the travel of U up to which it is none.
 _LEAST_DRIFT = 1e-3
 # Last drift over what its trend leaves, above which it does not vanish: drifts that vanish leave as
@@ -103,7 +103,7 @@ def trend(values: Sequence[float]) -> Trend:
     """How a quantity with one value a revolution goes on: steady, geometric or algebraic, with its
     limit and the change to it (limit minus last value), from its last four values.
 
-    With d_k the last difference, r its ratio to the one before, m the power of the decay k^-m:
+    With d_k the last difference, r its ratio to the one before, m the exponent of the decay k^-m:
 
         geometric   change = d_k r/(1 - r)
         algebraic   change = d_k/[(k/(k - 1))^m - 1],   r = ((k - 3/2)/(k - 1/2))^(m + 1)
@@ -139,11 +139,11 @@ def trend(values: Sequence[float]) -> Trend:
     if ratio <= ratio_before * (1 + _RISE_OF_RATIO / (k * (k - 2))):
         change_to_limit = last_difference * ratio / (1 - ratio)
         return Trend("geometric", change_to_limit, values[-1] + change_to_limit)
-    power = float(np.log(ratio) / np.log((k - 1.5) / (k - 0.5))) - 1
-    power = min(power, _STEEPEST_POWER)
-    if power < _SLOWEST_POWER:
+    decay_exponent = float(np.log(ratio) / np.log((k - 1.5) / (k - 0.5))) - 1
+    decay_exponent = min(decay_exponent, _STEEPEST_EXPONENT)
+    if decay_exponent < _SLOWEST_EXPONENT:
         return unclear_trend
-    change_to_limit = last_difference / ((k / (k - 1)) ** power - 1)
+    change_to_limit = last_difference / ((k / (k - 1)) ** decay_exponent - 1)
     return Trend("algebraic", change_to_limit, values[-1] + change_to_limit)
 
 
@@ -268,9 +268,9 @@ class PathRun:
     `states` is the unloaded one.
 
     A path of straight segments with more than `MOST_COMPLETE_STATES` increments is thinned while it
-    is followed: some states lose the pressure, shear and gap of their nodes. Between the rows of a
-    record every second, fourth, ... state keeps them; of the rows too, where these alone are too
-    many.
+    is followed: some states lose the pressure, shear and gap of their nodes. Between the rows of
+    measured loads every second, fourth, ... state keeps them; of the rows too, where these alone
+    are too many.
 
     Attributes
     ----------
@@ -418,7 +418,7 @@ class PathRun:
         energies = vars(increment_energies(problem, states, node_states, enclosed_areas)).copy()
         nodal_work = energies.pop("dissipation")  # (k, n) of k increments and n nodes
         work_of_increments = {"dissipation": nodal_work.sum(axis=1)}
-        record = law_violations(problem, states) | energies | work_of_increments
+        energies_and_checks = law_violations(problem, states) | energies | work_of_increments
 
         slips_since_stop = _slips_since_stop(states, self.slip_since_stop)
 
@@ -432,7 +432,7 @@ class PathRun:
         passed_nodes = dict(self.passed_nodes)  # `stick_by_load` brings it up to date
         vars(self).update(
             states=self.states + states[1:],
-            increment_records=[*self.increment_records, record],
+            increment_records=[*self.increment_records, energies_and_checks],
             iterations=self.iterations + [increment.iterations for increment in increments],
             nodal_work=self.nodal_work + nodal_work.sum(axis=0),
             contact_edges=[*self.contact_edges, contact_by_load(problem, states[1:])],
@@ -462,24 +462,27 @@ class PathRun:
         `edge_excess.value` to that of edges between the nodes. The friction work of all increments
         and nodes of the revolution, and Q dU of its increments, are multiplied by one factor.
 
-        Each of `increment_records` holds energies and checks of consecutive increments by name,
-        among them "dissipation" (friction work) and "loop_work" (Q dU). `nodal_work` (n,) is the
-        friction work of each node in the revolution, `iterations` has an entry for each increment.
+        - `increment_records`: energies and checks by name, one dict for each batch of consecutive
+          increments; "dissipation" (friction work) and "loop_work" (Q dU) are among them.
+        - `nodal_work`: (n,) friction work of each node in the revolution.
+        - `iterations`: an entry for each increment of the run.
         """
         nodal_work = self.nodal_work
         friction_work = float(nodal_work.sum())
         factor = 1 - edge_excess.value / friction_work if friction_work > 0 else 1.0
 
-        # Records from the last one back to the start of the revolution.
+        # Batches of increments from the last one back to the start of the revolution.
         first_increment_of_cycle = self.cycle_starts[-1]
-        first_increment_of_record = len(self.iterations)
-        for record_number in reversed(range(len(self.increment_records))):
-            record = self.increment_records[record_number]
-            first_increment_of_record -= len(record["loop_work"])
-            if first_increment_of_record < first_increment_of_cycle:
+        first_increment_of_batch = len(self.iterations)
+        for batch_number in reversed(range(len(self.increment_records))):
+            energies_and_checks = self.increment_records[batch_number]
+            first_increment_of_batch -= len(energies_and_checks["loop_work"])
+            if first_increment_of_batch < first_increment_of_cycle:
                 break
-            corrected_works = {name: record[name] * factor for name in ("dissipation", "loop_work")}
-            self.increment_records[record_number] = record | corrected_works
+            corrected_works = {
+                name: energies_and_checks[name] * factor for name in ("dissipation", "loop_work")
+            }
+            self.increment_records[batch_number] = energies_and_checks | corrected_works
 
         self.nodal_work_by_cycle.append(nodal_work * factor)
         self.edge_excess_by_cycle.append(edge_excess)

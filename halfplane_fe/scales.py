@@ -88,7 +88,7 @@ _LEAST_LOAD_RATIO = 1e-6
 
 @dataclass(frozen=True)
 class Scales:
-    """What the coarse run found.
+    """Length and load scales of a contact, read off the run on a coarse mesh.
 
     Attributes
     ----------
@@ -106,14 +106,15 @@ class Scales:
     modulus
         E* [stress]
     element
-        surface elements of the coarse run, over the half-width
+        size of the surface elements of the coarse run, over the half-width
     dissipation
-        of its last revolution [energy / thickness]; NaN in scales that are shared with scenes
-        of other loads or friction
+        friction work of its last revolution [energy / thickness]; NaN in scales that are shared
+        with scenes of other loads or friction
     largest_pressure
         at the largest load [stress]
     values
-        what its uncertainties are taken from; None in scales that are shared
+        values of the coarse run. The finer run is compared with them for its uncertainties; None
+        in scales that are shared
     """
 
     half_width: float
@@ -286,8 +287,8 @@ def _datum_of_approach(scene: Scene) -> float:
 
 
 def _approach_of_actuator(coarse_pair: _CoarsePair) -> float:
-    """Approach that a normal actuator needs to press two coarse half-planes with a load, in which
-    it yields by its own compliance [length].
+    """Approach that a normal actuator needs to press two coarse half-planes together under the load
+    of `coarse_pair` [length]. The actuator yields by its own compliance.
     """
     face_half_width = _fitting_size(coarse_pair)  # of the finely meshed part of the face
     pressed_state = _pressed(coarse_pair, face_half_width)[1]
@@ -361,13 +362,15 @@ def _scales_of_run(
     """Read the scales of a contact off a run on a coarse mesh: half-width and reach of the contact,
     innermost place of an edge, largest load and pressure, friction work of the last revolution.
 
+    Lengths of the run are over `face_half_width`, forces over P, displacements over P/E*. A local
+    that is so divided is called scaled; the scales returned are in the scene's units.
+
     Parameters
     ----------
     pair
         the coarse bodies, with the load P and the modulus E* that the run is scaled by
     face_half_width
-        half the width of the part of the face that may touch, which lengths of the run are over
-        [length]
+        half the width of the part of the face that may touch [length]
     problem, run
         the contact problem with the places of its nodes, and its states along the load path
     """
@@ -378,18 +381,20 @@ def _scales_of_run(
     # Half-width at the largest load, outermost place that touches, innermost place of an edge in
     # the cycles; scaled.
     state_at_largest_load = max(run.states, key=lambda state: state.normal_load)
-    half_width = float(
+    scaled_half_width = float(
         np.nan_to_num(np.diff(_contact_edges(problem, [state_at_largest_load]))[0, 0] / 2)
     )
-    reach = max(
+    scaled_reach = max(
         float(np.abs(problem.interface.x[state.is_closed]).max(initial=0.0)) for state in run.states
     )
 
-    innermost_edge = _innermost_edge_of_cycles(scene, problem, run)
+    scaled_innermost_edge = _innermost_edge_of_cycles(scene, problem, run)
     # Rounded down, so that no last digit of the coarse run moves the mesh.
     # _ROUNDING_PARTS: 100
-    innermost_edge = (
-        np.floor(_ROUNDING_PARTS * innermost_edge / half_width) / _ROUNDING_PARTS * half_width
+    scaled_innermost_edge = (
+        np.floor(_ROUNDING_PARTS * scaled_innermost_edge / scaled_half_width)
+        / _ROUNDING_PARTS
+        * scaled_half_width
     )
     # Fine elements begin at a kink of the profile: the slope of the pressure is infinite there.
     first_kink = min(scene.profile.kinks, default=np.inf)
@@ -398,14 +403,14 @@ def _scales_of_run(
     # counted from the datum of the scene. `states_approach`: the approach is prescribed, not P.
     # _N_ELEMENTS: 24
     return Scales(
-        half_width=face_half_width * half_width,
-        inner=min(face_half_width * innermost_edge, first_kink),
-        reach=face_half_width * max(reach, half_width),
+        half_width=face_half_width * scaled_half_width,
+        inner=min(face_half_width * scaled_innermost_edge, first_kink),
+        reach=face_half_width * max(scaled_reach, scaled_half_width),
         load=load_unit * state_at_largest_load.normal_load
         if scene.load.states_approach
         else load_unit,
         modulus=modulus,
-        element=1 / (_N_ELEMENTS * half_width),
+        element=1 / (_N_ELEMENTS * scaled_half_width),
         dissipation=float(run.nodal_work_by_cycle[-1].sum()) * load_unit**2 / modulus,
         largest_pressure=float(
             np.max(state_at_largest_load.pressure / problem.interface.face_lengths)
@@ -570,7 +575,8 @@ def _with_extreme_rows(scene: Scene) -> Scene:
     if not isinstance(load_record, TimeSeriesLoad) or len(load_record.kept_rows()) <= _MOST_ROWS:
         return scene
 
-    # Rows (n, 3) that count, and further columns (n,) by name.
+    # Rows (n, 3) that count: with bulk stress or tilt all that are used, else those left after
+    # means and reduction. And further columns (n,) by name.
     first_row, row_beyond = load_record.row_bounds()
     rows = (
         load_record.rows.values[first_row:row_beyond]
@@ -737,7 +743,7 @@ def _coarse_run(
         else problem
     )
 
-    # no step error is too large
+    # Units of load, length and stress, and increments of a revolution; no step error is too large.
     pace = Pace(pair.load, steps, np.inf, face_half_width, pair.modulus)
     # All states are stored, for their edges decide about the mesh; there are few nodes.
     run = run_path(
@@ -834,6 +840,7 @@ def _pressed(pair: _CoarsePair, size: float) -> tuple[ContactProblem, InterfaceS
     faces = pair.faces(size)
     solved_faces = half_interface(faces) if on_half(pair.scene, faces) else faces
     problem = pair.problem(size, solved_faces, has_shear=False)
+    # equilibrium at the instant 0 under the scaled loads P = 1, Q = 0
     return problem, problem.equilibrium(problem.unloaded_state(), 0.0, (1.0, 0.0))[0]
 
 
@@ -879,14 +886,14 @@ def _innermost_edge(
     stick_may_be_anywhere
         whether the contact and its stick zone may lie beside x = 0
     """
-    # Edges (n_states, 2) of the contact, or plus and minus its half-width.
+    # Edges (n_states, 2) of the contact; of a symmetric one minus and plus its half-width.
     contact_zones = _contact_edges(problem, states)
     is_closed = np.stack([state.is_closed for state in states])
     signs_of_sides = np.array([-1.0, 1.0])
     if not stick_may_be_anywhere:
         contact_zones = np.diff(contact_zones) / 2 * signs_of_sides
 
-    # Likewise of the stick zone.
+    # Likewise of the stick zone; both edges are 0 where nothing sticks in a symmetric contact.
     stick_zones = stick_edges(
         problem.interface.x,
         is_stuck,
@@ -899,5 +906,6 @@ def _innermost_edge(
             is_stuck.any(axis=1, keepdims=True), np.diff(stick_zones) / 2, 0.0
         )
         stick_zones = stick_half_width * signs_of_sides
-    outward_edges = np.concatenate([contact_zones, stick_zones]) * signs_of_sides
-    return max(float(np.nan_to_num(outward_edges).min()), 0.0)
+    # Distances from x = 0, negative where an edge has crossed it; NaN without an edge counts as 0.
+    distances_from_middle = np.concatenate([contact_zones, stick_zones]) * signs_of_sides
+    return max(float(np.nan_to_num(distances_from_middle).min()), 0.0)

@@ -1,5 +1,5 @@
-"""How the contact problem is iterated and stepped: never what is true, never how the bodies are
-cut.
+"""How the contact problem is iterated and the load path divided into increments. Bodies, loads and
+meshes are set elsewhere.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _PENALTY = 300.0
 
 @dataclass(frozen=True)
 class SolverSettings:
-    """Method and step control.
+    """Method of the contact solver, and control of its increments.
 
     Attributes
     ----------
@@ -30,12 +30,15 @@ class SolverSettings:
         (return mapping of the tractions, multipliers updated until the law is met) or
         "penalty" (one return mapping, an elastic layer between the faces)
     normal_stiffness, tangential_stiffness
-        over E*/h, h being the surface element of the contact edges; by default 1000, and 300 for
-        augmented_lagrangian. Of the penalty layer: pressure per penetration is
-        normal_stiffness E*/h [stress/length]; the cost is a penetration p h/(stiffness E*), an
-        elastic slip and creep where the faces should stick, see
-        `FiniteElementSolution.penalty`. Of active_set the weights of gap and slip in the trial
-        tractions, of augmented_lagrangian the penalty: the answer does not depend on them
+        over E*/h, h being the size of the surface elements at the contact edges; by default 1000,
+        and 300 for augmented_lagrangian.
+
+        - penalty: stiffness of the layer. Pressure per penetration is normal_stiffness E*/h
+          [stress/length]. The cost is a penetration p h/(stiffness E*), an elastic slip, and creep
+          where the faces should stick, see `FiniteElementSolution.penalty`.
+        - active_set: weights of gap and slip in the trial tractions; the answer does not depend on
+          them.
+        - augmented_lagrangian: the penalty; the answer does not depend on it.
     steps_per_cycle
         regular increments of one revolution or of the longest side of a polygon; instants at
         which a node touches or lets go, and the turning points of the path, come on top, and so
@@ -57,8 +60,10 @@ class SolverSettings:
     def __post_init__(self) -> None:
         """Refuse settings of the contact solver outside their ranges.
 
-        Stiffnesses are those of a penalty layer, or of trial tractions, over E*/h (E* contact
-        modulus, h surface element at the contact edges); None for the method's default.
+        Stiffnesses are those of a penalty layer, or of trial tractions, over E*/h; None for the
+        method's default.
+
+        # notation: E* contact modulus, h size of the surface elements at the contact edges
 
         Raises
         ------
@@ -96,7 +101,7 @@ class SolverSettings:
         """Normal and tangential stiffness of trial tractions, or of the penalty layer, over E*/h:
         as they are set, or by the method's default.
 
-        # notation: E* contact modulus, h surface element at the contact edges
+        # notation: E* contact modulus, h size of the surface elements at the contact edges
 
         >>> SolverSettings().stiffnesses
         (1000.0, 1000.0)

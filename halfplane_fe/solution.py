@@ -101,9 +101,9 @@ class FiniteElementSolution(ContactSolution):
         (2, n_points) of the line half-way between the faces, out of the lower body: pressure
         acts along it
     scales
-        what the coarse run found; with E* the units of `states`
+        length and load scales by the run on a coarse mesh; with E* the units of `states`
     penalty
-        what the layer of the penalty method costs
+        errors by the layer of the penalty method: overlap of the faces, elastic slip and creep
     contact_edge_uncertainty, stick_edge_uncertainty
         (n_steps, 2) how far each edge may be from the true one, by the mesh alone [length]; see
         `edges`
@@ -322,8 +322,8 @@ def _bodies_of_contact(
     Parameters
     ----------
     task
-        the scene, its mesh settings, and the scales of a run on a coarse mesh; `scales.reach` is
-        the outermost place that the contact reaches [length]
+        the scene, its mesh settings, and the scales by a run on a coarse mesh: `scales.reach` is
+        the outermost |x| that the contact reaches [length]
     work_counts
         counts what was done
     stopwatch
@@ -423,8 +423,8 @@ def _with_error_of_kernels(
 def _with_closed_cycle(
     answer: FiniteElementSolution, notes: tuple[str, ...]
 ) -> FiniteElementSolution:
-    """Complete the solution of a scene with actuators: P and Q, which are results there, are made
-    to end the last cycle as they begin it, since a scene's cycle of loads has to close.
+    """Complete the solution of a scene with actuators, where P and Q are results: at the end of the
+    last cycle they are set to their values at its begin. A scene's cycle of loads has to close.
 
     The scene of `answer` states these loads: the last cycle alone is its cycle, cycles before it
     are initial loading. So the friction work of one cycle stays, and it counts as steady from the
@@ -556,16 +556,17 @@ def _solve_path(
 def _pace_of_path(task: Task, faces: _FaceCompliances) -> Pace:
     """Units of the loads, and how finely the load path is divided into increments.
 
-    The tolerated step error of the first revolution is a share of the expected friction work. At 0
-    a small least work takes its place, and increments are shorter. Coupled bodies, whose increments
-    are costly, and records of measured loads, which have many, are spared that. Elsewhere short
-    increments also make the fitted edges more accurate.
+    The tolerated step error of the first revolution is a share of the expected friction work. That
+    work is stated for coupled bodies, whose increments are costly, and for records of measured
+    loads, which have many. Elsewhere it is stated as 0: a small least work takes its place, and
+    increments are shorter. So the fitted edges are more accurate.
 
     Parameters
     ----------
     task
-        the scene, its solver settings, and its scales: half-width, largest load P, modulus E*, and
-        friction work of a cycle on a coarse mesh (NaN where unknown)
+        the scene, its solver settings, the unit of friction work (`work_unit`), and its scales:
+        half-width, largest load P, modulus E*, and friction work of a cycle on a coarse mesh (NaN
+        where unknown)
     faces
         compliance of both faces; its `coupling` is None of like bodies
     """

@@ -190,16 +190,16 @@ def increments_along(
         error_control = _ErrorControl(
             problem, tolerance, _SHORTEST_SHARE_FOR_ERROR * regular_duration
         )
-        # Instants still to be reached, the next one last: `end`, and before it those by halving and
-        # those at which slip ends.
-        targets = [end]
+        # Instants still to be reached, the next one last. The first entry is `end`; those after it
+        # come by halving, or are instants at which slip ends.
+        instants_to_reach = [end]
         # bounded trials: by halving, and eight events of each node
         for _ in range(_MOST_TRIALS + _MOST_EVENTS_PER_NODE * len(problem.initial_gap)):
             # Solve up to the first event; where that does not converge, half of the way.
-            target = _end_by_turn_of_slip(problem, state, loads_at, targets[-1])
-            attempt = _attempted_increment(problem, state, loads_at, target, shortest_duration)
+            latest_end = _end_by_turn_of_slip(problem, state, loads_at, instants_to_reach[-1])
+            attempt = _attempted_increment(problem, state, loads_at, latest_end, shortest_duration)
             if isinstance(attempt, NotConverged):
-                targets.append((state.time + attempt.time) / 2)
+                instants_to_reach.append((state.time + attempt.time) / 2)
                 continue
 
             # Shorten it where slip ends within it, or its step error is too large.
@@ -209,16 +209,16 @@ def increments_along(
             if earlier_end is None and not error_control.accepts_increment(attempt, state):
                 earlier_end = state.time + (attempt.state.time - state.time) / 2
             if earlier_end is not None:
-                targets.append(earlier_end)
+                instants_to_reach.append(earlier_end)
                 continue
 
             # Accept it, and go on from the state at its end.
             state = attempt.state
             problem.work_counts[f"{attempt.event} increments"] += 1
             yield attempt
-            while targets and state.time >= targets[-1]:
-                targets.pop()
-            if not targets:
+            while instants_to_reach and state.time >= instants_to_reach[-1]:
+                instants_to_reach.pop()
+            if not instants_to_reach:
                 break
         else:
             raise ConvergenceError(
@@ -602,10 +602,10 @@ def _attempted_increment(
     try:
         event, end_state = trial.event_and_state()
     except ConvergenceError:
-        if trial.target - start_state.time < shortest_duration:
+        if trial.predicted_time - start_state.time < shortest_duration:
             raise
         problem.work_counts["increments halved, not converged"] += 1
-        return NotConverged(trial.target)
+        return NotConverged(trial.predicted_time)
 
     solved_states = states_up_to_event(start_state, end_state)
     step_error = 0.0
@@ -638,7 +638,7 @@ class _Trial:
         the scaled loads at an instant
     latest_end
         instant at which the increment ends at the latest
-    target
+    predicted_time
         instant of the event that was predicted last; NaN before the first prediction
     iterations
         number of iterations of the active set so far
@@ -648,7 +648,7 @@ class _Trial:
     start_state: InterfaceState
     loads_at: LoadsAt
     latest_end: float
-    target: float = np.nan
+    predicted_time: float = np.nan
     iterations: int = 0
 
     def event_and_state(self) -> tuple[Event, InterfaceState]:
@@ -669,12 +669,12 @@ class _Trial:
         ConvergenceError
             If the active set does not converge.
         """
-        # First prediction, and the solution at the predicted instant (`self.target`).
+        # First prediction, and the solution at the predicted instant (`self.predicted_time`).
         expected_node_states = self.start_state.node_states
         if self.problem.interface.coupling is not None:
             expected_node_states = _with_touching_nodes_sliding(self.start_state)
-        event, self.target = self._predicted_event(expected_node_states)
-        solved_state = self._equilibrium(self.target, expected_node_states)
+        event, self.predicted_time = self._predicted_event(expected_node_states)
+        solved_state = self._equilibrium(self.predicted_time, expected_node_states)
 
         # Further predictions while the event is missed, five in all.
         for _ in range(_MOST_PREDICTIONS - 1):
@@ -684,10 +684,10 @@ class _Trial:
             expected_node_states = _states_before_event(
                 self.start_state, solved_state, has_opened_or_closed
             )
-            event, self.target = self._predicted_event(expected_node_states)
-            if self.target == solved_state.time:
+            event, self.predicted_time = self._predicted_event(expected_node_states)
+            if self.predicted_time == solved_state.time:
                 break
-            solved_state = self._equilibrium(self.target, expected_node_states)
+            solved_state = self._equilibrium(self.predicted_time, expected_node_states)
             self.problem.work_counts["events predicted again"] += 1
 
         # The instant to rounding.
@@ -695,7 +695,7 @@ class _Trial:
             time = _time_of_event(
                 self.problem, self.start_state, self.loads_at, solved_state, event, self.latest_end
             )
-            if time != self.target:
+            if time != self.predicted_time:
                 solved_state = self._equilibrium(
                     time, states_up_to_event(self.start_state, solved_state)
                 )
@@ -802,7 +802,8 @@ def next_event(
                 np.subtract(loads_at(time), start_state.loads) @ rates_of_node
             )
 
-    # Root of the distance on the way, near that share of it.
+    # Instant at which the distance is zero, looked for near the share of the increment that the
+    # linear prediction gives.
     time = time_of_zero(
         distance_to_event, start_state.time, latest_end, first_event.share, distance_at_start
     )

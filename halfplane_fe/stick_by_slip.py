@@ -21,14 +21,14 @@ import numpy as np
 from halfplane_fe.edges import Edges
 from scenes.array_types import Array
 
-# Power of the range of slip that is a straight line.
-_POWER = 2 / 3
+# Exponent to which the range of slip is raised: the result is a straight line in x.
+_EXPONENT = 2 / 3
 # Nodes that a line takes; the third one beyond the zone is the first of them: the mesh spoils the
 # slip of the first ones. Lines that begin one node before and after it show how straight it is.
 _ON_LINE = 3
 _FIRST_NODES = (1, 2, 3)
-# Times that the line is drawn again with the form about its own zero: the place then stays to 1e-4
-# of the distance of two nodes.
+# Times that the line is fitted again with c the zero of the line before: the place then stays to
+# 1e-4 of the distance of two nodes.
 _ROUNDS = 8
 # Shares of how far the zeros of the first and the last line differ, and of the distance of two
 # nodes, that the end is uncertain by. It errs by 0.013 of the latter in the median and by 0.06 at
@@ -109,8 +109,10 @@ def _end_of_zone(distances: Array, slip_range: Array) -> float:
 
         F(t) = t sqrt(t^2 - 1) - arcosh t,   t = |x|/c   (Cattaneo and Mindlin)
 
-    The power 2/3 of the range, over that of F(t)/(t - 1)^(3/2), is a straight line in x that is
-    zero at c. It is drawn again eight times with the form about its own zero.
+    F(t)/(t - 1)^(3/2) varies little near t = 1. The range over it, raised to the power 2/3, is a
+    straight line in x that is zero at c. As t contains c, it is iterated: the range is divided with
+    the last c, the line is fitted again, and its zero is the next c, eight times. The first line is
+    fitted to the range to the power 2/3 alone.
 
     Parameters
     ----------
@@ -119,17 +121,17 @@ def _end_of_zone(distances: Array, slip_range: Array) -> float:
     slip_range
         (n,) range of slip of these nodes in a load cycle [length]
     """
-    end = _zero(distances, slip_range**_POWER)
+    end = _place_of_zero(distances, slip_range**_EXPONENT)
     for _ in range(_ROUNDS):
         if not 0 < end < distances[0]:
             return float("nan")
         t = distances / end
-        form_over_power = (t * np.sqrt(t**2 - 1) - np.arccosh(t)) / (t - 1) ** (1 / _POWER)
-        end = _zero(distances, (slip_range / form_over_power) ** _POWER)
+        form_ratio = (t * np.sqrt(t**2 - 1) - np.arccosh(t)) / (t - 1) ** (1 / _EXPONENT)
+        end = _place_of_zero(distances, (slip_range / form_ratio) ** _EXPONENT)
     return end
 
 
-def _zero(x: Array, values: Array) -> float:
+def _place_of_zero(x: Array, values: Array) -> float:
     """Place at which the straight line of least squares through values at places x is zero; NaN of
     a level line.
     """

@@ -14,9 +14,8 @@ that of a base set in a few rows alone (Sherman-Morrison-Woodbury).
 
 An equation pairs a displacement with the force in its direction: gap with pressure, slip with
 shear. It is *held* where the states prescribe the displacement, and *free* where they prescribe the
-force; the other of the two is its response. Where a node slides the force of its tangential
-equation is
-q - (+-f) p.
+force; the other of the two is its response. Where a node slides, the force of its tangential
+equation is q - (+-f) p.
 
 Of a base the responses to unit cases are cached: to 1 in what it prescribes in one equation, and to
 each unit load. A set is reached from the base by amplitudes of its unit cases. With v the responses
@@ -637,7 +636,7 @@ class Systems:
         # views (n, n_cases): what is written to them is written to `values`
         slip, pressure, shear, gap = values[:, 3:].reshape(-1, 4, n).transpose(1, 2, 0)
 
-        # Normal problem: pressure, approach and gap.
+        # Normal problem: pressure, approach (column 0 of the values) and gap.
         normal_compliance = self._nested_compliances[0]
         pressure[:], values[:, 0], gap[:] = normal_compliance.forces_and_displacements(
             n_touching_nodes,
@@ -647,7 +646,7 @@ class Systems:
             self.actuators.normal_compliance,
         )
 
-        # Tangential problem.
+        # Tangential problem: shear, displacement U (column 1) and slip.
         if self.has_shear:
             tangential_compliance = self._nested_compliances[1]
             # Shear displaces the faces against the slip: with the tangential compliance T the slip

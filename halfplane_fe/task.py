@@ -1,4 +1,4 @@
-"""What is to be solved: the question, how it is meshed and iterated, scales of the coarse run."""
+"""What is to be solved: a scene, settings of meshes and solver, and the scales of its contact."""
 
 from __future__ import annotations
 
@@ -21,7 +21,20 @@ _LEAST_RADIUS_RATIO = 1.5
 
 @dataclass(frozen=True)
 class Task:
-    """What is to be solved: the question, how it is meshed and iterated, and its scales."""
+    """What is to be solved: a scene, and how it is meshed, iterated and scaled.
+
+    Attributes
+    ----------
+    scene
+        bodies, materials, profile, friction and loads
+    mesh
+        settings of the meshes; element sizes are over the contact half-width
+    settings
+        of the contact solver and its increments
+    scales
+        by the run on a coarse mesh: contact half-width, places of edges, largest load, E*, friction
+        work, and the values that the solution is compared with
+    """
 
     scene: Scene
     mesh: MeshSettings

@@ -11,7 +11,7 @@ Two meshes may agree by chance in what lives at a few nodes: the largest slip an
 Their uncertainty follows from how these differ from the nodes beside them. W and the largest
 pressure have further terms, where the difference alone does not cover them.
 
-# notation: h, H elements of the run and of the coarse run; a half-width; A = 2/E*; f coefficient of
+# notation: h, H element sizes of the run and of the coarse run; a half-width; A = 2/E*; f coefficient of
 friction; U relative tangential displacement
 """
 
@@ -47,7 +47,7 @@ class Place(NamedTuple):
     refinement
         r, size of the coarse run's elements there over that of the run's
     order
-        p, power of the element size with which the error falls
+        p, exponent: the error falls as the element size to the power p
     """
 
     refinement: float
@@ -176,9 +176,9 @@ def density_uncertainty(x: Array, density: Array) -> float:
 
     W(x) has a kink where an edge of contact or stick turns, and its largest value is near one: a
     coarse run alone agrees with it by chance. Two parts are added: a share of how far a node stands
-    off, and one of how much farther it does than the nodes beside it; each the largest of that node
-    and the two beside it. NaN where the largest value is 0 or at an end node, and where it stands
-    alone: its neighbours' line is more than 0.75 of it below.
+    off, and a share of how much farther it does than the nodes beside it. Each is the largest of
+    that node and the two beside it. NaN where the largest value is 0 or at an end node, and where
+    it stands alone: its neighbours' line is more than 0.75 of it below.
 
     Parameters
     ----------
@@ -215,6 +215,7 @@ def _deviations_from_neighbours(x: Array, values: Array) -> Array:
     """How far nodal values (..., n) at nodes x (n,) are from the straight line between their two
     neighbours, (..., n - 2): of all nodes but the first and the last.
     """
+    # place of each node between its neighbours: 0 at the left one, 1 at the right one
     share = (x[1:-1] - x[:-2]) / (x[2:] - x[:-2])
     return np.asarray(values[..., 1:-1] - (1 - share) * values[..., :-2] - share * values[..., 2:])
 
@@ -239,8 +240,8 @@ def norm_uncertainties(
     friction
         f; 0 has no error of q
     """
-    # Norm of the departure of p or q from its neighbours, over the norm of p: per block of
-    # instants.
+    # Norm of the departure of p or q from the line between its neighbours: of p over the norm of p,
+    # of q over the norm of f p. Each entry is the largest of a block of instants.
     shares_of_p = [0.0]
     shares_of_q = [0.0]
     instants = np.flatnonzero(is_counted)
@@ -324,9 +325,10 @@ class RunValues:
         closed at the one before its first [length]
     largest_dissipation_density
         largest W(x) [energy / area]
-    number, repeats
-        number of the cycle, from 1 (0 of a path that does not repeat), and whether it is the last
-        one of the run and ended as it started
+    number
+        number of the cycle, from 1; 0 of a path that does not repeat
+    repeats
+        whether the cycle is the last one of the run and ended as it started
     """
 
     since_start: Array
@@ -443,14 +445,15 @@ def _change_beside_largest(values: Array) -> float:
 
 @dataclass(frozen=True)
 class Meshes:
-    """The two meshes that a quantity is compared on.
+    """What counts of the two meshes on which a quantity is compared.
 
     Attributes
     ----------
     refinement
-        r at the edges of contact, of the coarser side
+        r at the edges of contact: element size of the coarse run over that of the run, there of the
+        body with the larger elements
     has_low_order
-        linear elements or a penalty layer: the difference counts in full
+        whether the run has linear elements or a penalty layer: the difference counts in full then
     """
 
     refinement: float
@@ -623,8 +626,11 @@ def uncertainty(
     """Uncertainty of the friction work W of a load cycle by the mesh, over A f^2 P^2; NaN on a mesh
     hardly finer than that of the coarse run.
 
-    It adds up a share of the difference from the coarse run, one of W by the element size or its
-    growth, and what edges add that lie between nodes.
+    Three terms are added up:
+
+    - a share of the difference from the coarse run;
+    - a share of W, by the element size or by its growth with the distance from the contact;
+    - what edges of contact and stick add that lie between nodes.
 
     # notation: A = 2/E*, f coefficient of friction, P largest load
 
@@ -661,10 +667,11 @@ def uncertainty(
         return float("nan")
 
     # Shares of the difference and of W; `scatter` decides about what edges between nodes add.
-    # error of the run over that difference, for an error of order 2; _OF_DIFFERENCE: fitted share
-    share_left = _OF_DIFFERENCE / (refinement**2 - 1)
+    # error of the run over that difference, 1/(r^2 - 1) for an error of order 2, times a fitted
+    # share (_OF_DIFFERENCE)
+    share_of_difference = _OF_DIFFERENCE / (refinement**2 - 1)
     if has_low_order:
-        share_left = max(share_left, 1.0)
+        share_of_difference = max(share_of_difference, 1.0)
     # _OF_WORK: fitted share of W by the element size; _GROWN: by the growth of elements
     uncertainty_by_elements = dissipation * max(_OF_WORK * element_size**2, _GROWN * mesh.growth**4)
     if scatter:
@@ -678,7 +685,7 @@ def uncertainty(
     else:
         # _OF_UNKNOWN_EDGES: fitted share of (h/a)^2
         uncertainty_by_edges = _OF_UNKNOWN_EDGES * element_size**2
-    return difference * share_left + uncertainty_by_elements + uncertainty_by_edges
+    return difference * share_of_difference + uncertainty_by_elements + uncertainty_by_edges
 
 
 def share_of_flanks(profile: Profile, half_width: float, element: float) -> float:
@@ -837,15 +844,15 @@ def peak_uncertainty(
         return math.nan  # nothing touches: the first increment failed
 
     # Where the difference is made: ratio of the element sizes there, and order m of the error.
-    power = tip_power(profile, coarse_size)  # n
+    gap_exponent = tip_power(profile, coarse_size)  # n
     share_within_tip = 0.0
-    # SMOOTH_TIP: power from which on a tip counts as smooth, 1.99
-    if power >= SMOOTH_TIP:
+    # SMOOTH_TIP: gap_exponent from which on a tip counts as smooth, 1.99
+    if gap_exponent >= SMOOTH_TIP:
         place_of_error = Place(
             coarse_size / fine_sizes.edge_size, 1.0 if math.isfinite(depth) else 2.0
         )
     elif tip_power(profile, fine_sizes.tip_size) < SMOOTH_TIP:
-        place_of_error = Place(coarse_size / fine_sizes.tip_size, power - 1)
+        place_of_error = Place(coarse_size / fine_sizes.tip_size, gap_exponent - 1)
     else:
         place_of_error = Place(coarse_size / fine_sizes.tip_size, 2.0)
         # _PEAK_WITHIN_TIP: fitted share of p0
@@ -855,14 +862,14 @@ def peak_uncertainty(
         return math.nan
 
     # Error of the run over the difference, 1/|r^m - 1|; further terms by edges and growth, over p0.
-    error_by_difference = max(place_of_error.share_left(), 1.0 if has_low_order else 0.0)
+    error_over_difference = max(place_of_error.share_left(), 1.0 if has_low_order else 0.0)
     relative_size = fine_sizes.edge_size / peak.half_width
     # _PEAK_BY_EDGES: fitted share
     share_by_edges = _PEAK_BY_EDGES * relative_size**1.5 * peak.half_width / peak.distance_to_edge
     share_by_growth = _PEAK_GROWN * growth**4
     # _SAFETY: 1.25; the others are fitted shares
     return (
-        _SAFETY * peak.change_from_coarse * error_by_difference
+        _SAFETY * peak.change_from_coarse * error_over_difference
         + _PEAK_BY_NEIGHBOURS * peak.deviation_from_neighbours
         + _PEAK_BY_SCATTER * peak.scatter
         + (share_by_edges + share_by_growth + share_within_tip) * peak.value
