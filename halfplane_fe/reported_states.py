@@ -247,7 +247,7 @@ def _slip_limits(
     """Largest |slip| of any node in any of m increments, and for each increment, (m,), the |slip|
     beyond which a node counts as fast; both over P/E*.
 
-    Fast is more than a hundredth of the largest slip per change of load in the same revolution_of_increment,
+    Fast is more than a hundredth of the largest slip per change of load in the same revolution,
     times the change of load of the increment. Change of load is the sum of |dP|, |dQ| and the
     others.
 
@@ -260,7 +260,7 @@ def _slip_limits(
     load_increments
         (m, n_loads) changes of the loads
     cycle_starts
-        index of the contact state at which each revolution_of_increment starts
+        index of the contact state at which each revolution starts
     """
     # Largest slip of the sliding nodes in each increment, over its change of load.
     n_increments = len(load_increments)
@@ -274,7 +274,7 @@ def _slip_limits(
         largest_sliding_slip[block] = np.abs(slip * sense).max(axis=1)
         largest_slip = max(largest_slip, float(np.abs(slip).max()))
 
-    # Largest value in each revolution_of_increment; 0 is the initial loading.
+    # Largest value in each revolution; 0 is the initial loading.
     starts = np.asarray(cycle_starts, dtype=int)
     revolution_of_increment = np.searchsorted(starts, np.arange(n_increments), side="right")
     slip_per_load = largest_sliding_slip / load_changes

@@ -1,8 +1,8 @@
 """Notes on what the mesh does not resolve: contacts, slip zones and flanks of the pressure (parts
 of a contact beyond a kink of the profile) that are too few elements wide.
 
-# notation: h element size at the edges of contact and stick, of the coarser side; a half-width; A =
-2/E*; f coefficient of friction
+# notation: h element size at the edges of contact and stick, of the coarser side; a half-width;
+A = 2/E*; f coefficient of friction
 
 Measured on Hertz at P0 : P1 = 3 : 1, quadratic elements, h = a/1.1 ... a/160, matching sides and
 sides of ratio 1.5 ... 20, the worst instant with more than 0.3 of the largest load: the error in L2

@@ -11,8 +11,8 @@ Two meshes may agree by chance in what lives at a few nodes: the largest slip an
 Their uncertainty follows from how these differ from the nodes beside them. W and the largest
 pressure have further terms, where the difference alone does not cover them.
 
-# notation: h, H element sizes of the run and of the coarse run; a half-width; A = 2/E*; f coefficient of
-friction; U relative tangential displacement
+# notation: h, H element sizes of the run and of the coarse run; a half-width; A = 2/E*; f
+coefficient of friction; U relative tangential displacement
 """
 
 from __future__ import annotations
@@ -846,7 +846,7 @@ def peak_uncertainty(
     # Where the difference is made: ratio of the element sizes there, and order m of the error.
     gap_exponent = tip_power(profile, coarse_size)  # n
     share_within_tip = 0.0
-    # SMOOTH_TIP: gap_exponent from which on a tip counts as smooth, 1.99
+    # SMOOTH_TIP: exponent from which on a tip counts as smooth, 1.99
     if gap_exponent >= SMOOTH_TIP:
         place_of_error = Place(
             coarse_size / fine_sizes.edge_size, 1.0 if math.isfinite(depth) else 2.0

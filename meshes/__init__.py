@@ -3,13 +3,12 @@ and meshio.
 
 Where to find what::
 
-    bodies.py                              what a mesh is asked to be, and what it is; sizes of
-                                           elements, how many there may be
+    bodies.py                              settings of a mesh, sizes of its elements, and the
+                                           meshed body; how many nodes there may be
     solids.py                              from a shape to a mesh: half-discs, blocks, pads,
                                            cylinders, T-shapes, shouldered pads
     mirrored.py                            half a body by gmsh, reflected; the quality of a mesh
-    interrupts.py                          Ctrl-C that waits until what must not be cut in two is
-                                           done
+    interrupts.py                          Ctrl-C held back until a piece of work is complete
     files.py                               field files written
 """
 

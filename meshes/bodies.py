@@ -1,7 +1,6 @@
-"""What a mesh is asked to be and what it is: settings, grading, the meshed body.
+"""Settings of a mesh, element sizes along the face (grading), and the meshed body.
 
-And element sizes along and around the contact side, and how large a mesh will be before gmsh takes
-memory for it.
+Also element sizes around the contact side, and the number of nodes of a mesh before it is made.
 """
 
 from __future__ import annotations
@@ -23,23 +22,23 @@ Cells = Literal["triangles", "quadrilaterals"]
 
 @dataclass(frozen=True)
 class MeshSettings:
-    """How a body is cut; lengths over the contact half-width a at the largest load, found by the FE
-    side's own coarse run.
+    """How a body is meshed. Lengths are over the contact half-width a at the largest load, which a
+    run on a coarse mesh finds.
 
     Attributes
     ----------
     element_size
-        surface elements where p and q are smooth
+        size of the surface elements where p and q are smooth
     edge_element_size
-        surface elements where the contact and stick edges travel
+        size of the surface elements where the edges of contact and stick travel
     upper_ratio
-        surface elements of the upper body over those of the lower; 1 for matching sides
+        size of the upper body's surface elements over that of the lower one's; 1 for matching sides
     far_radius
         radius L of the half-disc that stands for a half-plane
     growth
         growth of the element size with the distance from the contact
     order
-        1 or 2, of elements and geometry
+        1 or 2, polynomial order of elements and geometry
     cells
         "triangles" or "quadrilaterals"
 
@@ -213,7 +212,7 @@ def number_of_contact_nodes(grading: SurfaceGrading, order: int) -> int:
     the elements, 1 or 2.
 
     The `grading` has elements of one `size` up to |x| = `inner`, of `edge_size` from there to
-    `outer`, and so many halvings of those next to x = 0.
+    `outer`; those next to x = 0 are halved `halvings` times.
     """
     n_elements = 2 * (
         grading.inner / grading.size + (grading.outer - grading.inner) / grading.edge_size
@@ -230,7 +229,7 @@ def number_of_body_nodes(grading: SurfaceGrading, growth: float, order: int) -> 
         triangles = (4/sqrt 3) int_0^R (pi d + L) / (h + g d)^2 dd
 
     # notation: L length of surface with elements of one size h, g growth of the size per distance
-    d from the surface, R radius of the half-disc, r = g R/h
+    d from the surface, dA area at that distance, R radius of the half-disc, r = g R/h
 
     The zones at the contact edges and between them are summed. A mesh has half as many corners as
     triangles.

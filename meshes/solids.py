@@ -133,7 +133,7 @@ def solid(
     Parameters
     ----------
     name
-        lower or upper, for the sentences of a refusal
+        "lower" or "upper", the body's name in messages
     shape, profile
         the body, and the profile of its face
     grading
@@ -342,8 +342,8 @@ class _Outline:
         side_lines, side_end_point = self._draw_sides(face_end_point)
         base_line = geometry.addLine(side_end_point, axis_end_point)
         axis_line = geometry.addLine(axis_end_point, first_point)
-        outline = [*contact_lines, *free_curves, *side_lines, base_line, axis_line]
-        geometry.addPlaneSurface([geometry.addCurveLoop(outline)])
+        curves_around = [*contact_lines, *free_curves, *side_lines, base_line, axis_line]
+        geometry.addPlaneSurface([geometry.addCurveLoop(curves_around)])
         return {"contact": contact_lines, "free": free_curves, "base": [base_line]} | (
             {"sides": side_lines} if side_lines else {}
         )
