@@ -203,7 +203,9 @@ def _remainder_displacements(system: System, forces: _SurfaceForces, datum_lengt
     Parameters
     ----------
     system
-        finite-element system of the body, with the degrees of freedom that supports hold
+        finite-element system of the body. Its degrees of freedom are x and y of each node, then
+        those of the mixed pressure, if there is one. Supports hold `held_dofs`; `node_of_dof` has
+        an entry for each
     forces
         places of the unit forces
     datum_length
@@ -215,6 +217,7 @@ def _remainder_displacements(system: System, forces: _SurfaceForces, datum_lengt
     nodal_loads = np.zeros((n_dofs, 2 * len(forces.x)))
     nodal_loads[: 2 * system.mesh.p.shape[1]] = -_forces_of_tractions(system, forces)
     displacements = np.zeros_like(nodal_loads)
+    # Supports are displaced first, which loads the free degrees of freedom.
     displacements[held_dofs] = -_support_displacements(system, forces, datum_length)
     nodal_loads -= system.stiffness[:, held_dofs] @ displacements[held_dofs]
     factorisation = factorise(system.stiffness[free_dofs][:, free_dofs].tocsc())

@@ -428,6 +428,7 @@ class PathRun:
             states, problem.friction, is_half=bool(-x[0] < x[-1] / 2)
         )
 
+        # Edges of contact and stick are located between nodes by the load that moves them.
         # All attributes at once: Ctrl-C comes before or after it.
         passed_nodes = dict(self.passed_nodes)  # `stick_by_load` brings it up to date
         vars(self).update(

@@ -156,6 +156,7 @@ def from_datum(scene: Scene, run: PathRun, ratio: float) -> PathRun:
     over P/E*. `scene` has the bodies, of which half-planes alone count, and their materials.
     """
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
+    # displacement between the two datum lengths by a unit load, scaled
     displacement_per_load = compliance_beyond(scene, ratio) * modulus
     moved_states = [
         state.changed(
@@ -435,6 +436,7 @@ def _innermost_edge_of_cycles(scene: Scene, problem: ContactProblem, run: PathRu
     """
     if prescribed_path(scene).period is None:
         return 0.0
+    # rows of the states after the initial loading
     rows_of_cycles = slice(run.cycle_starts[0] + 1, None)
     surface_states = reported_states(problem, run.states, run.cycle_starts)[rows_of_cycles]
     return _innermost_edge(
@@ -638,9 +640,11 @@ class _CoarsePair:
         compliance does not depend on the size, so that only places are scaled. The error that the
         mesh adds between nearby nodes is taken out, where no base or end of a face is too near.
         """
+        # half-width of the part of the face that may touch, in the mesh
         size_of_mesh = 1.0 if self.scene.bodies.half_planes else half_width
         if self._size_and_faces is None or self._size_and_faces[0] != size_of_mesh:
-            # _COARSE_MESH: settings of the coarse mesh
+            # _COARSE_MESH: settings of the coarse mesh; `ratio`: factor on the element sizes of a
+            # body, see `_grading`
             bodies = meshed_pair(
                 self.scene, _COARSE_MESH, lambda ratio: _grading(size_of_mesh, ratio)
             )

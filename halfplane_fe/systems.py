@@ -889,7 +889,7 @@ class Systems:
 
         # Its held equations are those that prescribe a displacement, then P and Q; its free ones
         # prescribe a force.
-        base = self._factorised_set(node_states)
+        factorised_set = self._factorised_set(node_states)
 
         # Columns: one case a load, then the changes. Rows, as the columns of the contact matrix: p,
         # q, approach, U, bulk stresses, tilt. First what is known: forces of free equations, bulk
@@ -898,17 +898,25 @@ class Systems:
         case_of_changes = n_loads
         forces_and_motions = np.zeros((2 * n + 5, n_loads + 1))
         forces_and_motions[load_numbers[2:], np.arange(2, n_loads)] = 1.0
-        forces_and_motions[base.free_equations, case_of_changes] = changes[base.free_equations]
+        forces_and_motions[factorised_set.free_equations, case_of_changes] = changes[
+            factorised_set.free_equations
+        ]
 
         # Then the forces of the held equations, approach and U: from the prescribed displacements.
-        right_side = -self.contact_matrix[base.held_equations] @ forces_and_motions
-        right_side[base.position_in_held[load_numbers[:2]], np.arange(2)] += 1.0
-        is_of_node = base.held_equations < 2 * n
-        right_side[is_of_node, case_of_changes] += changes[base.held_equations[is_of_node]]
-        assert base.equations is not None  # for the type checker: it has no origin
-        forces_and_motions[base.held_equations] = _lu_solve(base.equations.held_by_held, right_side)
+        right_side = -self.contact_matrix[factorised_set.held_equations] @ forces_and_motions
+        right_side[factorised_set.position_in_held[load_numbers[:2]], np.arange(2)] += 1.0
+        is_of_node = factorised_set.held_equations < 2 * n
+        right_side[is_of_node, case_of_changes] += changes[
+            factorised_set.held_equations[is_of_node]
+        ]
+        assert factorised_set.equations is not None  # for the type checker: it has no origin
+        forces_and_motions[factorised_set.held_equations] = _lu_solve(
+            factorised_set.equations.held_by_held, right_side
+        )
         # So far q - (+-f) p stands where a node slides.
-        forces_and_motions[n : 2 * n] += base.signed_friction[:, None] * forces_and_motions[:n]
+        forces_and_motions[n : 2 * n] += (
+            factorised_set.signed_friction[:, None] * forces_and_motions[:n]
+        )
         displacements = self.contact_matrix[: 2 * n] @ forces_and_motions  # gaps, slips
 
         values = np.empty((n_loads + 1, 3 + 4 * n))
@@ -923,13 +931,13 @@ class Systems:
         cached, of which the one used last comes last.
         """
         key = node_states.tobytes()
-        base = self._factorised_sets.pop(key, None)
-        if base is None:
-            base = self._new_base(np.concatenate([node_states, node_states]), None)
-        self._factorised_sets[key] = base
+        factorised_set = self._factorised_sets.pop(key, None)
+        if factorised_set is None:
+            factorised_set = self._new_base(np.concatenate([node_states, node_states]), None)
+        self._factorised_sets[key] = factorised_set
         if len(self._factorised_sets) > _MOST_FACTORISED_SETS:
             del self._factorised_sets[next(iter(self._factorised_sets))]
-        return base
+        return factorised_set
 
     def _base_for(self, node_states: States) -> tuple[_Base, Mask]:
         """Choose the base for new node states (n,): a set of states with cached responses, which

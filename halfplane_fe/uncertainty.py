@@ -377,8 +377,12 @@ def run_values(
     Parameters
     ----------
     run
-        scaled contact states along the path, index of the state at which each cycle starts, and
-        friction work of the nodes in each cycle
+        a run along the load path, scaled:
+
+        - `states`: contact states;
+        - `cycle_starts`: index of the state at which each cycle starts;
+        - `nodal_work_by_cycle`: (n,) friction work of the nodes, one array for each cycle;
+        - `steady_from`: number, from 0, of the cycle that ended as it started; None without one.
     weights
         (n,) length of surface that each node stands for, over the unit of length
     displacement_unit, stress_unit
@@ -386,8 +390,8 @@ def run_values(
     cycle
         number of the cycle, from 1; the last one by default
     """
-    # `cycle_number` is 0 on a path that does not repeat.
-    # States of the cycle, from its start to that of the next one.
+    # States of the cycle, from its start to that of the next one. `cycle_number` is 0 on a path
+    # that does not repeat: then all states.
     cycle_number = cycle or len(run.cycle_starts)
     first_index = run.cycle_starts[cycle_number - 1] if cycle_number else 0
     has_next_cycle = cycle_number < len(run.cycle_starts)
@@ -395,7 +399,8 @@ def run_values(
         first_index : run.cycle_starts[cycle_number] + 1 if has_next_cycle else None
     ]
 
-    # Largest range of slip of a node while it touches; with the instants beside its contact too.
+    # Largest range of slip (largest minus least) of a node while it touches; then of a node that
+    # touches at an instant or at one next to it.
     time = np.array([state.time for state in states])
     slip = np.array([state.slip for state in states])
     is_closed = np.array([state.is_closed for state in states])
