@@ -140,8 +140,8 @@ class Interface:
         return normal_force, 0 * tangential_force if self.has_odd_shear else tangential_force
 
     def work_per_stress_and_tilt(self, pressure: Array, shear: Array) -> Array:
-        """Work of nodal forces p and q (..., n) in the gap G and the slip S that bulk stress and
-        tilt cause, F = S q - G p, (..., 3): per unit of bulk stress in the lower and in the upper
+        """Work F = S q - G p of nodal forces p and q (..., n) in the gap G and the slip S that bulk
+        stress and tilt cause. It is (..., 3): per unit of bulk stress in the lower and in the upper
         body, and of tilt, where it is minus the moment M. Zeros (3,) where none of these may act.
 
         For the bulk stress of a lower half-plane it is -(1/E') sum x q, E' = E/(1 - nu^2).
@@ -276,9 +276,9 @@ def _compliance_by_mortar(lower_body: CondensedBody, upper_body: CondensedBody) 
 def _displacements_by_stress_and_tilt(
     lower_body: CondensedBody, upper_body: CondensedBody
 ) -> tuple[Array, Array, Array]:
-    """Displacements along x and y of the contact nodes in the common frame: (2, n) of the lower and
-    (2, m) of the upper body by a unit of its bulk stress [length/stress], and (2, m) of the upper
-    one by a unit of tilt [length].
+    """Displacements along x and y of the contact nodes in the common frame, by a unit of each of
+    three loads: bulk stress of the lower body (2, n) and of the upper one (2, m) [length/stress],
+    and tilt of the upper one (2, m) [length].
     """
     stretch_of_lower_body = np.broadcast_to(
         lower_body.displacement_by_stress, (2, len(lower_body.x))
@@ -310,8 +310,8 @@ _FEWEST_NODES = 21
 
 
 def without_mesh_error(interface: Interface, scene: Scene) -> Interface | None:
-    """Contact compliance with the mesh errors of N - T and K between nearby nodes taken out; None
-    where a base or the end of a face is too near to part its effect from these errors, and where
+    """Contact compliance without the mesh errors of N - T and K between nearby nodes. None where a
+    base or the end of a face is so near that its effect cannot be told from these errors, and where
     the contact has fewer than 21 nodes.
 
     On a smooth isotropic body a unit force displaces its surroundings by -(2/pi E') ln|x - x'|
@@ -357,8 +357,8 @@ def without_mesh_error(interface: Interface, scene: Scene) -> Interface | None:
 
 def _has_room_beyond_mesh_error(interface: Interface, scene: Scene) -> bool:
     """Whether the mesh error of a compliance, over ten nodes, ends before the effect of a base or
-    of the end of a face begins, and the contact has the 21 nodes that a fit of its smooth part
-    needs.
+    of the end of a face begins. The contact must also have the 21 nodes that a fit of its smooth
+    part needs.
 
     `interface.x` (n,) are places of the contact nodes; `scene` has the shapes of the bodies, with
     the half-width of their faces and the depth of material below.
@@ -655,9 +655,9 @@ def meshed_pair(
 
 
 def _with_pulled_ends(body: BodyMesh, shape: Shape, scene: Scene) -> BodyMesh:
-    """Mesh of a body whose free sides are marked as ends pulled by the bulk stress (in `supports`,
-    boundary -> kind of support), where the body is a block with such ends and the scene has a bulk
-    stress; else the mesh as it is.
+    """Mesh of a body whose free sides are marked as ends pulled by the bulk stress: in `supports`,
+    boundary -> kind of support. Only a block with such ends in a scene with bulk stress is marked;
+    other meshes are returned as they are.
     """
     if not (has_free_ends(shape) and has_bulk_stress(prescribed_path(scene))):
         return body

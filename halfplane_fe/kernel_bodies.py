@@ -125,7 +125,7 @@ class CurvatureJumpKernels:
 
     def kernels_at(self, x: Array, s: Array) -> KernelValues:
         """Singular part of the displacements at places x (n,) of the face by unit forces at s (m,),
-        minus those of a half-plane; the face is a flat |x| < b between arcs of radius R.
+        minus those of a half-plane. The face is a flat |x| < b between arcs of radius R.
 
         The chord from the force to the place has the slope -(d(x) - d(s))/(x - s), where d is the
         depth of the face below its flat. Flamant's displacement along this chord, minus that on a
@@ -159,8 +159,8 @@ class CurvatureJumpKernels:
         )
 
     def _phi(self, x: Array) -> Array:
-        """Phi = [(x + b)^2 ln|x + b| - (x - b)^2 ln|x - b|] / (2 R) at places x of a face that is a
-        flat |x| < b between arcs of radius R [length]; `x` is an array of any dimensions.
+        """Phi at places x of a face that is a flat |x| < b between arcs of radius R [length]; `x`
+        is an array of any dimensions. Phi = [(x + b)^2 ln|x + b| - (x - b)^2 ln|x - b|] / (2 R).
 
         Times 4/(pi^2 E'), E' = E/(1 - nu^2), its divided difference between the places of force and
         displacement is a singular part of the displacement along x by a unit force along x.
@@ -240,8 +240,8 @@ class FaceKernels:
 
     def kernels_at(self, x: Array, s: Array) -> KernelValues:
         """Displacements of the face of a body at places x (n,) by unit forces at s (m,), minus
-        those of a half-plane: inwards by a pressing force, along x by a force along x, along x by a
-        pressing force, (n, m) each [1 / stress].
+        those of a half-plane, (n, m) each [1 / stress]. They are inwards by a pressing force, along
+        x by a force along x, and along x by a pressing force.
 
         Each is a Chebyshev series, a sum of coefficients times T_i(x/r) T_j(s/r), plus a singular
         part (`jump_kernels`) where the curvature of the face jumps; r is `reach`, the half-width of
@@ -271,7 +271,7 @@ class FaceKernels:
 
     def strain(self, x: Array, s: Array, pressing_force: Array, force_along_x: Array) -> Array:
         """Strain e_xx (n,) that the finite size of the body adds to that of a half-plane, at places
-        x (n,) of a flat face, by forces at s (m,).
+        x (n,) of a flat face. It is caused by forces at s (m,).
 
         It is the derivative along x of the displacement along x, which is a Chebyshev series in
         x/r and s/r, of degree d in each; r is `reach`, the half-width of the side that may touch.
@@ -303,8 +303,8 @@ def fitted_kernels(
     jump_kernels: CurvatureJumpKernels | None = None,
     degree: int = _LEAST_DEGREE,
 ) -> FaceKernels:
-    """Least-squares fit of Chebyshev polynomials T_i(x/r) T_j(s/r) to the kernels of a body that is
-    its own mirror image in x = 0: displacements of its face at x by a unit force at s.
+    """Least-squares fit of Chebyshev polynomials T_i(x/r) T_j(s/r) to the kernels of a body:
+    displacements of its face at x by a unit force at s. The body is its own mirror image in x = 0.
 
     Displacements in the direction of the force, k_nn and k_tt, have even i + j; those across it,
     k_tn, have odd i + j. By reciprocity k_nn and k_tt are symmetric in x and s.
@@ -395,8 +395,8 @@ def _symmetric_coefficients(
     polynomials_of_x: Array, polynomials_of_s: Array, *symmetric_kernels: Array
 ) -> Array:
     """Coefficients (k, d + 1, d + 1) of T_i(x) T_j(s) that fit k kernels which are symmetric in x
-    and s: even i + j up to the degree d, the same for (i, j) and (j, i). Least squares, in which
-    each pair is fitted once.
+    and s. They have even i + j up to the degree d, and are the same for (i, j) and (j, i). Least
+    squares, in which each pair is fitted once.
 
     Parameters
     ----------
@@ -425,8 +425,9 @@ def _coupling_coefficients(
     x_displacement_by_pressure: Array,
     outward_displacement_by_shear: Array,
 ) -> Array:
-    """Coefficients (d + 1, d + 1) of T_i(x) T_j(s), i + j odd and at most the degree d, that fit
-    the kernel k_tn and, by reciprocity, -k_nt with x and s exchanged, in one fit of least squares.
+    """Coefficients (d + 1, d + 1) of T_i(x) T_j(s) that fit the kernel k_tn, i + j odd and at most
+    the degree d. By reciprocity -k_nt with x and s exchanged has the same ones: both are fitted
+    together by least squares.
 
     Parameters
     ----------

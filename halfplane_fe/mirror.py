@@ -129,8 +129,9 @@ class _Images(NamedTuple):
 
 
 def _images(faces: Interface) -> _Images:
-    """How values at all n nodes of a contact follow from those at the nodes with x >= 0: index of
-    each node or its image among these, share of its force, and sign of its shear and slip.
+    """How values at all n nodes of a contact follow from those at the nodes with x >= 0. For each
+    node: index of it or its image among these, share of the force there, and sign of its shear and
+    slip.
     """
     nodes_from_middle = np.arange(len(faces.x)) - len(faces.x) // 2
     has_odd_shear = faces.coupling is not None

@@ -137,8 +137,9 @@ def mortar(lower_face: Face, upper_face: Face) -> Mortar:
 
 
 def _points_of_refinement(lower_face: Face, upper_face: Face) -> tuple[Array, Array]:
-    """Gauss points of the common refinement of two contact faces: abscissae x (s, 5) of five points
-    in each of its s segments, and the weight (s, 5) of each in integrals over x [length].
+    """Gauss points of the common refinement of two contact faces, five in each of its s segments.
+    Returned are their abscissae x (s, 5) and the weight (s, 5) of each in integrals over x
+    [length].
 
     The segments lie between the ends of the elements of both faces. Raises ValueError if the faces
     do not begin and end at the same x.
@@ -240,8 +241,8 @@ class _DualFunctions(NamedTuple):
         self, face_at_points: _FaceAtPoints, n_face_nodes: int, directions: Array
     ) -> Array:
         """Operator from displacements of the nodes of either face to their means along normal and
-        tangent, weighted by each dual function: (2, n, 2, n_face_nodes), normal or tangent, dual
-        function, x or y, node of that face.
+        tangent, weighted by each dual function. Its axes (2, n, 2, n_face_nodes) are normal or
+        tangent, dual function, x or y, node of that face.
 
         Parameters
         ----------
@@ -274,7 +275,8 @@ def _weighted_dual_functions(
     face: Face, face_at_points: _FaceAtPoints, weights_along_line: Array
 ) -> Array:
     """Dual shape functions of the elements of a contact face at Gauss points, times the weight of
-    each point in integrals: (s, k, m) at m points of s segments, of the k nodes of an element.
+    each point in integrals. (s, k, m): at m points of s segments, of the k nodes of the element
+    that holds the segment.
 
         psi = diag(int phi) (int phi phi^T)^-1 phi,   so that int psi_j phi_k = 0 for j not k
 

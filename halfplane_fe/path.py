@@ -96,7 +96,8 @@ class _LoadAlongSegment(NamedTuple):
 
 def _loads_of_segment(segment: LoadSegment) -> tuple[_LoadAlongSegment, ...]:
     """Loads along a segment of the load path, each as a linear combination of two stored loads: P
-    and Q; with bulk stress or tilt also the bulk stresses of both bodies, and tilt or moment.
+    and Q. With bulk stress or tilt there are five: also the bulk stresses of both bodies, and tilt
+    or moment.
     """
     normal_load = _LoadAlongSegment(segment, NORMAL_LOAD)
     tangential_load = _LoadAlongSegment(segment, TANGENTIAL_LOAD)
@@ -109,7 +110,7 @@ def _bulk_and_tilt_loads(
     segment: LoadSegment,
 ) -> tuple[_LoadAlongSegment, _LoadAlongSegment, _LoadAlongSegment]:
     """Bulk stress of the lower and of the upper body, and tilt or moment, along a segment of the
-    load path: each as a linear combination of two loads that a segment of its own stores.
+    load path. Each is a linear combination of two loads that a segment of its own stores.
     """
     stress_of_lower_body = _LoadAlongSegment(segment.bulk, NORMAL_LOAD)
     stress_of_upper_body = _LoadAlongSegment(segment.bulk, TANGENTIAL_LOAD)
@@ -126,8 +127,8 @@ def is_straight(segment: LoadSegment) -> bool:
 
 
 def loads_of(segment: LoadSegment, time: float) -> tuple[float, ...]:
-    """The loads of a segment of the load path at an instant: P and Q; where it has bulk stress or
-    tilt also the bulk stresses of lower and upper body, and tilt or moment.
+    """The loads of a segment of the load path at an instant: P and Q. Where it has bulk stress or
+    tilt there are five: also the bulk stresses of lower and upper body, and tilt or moment.
     """
     p, q = segment.loads(time)
     if segment.bulk is None and segment.tilt_and_moment is None:
@@ -246,7 +247,7 @@ def time_of_zero(
 
 def turning_points(segment: LoadSegment, friction: float) -> list[float]:
     """Instants inside one segment of a load path at which P, Q - f P, Q + f P, a bulk stress, tilt
-    or moment turns round, ascending: there increments end, since slip starts or ends.
+    or moment turns round, ascending. There increments end, since slip starts or ends.
 
     `friction` is f. Instants closer than round-off to one another, 1e-9 of the segment's duration,
     count once; those as close to an end of the segment do not count.
@@ -308,8 +309,8 @@ _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 
 def areas_between_path_and_chords(segment: LoadSegment, times: Array) -> Array | None:
-    """Areas that a curved load path encloses with its chords, in the plane of each pair of k loads,
-    for each of m increments: (k, k, m) [unit of one load times that of the other].
+    """Areas that a curved load path encloses with its chords in m increments, in the plane of each
+    pair of k loads. (k, k, m) [unit of one load times that of the other].
 
     An area is the integral of F_i dF_j along the path minus that along the chord. It changes sign
     when i and j are exchanged, since the integral of d(F_i F_j) is equal along both. Integrated

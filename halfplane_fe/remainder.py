@@ -309,8 +309,9 @@ class KernelsOfSlope(NamedTuple):
 
 
 def kernels_of_slope(slope: Array, material: Elastic) -> KernelsOfSlope:
-    """Displacements of a half-plane by unit forces (Flamant) at the end of a chord of slope
-    m = dy/dx from the force, minus those at the same x on the flat surface [1 / stress].
+    """Displacements of a half-plane by unit forces (Flamant) at the end of a sloping chord from the
+    force, minus those at the same x on the flat surface [1 / stress]. The slope of the chord is m,
+    dy/dx.
 
     The four terms of Flamant's displacement differ by
 
@@ -504,8 +505,8 @@ OF_HALF_PLANE = BodyNumbers(
 
 
 def face_series(kernels: RemainderKernels, degree: int = _LARGEST_DEGREE) -> FaceSeries:
-    """First coefficients of a power series in x and s for the displacement at x by a unit force at
-    s, minus that of a half-plane, of a body that is its own mirror image in x = 0.
+    """First coefficients of the power series in x and s of a body's kernels: the displacement at x
+    by a unit force at s, minus that of a half-plane. The body is its own mirror image in x = 0.
 
     Least squares with polynomials up to a `degree` in x and s together:
 
@@ -598,7 +599,8 @@ def face_kernels(
     size_factor: float = 1.0,
 ) -> RemainderKernels:
     """Mesh a body and compute the displacement of the middle of its face by unit forces there,
-    minus that of a half-plane: over 0.3 of the distance of the nearest place where the body ends.
+    minus that of a half-plane. The middle is |x| up to 0.3 of the distance to the nearest place
+    where the body ends.
 
     Parameters
     ----------

@@ -71,8 +71,8 @@ def reported_states(
 
 
 def law_states(contact_states: Sequence[InterfaceState]) -> States:
-    """Node states by the law of friction, open, stick or slip, (m + 1, n); but a node on the
-    Coulomb limit that moves by no more than round-off in an increment sticks after it.
+    """Node states by the law of friction, open, stick or slip, (m + 1, n). A node on the Coulomb
+    limit that moves by no more than round-off in an increment sticks after it.
 
     Round-off is a slip of up to 1e-9 of the largest slip of any node in any increment.
     `contact_states` are the m + 1 of the load path; up to the first, nothing has moved.
@@ -376,7 +376,7 @@ def _gap_and_slip_from_middle(
 
     def change_from_middle(value_per_unit: Array) -> Array:
         """Change of gap or slip of n nodes in k increments, (k, n), minus its value at the middle
-        of the stick zone; `value_per_unit` (n, 3) is gap or slip by a unit of both bulk stresses
+        of the stick zone. `value_per_unit` (n, 3) is gap or slip by a unit of both bulk stresses
         and of tilt.
         """
         change = stress_and_tilt_changes @ value_per_unit.T

@@ -203,9 +203,9 @@ class ReturnMapping:
             )
 
     def _systems_at_penalty(self, penalty_number: int, penalty_compliance: Layer) -> Systems:
-        """The linear systems of the contact between faces with the compliance of the layer plus
-        that of a penalty, each (n,) normal and tangential; cached under the number of the penalty,
-        0 for the stiffest.
+        """The linear systems of the contact at one penalty: the faces have the compliance of the
+        layer plus that of the penalty, each (n,) normal and tangential. Cached under the number of
+        the penalty, 0 for the stiffest.
         """
         systems = self._systems.get(penalty_number)
         if systems is None:
@@ -367,8 +367,9 @@ class _Iteration:
         )
 
     def _projected_tractions(self) -> Tractions:
-        """Tractions and states of the nodes by the return mapping at their present values: the
-        trial tractions p - G/c_n and q + (S - S_start)/c_t, projected onto p >= 0 and |q| <= f p.
+        """Tractions and states of the nodes by the return mapping at their present values. The
+        trial tractions p - G/c_n and q + (S - S_start)/c_t are projected onto p >= 0 and |q| <= f
+        p.
 
         The iterated gap G and slip S are those of penalty springs: with multipliers l of p and m of
         q, G = g + c (p - l) and S = s - c (q - m), c the compliance of the penalty.

@@ -929,7 +929,8 @@ def _relative_change_of_forces(
     state_before: InterfaceState, state_after: InterfaceState, friction: float
 ) -> float:
     """Largest change of a nodal force between two states, over the largest nodal p of the later
-    one: of p, or of q over f (over 1 if f > 1), since with little friction all of q is small.
+    one. The force is p, or q over f (over 1 if f > 1), since with little friction all of q is
+    small.
 
     # notation: p pressure and q shear of the nodes, f coefficient of friction
     """

@@ -279,8 +279,8 @@ def _load_of_approach(scene: Scene, work_counts: Counter[str]) -> float:
 
 def _datum_of_approach(scene: Scene) -> float:
     """Distance from the contact at which the surface of a half-plane counts as unmoved where an
-    actuator prescribes the approach [length]: that of the rig, or the geometric mean of both
-    bodies' depths, each at most the datum length of the profile.
+    actuator prescribes the approach [length]. It is that of the rig, or else the geometric mean of
+    both bodies' depths, each at most the datum length of the profile.
     """
     depths = [body.least_depth for body in (scene.bodies.lower, scene.bodies.upper)]
     reference_lengths = [min(depth, scene.profile.datum_length) for depth in depths]
@@ -826,7 +826,7 @@ def _size_on_half_planes(pair: _CoarsePair) -> float:
 
 def _contact_fraction(pair: _CoarsePair, size: float) -> float:
     """Farthest |x| of a node that touches at the largest load without shear, over the half-width
-    `size` [length] of the part of the face that may touch; 1 where all nodes of that part touch.
+    `size` [length] of the part of the face that may touch. 1 where all nodes of that part touch.
 
     Where the contact is symmetric to x = 0 that |x| is its half-width, else more than that. `pair`
     are the bodies on a coarse mesh.

@@ -51,9 +51,12 @@ def require_solvable(scene: Scene, mesh: MeshSettings | None = None) -> RoomForC
 
 
 def check_loads(scene: Scene) -> None:
-    """Raise InputError for loads, or supports under them, that finite elements refuse: separation
-    or gross sliding, bulk stress without ends that it could pull, bodies that slide off their
-    supports, and an unsymmetric profile on pads or cylinders.
+    """Raise InputError for loads, or supports under them, that finite elements refuse:
+
+    - separation or gross sliding
+    - bulk stress without ends that it could pull
+    - bodies that slide off their supports
+    - an unsymmetric profile on pads or cylinders
     """
     check_bulk_stress(scene)
     if scene.bodies.faces_are_true and not scene.profile.symmetric:

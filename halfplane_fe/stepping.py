@@ -321,9 +321,9 @@ def _end_of_lost_slip(
     tolerance: StepTolerance,
 ) -> float:
     """Instant within an increment at which slip ends that the increment does not count, or its
-    middle where that instant is unknown; its end where the friction work lost so is small enough:
-    at most 0.03 of the step tolerance, times a share. The share is that of the losing nodes in the
-    slip by Q of all sliding nodes, each weighted by its pressure.
+    middle where that instant is unknown. Its end where the friction work so lost is at most 0.03 of
+    the step tolerance, times a share. The share is that of the losing nodes in the slip by Q of all
+    sliding nodes, each weighted by its pressure.
 
     Between like half-planes all slip ends where Q - f P or Q + f P turns round, and there
     increments end. In other bodies slip ends a little earlier or later, in one node after the
@@ -416,8 +416,9 @@ def _uncounted_slip(
     loads_at: LoadsAt,
     slip_by_loads: Array,
 ) -> Array:
-    """Slip of each node that an increment does not count, (n,): its farthest one at nine instants,
-    minus that from the start to the end, in the sense in which it slides at the start.
+    """Slip of each node that an increment does not count, (n,), in the sense in which the node
+    slides at the start. It is the farthest slip at nine instants, minus that from the start to the
+    end.
 
     Parameters
     ----------
@@ -447,7 +448,7 @@ def _end_of_slip_within(
     is_curved: bool,
 ) -> float | None:
     """Instant within an increment at which slip ends that the increment does not count, so that it
-    is to end there; None where it need not: where little work is lost, where it would be too short
+    is to end there. None where it need not: where little work is lost, where it would be too short
     to be halved for its step error, and on straight segments of the path.
 
     Parameters
@@ -853,9 +854,9 @@ def _rates_of_event(
     node_states: States,
     first_event: _FirstEvent,
 ) -> Array:
-    """Derivatives (n_loads,) by the loads of the gap of a node that touches, or the pressure of one
-    that is released; 0 by loads that do not change in the increment, as these must not add their
-    rounding.
+    """Derivatives (n_loads,) by the loads of the gap of a node that touches, or of the pressure of
+    one that is released. 0 by loads that do not change in the increment, as these must not add
+    their rounding.
 
     Parameters
     ----------
@@ -993,7 +994,7 @@ def _first_crossing(values_before: Array, values_after: Array, nodes: Mask) -> t
 
 def states_up_to_event(start_state: InterfaceState, solved_state: InterfaceState) -> States:
     """States (n,) of the nodes at the end of an increment from `start_state` to `solved_state`,
-    before its event: nodes that touch or let go at its very end have the state that they had on the
+    before its event. Nodes that touch or let go at its very end have the state that they had on the
     way.
 
     Within round-off the law of contact calls such a node open or closed. A node that lets go at the
@@ -1011,7 +1012,7 @@ def _states_before_event(
     start_state: InterfaceState, solved_state: InterfaceState, has_opened_or_closed: Mask
 ) -> States:
     """States (n,) of the nodes in `solved_state`, but for those that have opened or closed since
-    `start_state`, a mask (n,): these have the state that they had on the way, open, stick, or slip
+    `start_state`, a mask (n,). These have the state that they had on the way: open, stick, or slip
     in the sense in which they have moved.
     """
     slip_increment = solved_state.slip - start_state.slip

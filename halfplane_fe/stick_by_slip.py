@@ -41,8 +41,8 @@ _SAME_END = 2.0
 
 def ends_by_slip(x: Array, slip_range: Array, ends_by_states: Array) -> Edges:
     """Left and right end (2,) of the permanent stick zone of a load cycle, by how far the nodes
-    beyond them slip, and the uncertainty of each; NaN where the range of slip does not have its
-    form [length].
+    beyond them slip, and the uncertainty of each [length]. NaN where the range of slip does not
+    have its form.
 
     Beyond an end, at a distance d, the range of slip of a node grows as d^(3/2). So a straight line
     through its power 2/3 at three nodes is zero at the end. Three lines are drawn, from the second,

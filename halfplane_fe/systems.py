@@ -100,7 +100,7 @@ def _lu_solve(factors: LuFactors, right_side: Array) -> Array:
 
 def _few_rows_times(rows: Array, matrix: Array) -> Array:
     """Product (k, n) of a matrix of few rows (k, m) and a matrix (m, n), row by row where k <= 3
-    (`_FEW_ROWS`): numpy's product of two matrices would begin with a copy of both.
+    (`_FEW_ROWS`). There numpy's product of two matrices would begin with a copy of both.
     """
     if len(rows) > _FEW_ROWS:
         return np.asarray(rows @ matrix)
@@ -294,8 +294,8 @@ class _NestedCompliance:
         actuator_compliance: float | None,
     ) -> tuple[Array, Array, Array]:
         """Nodal forces F, rigid motion r of the body and nodal displacements C F - r, in m load
-        cases, where the first k nodes are held at known displacements and the others carry known
-        forces; C is the compliance matrix (`self.compliance`).
+        cases. The first k nodes are held at known displacements, the others carry known forces; C
+        is the compliance matrix (`self.compliance`).
 
         Forces at r = 0 are found first, then those of the rigid motion: both add up to the load.
         C = L L^T, so that the inverse of the leading k x k block of C is X_k^T X_k, X_k being the
@@ -602,8 +602,9 @@ class Systems:
         equation_numbers: Indices | None,
         changes: Array | None,
     ) -> Array:
-        """Derivatives of the contact's values by its loads, (n_loads, 3 + 4 n), where by ascending
-        x the first nodes stick, the next slide, the last are open, and p does not depend on q.
+        """Derivatives of the contact's values by its loads, (n_loads, 3 + 4 n), for nested states:
+        by ascending x the first nodes stick, the next slide, the last are open. p does not depend
+        on q.
 
         The normal problem comes first: the gap of touching nodes is prescribed. In the tangential
         one the slip of sticking nodes is prescribed, and sliding ones carry q = (+-f) p. The values

@@ -49,8 +49,8 @@ class Task:
     @property
     def kinks_bound_step_error(self) -> bool:
         """Whether the friction work by kinks of pressure and slip, where nodes start to slide,
-        bounds the error of the increments: in records of like bodies, without bulk stress, tilt or
-        penalty layer, with quadratic elements.
+        bounds the error of the increments. So it is in records of like bodies, without bulk stress,
+        tilt or penalty layer, with quadratic elements.
         """
         return is_plain_record(self.scene) and not self.has_errors_of_low_order
 
@@ -116,7 +116,7 @@ def surface_grading(
 
 def room_for_contact(scene: Scene, mesh: MeshSettings | None) -> RoomForContact:
     """Estimate of how far the contact reaches on the faces of bodies of finite size, by a run on a
-    coarse mesh, and a check that the bodies can be meshed finely enough for it.
+    coarse mesh. Also a check that the bodies can be meshed finely enough for it.
 
     `mesh` are the settings of that fine mesh, None for the default ones. The estimate has the
     scales of the contact: half-width, load, and how far its edges reach.

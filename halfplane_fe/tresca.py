@@ -89,8 +89,8 @@ def pressure_at_known_shear(
     n_y = systems.interface.face_normals[1]
 
     def normal_step(is_closed: Mask) -> tuple[_NormalForces, Array, Mask]:
-        """For a set of closed nodes: their normal forces p under the load at zero gap g, by how
-        much each node violates p >= 0 (closed) or g >= 0 (open), and the next set.
+        """Normal forces p for a set of closed nodes, under the load at zero gap g. Also by how much
+        each node violates p >= 0 (closed) or g >= 0 (open), and the next set.
 
         Nodes that violate it open or close.
         """

@@ -371,8 +371,8 @@ def run_values(
     cycle: int | None = None,
 ) -> RunValues:
     """Values of a load cycle of a run, or of a path that does not repeat, to be compared with those
-    on another mesh: instants since its start, tangential displacement U, approach, largest slip and
-    largest friction work per area W(x), in the scene's units.
+    on another mesh. They are instants since its start, tangential displacement U, approach, largest
+    slip and largest friction work per area W(x), in the scene's units.
 
     Parameters
     ----------
@@ -776,9 +776,9 @@ def largest_deviation_from_neighbours(x: Array, pressure: Array, node: int) -> f
 
 
 def scatter_of_nodes(pressure: Array, node: int) -> float:
-    """Largest deviation of the pressure of a single node from a smooth curve through its
-    neighbours, among a node and a few on either side: by fourth differences, which are small of a
-    smooth pressure [stress].
+    """Largest deviation of the pressure of a single node from a smooth curve through its neighbours
+    [stress], among a node and a few on either side. It is read off fourth differences, which are
+    small of a smooth pressure.
 
     Near sliding, shear bends the pressure of coupled bodies by the mesh's error, one way at one
     node and the other way at the next. The node of the largest pressure is then the one that
