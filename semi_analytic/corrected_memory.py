@@ -184,8 +184,8 @@ class PunchTable:
         self._load_coefficients: list[list[float]] = self._load_cubics.tolist()
 
         # int eta dc/c and int eta G dc/c: by parts they give int ln(2 L/c) over d eta and d(eta G).
-        self._load_integral_cubics = self._integral_cubics(power=0)
-        self._load_parabola_integral_cubics = self._integral_cubics(power=1)
+        self._load_integral_cubics = self._integral_cubics(exponent=0)
+        self._load_parabola_integral_cubics = self._integral_cubics(exponent=1)
         self._load_integral_coefficients: list[list[float]] = self._load_integral_cubics.tolist()
         self._load_parabola_integral_coefficients: list[list[float]] = (
             self._load_parabola_integral_cubics.tolist()
@@ -261,8 +261,9 @@ class PunchTable:
         ]
         return np.stack([column.ravel() for column in columns], axis=1)
 
-    def _integral_cubics(self, power: int) -> Array:
-        """Coefficients (cells, 4), constant first, of cubics for int eta G^power dc/c from 0 to c.
+    def _integral_cubics(self, exponent: int) -> Array:
+        """Coefficients (cells, 4), constant first, of cubics for int eta G^exponent dc/c from 0 to
+        c.
 
         eta(c) (`profile_load`) and G(c) (`parabola_load`) are the loads that flat punches of
         half-width up to c carry, of the profile and of x^2/2. The variable of a cubic runs from 0
@@ -270,8 +271,8 @@ class PunchTable:
 
         Parameters
         ----------
-        power
-            exponent of G: 0, 1 or 2
+        exponent
+            of G: 0, 1 or 2
         """
         # _load_cubics (cells, 4): the cubics of eta, one for each cell.
         n_cells = len(self._load_cubics)
@@ -281,13 +282,15 @@ class PunchTable:
         cell_length = 1 / self._cells_per_interval  # in s
 
         def integrand(s: Array) -> Array:
-            """eta G^power (dc/ds)/c."""
+            """eta G^exponent (dc/ds)/c: derivative of the integral with respect to s."""
             half_width = self.half_width(s)
             half_width_rate = self.half_width_rate(s)
             load_per_width = (
                 self.profile_load(s) * half_width_rate / np.where(half_width > 0, half_width, 1.0)
             )
-            return load_per_width * self.parabola_load(s) ** power if power else load_per_width
+            return (
+                load_per_width * self.parabola_load(s) ** exponent if exponent else load_per_width
+            )
 
         # Sums of the integrals over cells give the value at both ends of each cell.
         s_of_nodes = np.asarray(
@@ -390,15 +393,17 @@ class PunchTable:
         half_width_rate = 2 * length * (s - interval)
         squared_width = half_width * half_width
         parabola_load = self.parabola_stiffness * half_width * half_width
-        load = c0 + fraction_of_cell * (c1 + fraction_of_cell * (c2 + fraction_of_cell * c3))
-        load_rate = (
+        profile_load = c0 + fraction_of_cell * (
+            c1 + fraction_of_cell * (c2 + fraction_of_cell * c3)
+        )
+        profile_load_rate = (
             c1 + fraction_of_cell * (2 * c2 + 3 * fraction_of_cell * c3)
         ) * self._cells_per_interval
         return PunchLoads(
-            profile_load=max(load, 0.0),
+            profile_load=max(profile_load, 0.0),
             parabola_load=parabola_load,
             fourth_load=parabola_load * squared_width / 8,
-            load_rate=load_rate,
+            load_rate=profile_load_rate,
             parabola_rate=2 * self.parabola_stiffness * half_width * half_width_rate,
             fourth_rate=parabola_load * half_width * half_width_rate / 2,
         )
@@ -423,8 +428,8 @@ class PunchTable:
         cell = min(int(s_in_cells), len(self._load_coefficients) - 1)
         fraction_of_cell = s_in_cells - cell
 
-        def tabulated(coefficients_of_cells: list[list[float]]) -> float:
-            """Value of a tabulated function at s."""
+        def value_at_s(coefficients_of_cells: list[list[float]]) -> float:
+            """Value at s of a function with a cubic on each cell of the table."""
             c0, c1, c2, c3 = coefficients_of_cells[cell]
             return c0 + fraction_of_cell * (c1 + fraction_of_cell * (c2 + fraction_of_cell * c3))
 
@@ -435,17 +440,17 @@ class PunchTable:
             self._interval_begins[interval] + self._interval_lengths[interval] * (s - interval) ** 2
         )
         squared_width = half_width * half_width
-        load = tabulated(self._load_coefficients)
+        profile_load = value_at_s(self._load_coefficients)
         parabola_load = self.parabola_stiffness * squared_width
 
         # 1e-9 of the largest half-width stands for c = 0 in the logarithm.
         least_half_width = _LEAST_HALF_WIDTH_SHARE * float(self._interval_ends[-1])
         log_datum_ratio = math.log(2 * datum_length / max(half_width, least_half_width))
         return PunchSums(
-            logarithm=load * log_datum_ratio + tabulated(self._load_integral_coefficients),
+            logarithm=profile_load * log_datum_ratio + value_at_s(self._load_integral_coefficients),
             parabola_logarithm=parabola_load * (log_datum_ratio + 0.5),
-            second_moment=squared_width * load / 2
-            - tabulated(self._load_parabola_integral_coefficients) / self.parabola_stiffness,
+            second_moment=squared_width * profile_load / 2
+            - value_at_s(self._load_parabola_integral_coefficients) / self.parabola_stiffness,
             parabola_second_moment=squared_width * parabola_load / 4,
         )
 
@@ -484,7 +489,7 @@ class PunchTable:
     @cached_property
     def _load_fourth_integral_cubics(self) -> Array:
         """Cubics of int eta G^2 dc/c."""
-        return self._integral_cubics(power=2)
+        return self._integral_cubics(exponent=2)
 
     def second_moments(self, s: ArrayLike) -> PunchMoments:
         """Second moments int x^2 p dx of the pressure of flat punches up to each coordinate s (k,):
@@ -628,10 +633,21 @@ class PunchTable:
 
 # ------------------------------------------------------------------------------------- the memory
 class Curvatures(NamedTuple):
-    """Curvatures that finite bodies add to half-planes per unit of load, in the gap (N) and in the
-    tangential displacement of the faces (T): N, N_Q, T, T_P [1 / (stress length^2)].
+    """Curvatures that finite bodies add to half-planes per unit of load, in the gap and in the
+    tangential displacement of the faces.
 
-    And those of the next order: N_4, T_4, N_22, T_22 [1 / (stress length^4)].
+    Attributes
+    ----------
+    normal, normal_under_shear
+        N and N_Q: factors of x^2/2 in the gap per P and per Q [1 / (stress length^2)]
+    tangential, tangential_under_pressure
+        T and T_P: factors of x^2/2 in the displacement of the faces per Q and per P
+    normal_fourth, tangential_fourth
+        N_4 and T_4: factors of x^4/24 in the gap per P, and in the displacement per Q [1 / (stress
+        length^4)]
+    normal_mixed, tangential_mixed
+        N_22 and T_22: the second moments p_2 and q_2 of pressure and shear add 2 N_22 p_2 to the
+        factor of x^2/2 in the gap, and 2 T_22 q_2 to that of the faces [1 / (stress length^4)]
     """
 
     normal: float = 0.0
@@ -661,10 +677,13 @@ class Piece(NamedTuple):
     """A piece of a memory curve F(s), the locked-in tangential force of the flat punches up to s:
     what they carry beyond the share that the curvature of the faces gives them.
 
-    It continues another piece outwards, number `number_below`, from that one's `top_s` to its own,
-    an s. On it dF = `profile_slope` d eta + `parabola_slope` dG + `fourth_slope` dG_4.
-    `profile_load`, `parabola_load`, `fourth_load` and `locked_in_force` are eta, G, G_4 and F at
-    its top.
+    A whole curve is held by the number of its uppermost, outermost piece in `Pieces`. Each piece
+    continues another one outwards, number `number_below`, from that one's `top_s` to its own. The
+    chain ends at piece 0, the empty curve.
+
+    On a piece dF = `profile_slope` d eta + `parabola_slope` dG + `fourth_slope` dG_4. The loads
+    eta, G, G_4 and F at its top are `profile_load`, `parabola_load`, `fourth_load` and
+    `locked_in_force`.
     """
 
     number_below: int
@@ -692,7 +711,10 @@ _EMPTY_CURVE = Piece(0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 class Pieces(list[Piece]):
-    """Pieces of all memory curves of a path by their numbers; piece 0 is the empty curve."""
+    """Pieces of all memory curves of a path by their numbers; piece 0 is the empty curve.
+
+    A curve is the number of its uppermost piece; curves of several instants share pieces.
+    """
 
     def __init__(self) -> None:
         super().__init__([_EMPTY_CURVE])
@@ -758,14 +780,22 @@ class Pieces(list[Piece]):
         return self.append_and_number(self.piece_above(number_below, top_s, loads, slopes))
 
     def keep_first(self, n_pieces: int) -> None:
-        """Keep the first `n_pieces` pieces: those of a trial that was rejected go."""
+        """Keep the first `n_pieces` pieces; those of a rejected trial are removed."""
         del self[n_pieces:]
 
 
 class _Bound(NamedTuple):
-    """Coulomb bound B_s of the locked-in tangential force F: what F is during slip in `direction`,
-    `constant` at eta = 0, linear in eta, G and G_4. Where a punch sticks, `direction` F >=
-    `direction` B_s.
+    """Coulomb bound B of the locked-in tangential force F of flat punches: what F is while they
+    slip in one direction s. Where a punch sticks, s F >= s B.
+
+    Attributes
+    ----------
+    direction
+        s, direction of slip: +1 or -1
+    constant
+        B where the loads eta, G and G_4 of the punches are 0 [force per thickness]
+    profile_slope, parabola_slope, fourth_slope
+        dB per d eta, dG and dG_4
     """
 
     direction: int
@@ -880,8 +910,8 @@ class FollowedPath:
         `at_edge` holds its parts up to the edge of contact, by the punches of the profile, of x^2/2
         and of x^4/24. The latter two are multiplied by kn and n4, the curvatures of the gap.
         """
-        moment = _pressure_moment(at_edge, self.normal_curvature, self.normal_fourth)
-        return np.where(self.normal_load > 0, moment, 0.0)
+        integral = _pressure_moment(at_edge, self.normal_curvature, self.normal_fourth)
+        return np.where(self.normal_load > 0, integral, 0.0)
 
     def shear_integral(self, at_tops: PunchMoments, at_edge: PunchMoments) -> Array:
         """Integral of the shear traction over the contact at each instant, (n,), such as a moment;
@@ -1039,7 +1069,8 @@ class FollowedPath:
         load_beyond
             (m, k) normal load that is carried outside of each punch
         """
-        # Curvatures kt and t4 at these instants.
+        # Q - kt G - t4 G_4: Q without the share that the curvatures kt and t4 of the faces give to
+        # the punches.
         force_without_faces = self.tangential_load[row][:, None]
         force_without_faces = (
             force_without_faces - self.tangential_curvature[row][:, None] * punches.parabola_load
@@ -1218,9 +1249,19 @@ class _PunchArrays(NamedTuple):
 
 
 class _SlipIntervals(NamedTuple):
-    """Intervals (m,) of s within the slip zones of steps: number of the instant at which the step
-    ends; s of both ends; number of the piece of the memory curve before the step, 0 outside the
-    contact before; direction of slip, +1 or -1.
+    """Intervals (m,) of the punch coordinate s within the slip zones of steps.
+
+    Attributes
+    ----------
+    row
+        number of the instant at which the step ends
+    inner_s, outer_s
+        s of both ends
+    piece_number
+        number of the piece of the memory curve before the step on which the interval lies; 0 if it
+        was outside the contact
+    direction
+        direction of slip, +1 or -1
     """
 
     row: Indices
@@ -1379,7 +1420,8 @@ def follow(
     ... ).tolist()  # c = a sqrt(1 - Q/(f P))
     [0.632455532, 0.632455532]
     """
-    # (10, n): loads, curvatures and edge of contact at each instant.
+    # (10, n): P, Q, curvatures kn, kt, n4, t4, and s, eta, G, G_4 of the edge of contact at each
+    # instant, the fields of a `Row`.
     columns = _columns_of_path(table, normal_load, tangential_load, curvatures)
     # T_22: the second moment of the shear adds to the curvature of the faces under Q. The path of
     # half-planes gives that moment.
@@ -1389,7 +1431,7 @@ def follow(
                 table, friction, normal_load, tangential_load, Curvatures()
             )
         shear_second_moment = _estimated_shear_second_moment(table, columns, path_of_half_planes)
-        # _INDEX_OF_TANGENTIAL_CURVATURE: that of kt among the ten quantities.
+        # _INDEX_OF_TANGENTIAL_CURVATURE: 3, that of kt among the ten quantities.
         columns[_INDEX_OF_TANGENTIAL_CURVATURE] += (
             2 * curvatures.tangential_mixed * shear_second_moment
         )
@@ -1397,7 +1439,7 @@ def follow(
 
 
 def _estimated_shear_second_moment(
-    table: PunchTable, rows: Array, path_of_half_planes: FollowedPath
+    table: PunchTable, columns: Array, path_of_half_planes: FollowedPath
 ) -> Array:
     """Second moment of the shear traction, q_2 = int x^2 q dx, at each instant of the path, (n,),
     estimated from that of half-planes.
@@ -1410,39 +1452,39 @@ def _estimated_shear_second_moment(
     ----------
     table
         loads and moments of the flat punches, by the coordinate s of their half-width
-    rows
-        (10, n) loads, curvatures and edge of contact at the instants: ten quantities, in the order
-        of the fields of a `Row`
+    columns
+        (10, n) at each instant, the fields of a `Row`: P and Q; the curvatures kn, kt, n4, t4 of
+        gap and faces under them; s of the edge of contact; the loads of the punches up to it
     path_of_half_planes
         the same path without curvatures
     """
     # Row._fields: names of the ten quantities, among them the curvatures kn and n4 of the gap and
     # the coordinate s of the edge of contact.
-    columns_by_name = dict(zip(Row._fields, rows, strict=True))
+    columns_by_name = dict(zip(Row._fields, columns, strict=True))
     pressure_moment = _pressure_moment(
         table.second_moments(columns_by_name["edge_s"]),
         columns_by_name["normal_curvature"],
         columns_by_name["normal_fourth"],
     )
-    moment_of_half_planes = path_of_half_planes.pressure_second_moment
-    ratio = np.divide(
+    pressure_moment_of_half_planes = path_of_half_planes.pressure_second_moment
+    pressure_moment_ratio = np.divide(
         pressure_moment,
-        moment_of_half_planes,
+        pressure_moment_of_half_planes,
         out=np.zeros_like(pressure_moment),
-        where=moment_of_half_planes > 0,
+        where=pressure_moment_of_half_planes > 0,
     )
-    return path_of_half_planes.shear_second_moment * ratio
+    return path_of_half_planes.shear_second_moment * pressure_moment_ratio
 
 
 def _pressure_moment(at_edge: PunchMoments, curvature: Array, fourth_coefficient: Array) -> Array:
-    """Moment of the contact pressure, (n,), of n contacts: that of the profile, plus kn times that
-    of x^2/2, plus n4 times that of x^4/24.
+    """Moment, or another integral, of the contact pressure of n contacts, (n,): that of the punches
+    of the profile, plus kn times that of x^2/2, plus n4 times that of x^4/24.
 
     Parameters
     ----------
     at_edge
-        moments of the flat punches up to the edge of contact: of those of the profile, of x^2/2
-        and of x^4/24
+        the same integral over the flat punches up to the edge of contact, (n,) each: over those of
+        the profile, of x^2/2 and of x^4/24
     curvature, fourth_coefficient
         kn and n4 (n,): factors of x^2/2 and x^4/24 that the bodies add to the gap
     """
@@ -1458,11 +1500,15 @@ def _columns_of_path(
     table: PunchTable, normal_load: Array, tangential_load: Array, curvatures: Curvatures
 ) -> Array:
     """Loads, curvatures of gap and faces under them, and edge of contact at each of the n instants
-    of a load path: ten quantities, (10, n).
+    of a load path, (10, n): ten quantities, the fields of a `Row` in their order.
 
-    They are P and Q; kn and kt, the factors of x^2/2 that the bodies add to the gap and to the
-    tangential displacement of the faces; those of x^4/24; the punch coordinate s of the edge of
-    contact; the loads of profile, x^2/2 and x^4/24 there.
+    - P and Q;
+    - kn and kt, the factors of x^2/2 that the bodies add to the gap and to the tangential
+      displacement of the faces;
+    - n4 and t4, those of x^4/24;
+    - s of the edge of contact, in the table of punches;
+    - eta, G and G_4, the loads of the punches up to the edge: of the profile, of x^2/2 and of
+      x^4/24.
 
     kn depends on the second moment p_2 of the pressure and p_2 on the edge: they are iterated, at
     most eight times. In kt the part by the second moment of the shear traction is left out.
@@ -1592,8 +1638,22 @@ def path_of_steps(
 
 
 class Row(NamedTuple):
-    """P, Q, kn, kt, n4, t4 at the end of a step, and s, eta, G and G_4 of the edge of contact
-    there.
+    """Loads, curvatures and edge of contact at the end of a step: ten quantities.
+
+    Attributes
+    ----------
+    normal_load, tangential_load
+        P and Q [force per thickness]
+    normal_curvature, tangential_curvature
+        kn and kt, factors of x^2/2 that the bodies add to the gap and to the tangential
+        displacement of the faces [1/length]
+    normal_fourth, tangential_fourth
+        n4 and t4, factors of x^4/24 there [1/length^3]
+    edge_s
+        s of the edge of contact in the table of flat punches
+    edge_load, edge_parabola_load, edge_fourth_load
+        eta, G and G_4 of the punches up to the edge: their loads of the profile, of x^2/2 and of
+        x^4/24
     """
 
     normal_load: float
@@ -1614,8 +1674,16 @@ class Row(NamedTuple):
 
 
 class MemoryState(NamedTuple):
-    """What a contact remembers: number of the uppermost piece of its memory curve, and direction of
-    slip in the last step, +1 or -1, that of the inner slip zone if there was one; 0 in full stick.
+    """What a contact remembers.
+
+    Attributes
+    ----------
+    uppermost_piece
+        number of the uppermost piece of its memory curve, which holds those below by their
+        numbers; 0 is the empty curve
+    last_direction
+        direction of slip in the last step, +1 or -1, that of the inner slip zone if there was one;
+        0 in full stick
     """
 
     uppermost_piece: int = 0
@@ -1627,9 +1695,21 @@ _INDEX_OF_TANGENTIAL_CURVATURE = Row._fields.index("tangential_curvature")
 
 
 class MemoryStep(NamedTuple):
-    """Memory at the end of a step, and its slip zones: s of the stick edge and direction of slip at
-    the edge of contact, 0 where it sticks; s of both ends of an inner slip zone and its direction,
-    0 without one.
+    """Memory at the end of a step, and its slip zones. s is the coordinate of a half-width in the
+    table of flat punches.
+
+    Attributes
+    ----------
+    state
+        what is remembered
+    stick_edge_s
+        s of the stick edge; of the edge of contact where that sticks
+    direction
+        direction of slip at the edge of contact, +1 or -1; 0 where it sticks
+    inner_zone_s
+        s of the inner and the outer end of an inner slip zone
+    inner_zone_direction
+        direction of slip there, +1 or -1; 0 without such a zone
     """
 
     state: MemoryState

@@ -254,10 +254,13 @@ def actuator_rows(
     """
     # Times between which each actuator moves one way.
     turning_times = np.array(_turning_times_of_actuators(path, n_cycles))
+    # cycles over which the steps are counted; a path without a period counts as one
     n_cycles_of_steps = max(n_cycles, 1) if path.period is not None else 1
-    n_steps = refinement * _steps_between(len(turning_times), steps_per_cycle * n_cycles_of_steps)
-    _require_few_steps(n_steps * len(turning_times))
-    time = _times_of_steps(path, turning_times, n_steps, one_step_at_constant_load)
+    n_steps_per_interval = refinement * _steps_between(
+        len(turning_times), steps_per_cycle * n_cycles_of_steps
+    )
+    _require_few_steps(n_steps_per_interval * len(turning_times))
+    time = _times_of_steps(path, turning_times, n_steps_per_interval, one_step_at_constant_load)
     if extra_times is not None:
         is_in_path = (extra_times > turning_times[0]) & (extra_times < turning_times[-1])
         time = np.append(time, extra_times[is_in_path])
@@ -294,16 +297,18 @@ def _require_few_steps(n_steps: int) -> None:
 
 
 def _times_of_steps(
-    path: LoadPath, turning_times: Array, n_steps: int, one_step_at_constant_load: bool
+    path: LoadPath, turning_times: Array, n_steps_per_interval: int, one_step_at_constant_load: bool
 ) -> Array:
-    """Begins of `n_steps` equal steps between each two of the ascending turning times of a path of
-    actuators, then the last of these times, (n,); some may be equal.
+    """Begins of the steps of a path of actuators, then the last turning time, (n,); ascending, some
+    may be equal.
 
-    With `one_step_at_constant_load` there is one step, which is exact, between two turning times if
-    the normal actuator rests there: its begin is then repeated.
+    There are `n_steps_per_interval` equal steps between each two of the ascending turning times.
+
+    With `one_step_at_constant_load` there is one step, which is exact, between two of them if the
+    normal actuator rests there: its begin is then repeated.
     """
     # (turning times - 1, steps between two of them)
-    fractions = np.arange(n_steps) / n_steps
+    fractions = np.arange(n_steps_per_interval) / n_steps_per_interval
     step_times = turning_times[:-1, None] + np.diff(turning_times)[:, None] * fractions
     if one_step_at_constant_load:
         middle_times = (turning_times[1:] + turning_times[:-1]) / 2
@@ -328,6 +333,7 @@ def _turning_times_of_actuators(path: LoadPath, n_cycles: int) -> list[float]:
     # actuator, TANGENTIAL_LOAD: the tangential one.
     times = [segments[0].start]
     for segment in segments:
+        # ends of the parts of the segment on which both actuators move one way
         normal_turning_times = segment.turning_points(NORMAL_LOAD)
         tangential_turning_times = segment.turning_points(TANGENTIAL_LOAD)
         monotonic_ends = sorted(
@@ -386,7 +392,7 @@ def loads_of_approach(
 
     Each contact half-width a has one load, P = eta(a)/(1 - N G(a)), and one approach, which grows
     with a: a is found by bisection of the approach. eta(a) is the load that presses the profile
-    into half-planes up to a, and G(a) the load that presses a parabola x^2/2 so far.
+    into half-planes up to a, and G(a) the load that presses a parabola x^2/2 into them up to a.
 
     Finite bodies add (N P + N_Q Q) x^2/2 to the gap, and (T Q + T_P P) x^2/2 to the tangential
     displacement of the faces. N_Q and T_P must be 0, as of bodies that are mirrored at x = 0, so
@@ -424,8 +430,8 @@ def loads_of_approach(
             " positive where the bodies are pressed together"
         )
 
-    # eta and G over a coordinate s, which is 0 at a = 0 and grows with a, up to a half-width with
-    # the largest approach.
+    # eta and G over a coordinate s, which is 0 at a = 0 and grows with a. The table ends at a
+    # half-width with at least the largest approach.
     table = _table_of_approach(contact, modulus, compliance, largest_approach)
 
     # Bisection of s of the edge of contact, from 0 to the end of the table, for each approach.
@@ -499,11 +505,12 @@ def _table_of_approach(
     Raises
     ------
     InputError
-        For an approach beyond the profile, or beyond any contact that was tried, and if the
-        approach falls while P grows.
+        For an approach that needs a contact wider than the profile, or wider than the widest that
+        was tried; if the approach falls while P grows.
     """
     extent = contact.extent  # half-width to which the profile is given
-    # Widened by half, at most 60 times; least_half_width: of the flat part of the profile.
+    # The table is widened by half, at most 60 times, until its end has the largest approach.
+    # least_half_width: of the flat part of the profile.
     half_width = min(max(contact.least_half_width, 1e-6 * compliance.datum_length) * 1.01, extent)
     for _ in range(_MOST_WIDENINGS):
         table = PunchTable(contact, modulus, half_width)
@@ -522,7 +529,7 @@ def _table_of_approach(
             " check units"
         )
 
-    # The approach must grow with the half-width, and so with P.
+    # The approach must grow with the half-width, and so with P: looked at in 10,241 half-widths.
     s = np.linspace(0.0, table.largest_s, 20 * 512 + 1)
     _, sampled_approach = _load_and_approach(table, compliance, s)
     largest_fall = float(np.max(np.maximum.accumulate(sampled_approach) - sampled_approach))
@@ -713,7 +720,7 @@ class _GrowingPath:
     @property
     def last_state(self) -> MemoryState:
         """State of the friction memory at the last instant."""
-        return self.steps[-1].step.state
+        return self.steps[-1].memory_step.state
 
     def add(self, instant: _Instant, solved_step: _SolvedStep) -> None:
         """Add an instant, whose Q is that of the solved step that ends there."""
@@ -732,8 +739,9 @@ class _GrowingPath:
         `end_rows` are the numbers of the instants at which the initial loading and each cycle end.
         A memory curve is the tangential force that stuck punches keep.
         """
+        # Loads, curvatures and edge of contact: one line of the array for each field of `Row`.
         memory_rows = np.array([solved_step.row for solved_step in self.steps]).T
-        memory_steps = [solved_step.step for solved_step in self.steps]
+        memory_steps = [solved_step.memory_step for solved_step in self.steps]
         return DrivenPath(
             time=np.array([instant.time for instant in self._instants]),
             followed_path=path_of_steps(memory, memory_rows, memory_steps),
@@ -769,24 +777,43 @@ class _Instant(NamedTuple):
 
 
 class _SolvedStep(NamedTuple):
-    """The end of a step: loads and memory there, distance of gross sliding in the step, and motion
-    of the actuator while the bodies are apart [length].
+    """A step of the rig of which Q is known.
+
+    Attributes
+    ----------
+    row
+        P, Q, curvatures and edge of contact at its end
+    memory_step
+        memory of friction and slip zones at its end
+    slide_distance
+        way of gross sliding in the step [length]
+    distance_apart
+        way of the actuator while the bodies are apart [length]
     """
 
     row: Row
-    step: MemoryStep
+    memory_step: MemoryStep
     slide_distance: float = 0.0
     distance_apart: float = 0.0
 
 
 class _Trial(NamedTuple):
-    """A step that was tried with some Q: Q, the memory of friction after it, and the displacement
-    U + Q/k_s of the actuator there [length]; k_s is the spring of the rig.
+    """A step that was tried with some Q.
+
+    Attributes
+    ----------
+    tangential_load
+        Q at its end [force per thickness]
+    memory_step
+        memory of friction and slip zones at its end
+    displacement_without_slide
+        U + Q/k_s there [length]: U of the contact and the bodies, k_s the spring of the rig. It is
+        the displacement of the actuator but for gross sliding and separation
     """
 
     tangential_load: float
-    step: MemoryStep
-    displacement: float
+    memory_step: MemoryStep
+    displacement_without_slide: float
 
 
 class _StepSolver:
@@ -806,14 +833,15 @@ class _StepSolver:
         self._memory = memory
         self._compliance = compliance
         self._table = memory.table
-        # Trials of a step have one P, and where N_Q is 0 one edge.
+        # Trials of a step have one P, and where N_Q is 0 one edge of contact.
         # _CACHED_EDGES: 8.
         self._cached_edge_s = lru_cache(maxsize=_CACHED_EDGES)(memory.table.edge_s_of_load)
-        # Of each piece of memory curve, by its number: integrals up to its top over the load of the
-        # punches, and over the memory curve itself.
+        # Of each piece of memory curve, by its number, integrals up to its top. First those over
+        # the loads eta and G of the punches; then int ln(2 L/c) dF and int (c^2/2) dF, F the
+        # locked-in tangential force. Number 0 is the empty curve.
         self._sums_at_tops = [self._table.punch_sums_at(0.0, compliance.datum_length)]
-        self._logarithm_integrals = [0.0]
-        self._second_moments = [0.0]
+        self._logarithm_integrals_at_tops = [0.0]
+        self._second_moments_at_tops = [0.0]
 
     def row_under_loads(self, normal_load: float, tangential_load: float) -> Row:
         """Loads P and Q, the curvatures that they add to gap and faces, and the edge of contact
@@ -872,7 +900,7 @@ class _StepSolver:
             row_at_limit = self.row_under_loads(
                 instant.normal_load, direction * memory.friction * instant.normal_load
             )
-            displacement_at_limit = self._displacement(
+            displacement_at_limit = self._displacement_without_slide(
                 row_at_limit, memory.step_of_gross_sliding(row_at_limit, direction)
             )
             self._discard_pieces(n_pieces)  # of this trial
@@ -945,12 +973,15 @@ class _StepSolver:
         tangential_load = min(max(tangential_load_before, -friction_limit), friction_limit)
         trial = self._trial(state, end.normal_load, tangential_load)
         self._discard_pieces(n_pieces)
-        direction = 1 if trial.displacement <= target_displacement else -1
+        # The slide is in the direction of the push, if there is one.
+        direction = 1 if trial.displacement_without_slide <= target_displacement else -1
 
         # Sliding as a whole, if U_act goes beyond U + Q/k_s at Q = +-f P.
         row_at_limit = self.row_under_loads(end.normal_load, direction * friction_limit)
         sliding_step = memory.step_of_gross_sliding(row_at_limit, direction)
-        slide_distance = target_displacement - self._displacement(row_at_limit, sliding_step)
+        slide_distance = target_displacement - self._displacement_without_slide(
+            row_at_limit, sliding_step
+        )
 
         # At the begin of a slide nothing is left but round-off, of either sign.
         # _ROUND_OFF_DISPLACEMENT_SHARE: 1e-12 of the displacement.
@@ -972,9 +1003,9 @@ class _StepSolver:
         """The step to the instant `end` with the Q at which the actuator has moved by
         `target_displacement` [length], U + Q/k_s, by Newton's method within a bracket.
 
-        Q lies between that of the first trial and `limit_force`, +-f P. A step of Newton's method
-        that leaves the bracket is replaced by its middle. `state` is the friction memory at the
-        begin of the step. NotFoundError if no Q is found.
+        Q lies between that of the first trial and `limit_force`, +-f P. Where Newton's method
+        leaves this bracket its middle is taken. `state` is the friction memory at the begin of the
+        step. NotFoundError if no Q is found.
         """
         memory = self._memory
         n_pieces = len(memory.pieces)
@@ -983,18 +1014,23 @@ class _StepSolver:
         # _FORCE_TOLERANCE_SHARE: 1e-13 of f times the largest P of the path.
         tolerance = _FORCE_TOLERANCE_SHARE * memory.friction * memory.largest_load
         for _ in range(_MOST_ITERATIONS):
-            missing_displacement = target_displacement - trial.displacement
+            missing_displacement = target_displacement - trial.displacement_without_slide
             new_force = trial.tangential_load + missing_displacement / self._compliance_at(
-                trial.step, end.normal_load
+                trial.memory_step, end.normal_load
             )
             if not lower_force <= new_force <= upper_force:
                 new_force = (lower_force + upper_force) / 2
             change_of_force = new_force - trial.tangential_load
             trial = self._trial(state, end.normal_load, new_force)
-            if abs(change_of_force) <= tolerance or trial.displacement == target_displacement:
-                return _SolvedStep(self.row_under_loads(end.normal_load, new_force), trial.step)
+            if (
+                abs(change_of_force) <= tolerance
+                or trial.displacement_without_slide == target_displacement
+            ):
+                return _SolvedStep(
+                    self.row_under_loads(end.normal_load, new_force), trial.memory_step
+                )
             self._discard_pieces(n_pieces)
-            if trial.displacement < target_displacement:
+            if trial.displacement_without_slide < target_displacement:
                 lower_force = new_force
             else:
                 upper_force = new_force
@@ -1011,11 +1047,12 @@ class _StepSolver:
         """
         row = self.row_under_loads(normal_load, tangential_load)
         step = self._memory.step(state, row)
-        return _Trial(tangential_load, step, self._displacement(row, step))
+        return _Trial(tangential_load, step, self._displacement_without_slide(row, step))
 
-    def _displacement(self, row: Row, step: MemoryStep) -> float:
+    def _displacement_without_slide(self, row: Row, step: MemoryStep) -> float:
         """Displacement U + Q/k_s of the actuator at the end of a step under the loads P, Q of `row`
-        [length]: U of contact and bodies, plus the extension of the spring k_s.
+        [length]: U of contact and bodies, plus the extension of the spring k_s. Gross sliding and
+        separation are not in it.
 
             (A/pi) int ln(2 L/c) dM + (c_t + 1/k_s) Q + T q_2/2 + N_Q p_2/2 + U_tilt
 
@@ -1041,11 +1078,11 @@ class _StepSolver:
 
         # dM = dF + kt dG: the integrals over F are stored with the pieces of the memory curve.
         logarithm_integral = (
-            self._logarithm_integrals[uppermost_piece]
+            self._logarithm_integrals_at_tops[uppermost_piece]
             + face_curvature * sums_at_edge.parabola_logarithm
         )
         shear_second_moment = (
-            self._second_moments[uppermost_piece]
+            self._second_moments_at_tops[uppermost_piece]
             + face_curvature * sums_at_edge.parabola_second_moment
         )
         pressure_second_moment = (
@@ -1098,27 +1135,31 @@ class _StepSolver:
             sums_at_top = self._table.punch_sums_at(piece.top_s, self._compliance.datum_length)
             sums_below = self._sums_at_tops[piece.number_below]
             # Of this piece alone.
-            logarithm_integral = piece.profile_slope * (
+            logarithm_integral_of_piece = piece.profile_slope * (
                 sums_at_top.logarithm - sums_below.logarithm
             )
-            logarithm_integral += piece.parabola_slope * (
+            logarithm_integral_of_piece += piece.parabola_slope * (
                 sums_at_top.parabola_logarithm - sums_below.parabola_logarithm
             )
-            second_moment = piece.profile_slope * (
+            second_moment_of_piece = piece.profile_slope * (
                 sums_at_top.second_moment - sums_below.second_moment
             )
-            second_moment += piece.parabola_slope * (
+            second_moment_of_piece += piece.parabola_slope * (
                 sums_at_top.parabola_second_moment - sums_below.parabola_second_moment
             )
-            integral_below = self._logarithm_integrals[piece.number_below]
-            moment_below = self._second_moments[piece.number_below]
+            logarithm_integral_below = self._logarithm_integrals_at_tops[piece.number_below]
+            second_moment_below = self._second_moments_at_tops[piece.number_below]
             self._sums_at_tops.append(sums_at_top)
-            self._logarithm_integrals.append(integral_below + logarithm_integral)
-            self._second_moments.append(moment_below + second_moment)
+            self._logarithm_integrals_at_tops.append(
+                logarithm_integral_below + logarithm_integral_of_piece
+            )
+            self._second_moments_at_tops.append(second_moment_below + second_moment_of_piece)
 
     def _discard_pieces(self, n_pieces: int) -> None:
-        """Keep the first `n_pieces` pieces of memory curve: those of a rejected trial go."""
+        """Keep the first `n_pieces` pieces of memory curve, with their integrals; those of a trial
+        are removed.
+        """
         self._memory.pieces.keep_first(n_pieces)
         del self._sums_at_tops[n_pieces:]
-        del self._logarithm_integrals[n_pieces:]
-        del self._second_moments[n_pieces:]
+        del self._logarithm_integrals_at_tops[n_pieces:]
+        del self._second_moments_at_tops[n_pieces:]

@@ -107,8 +107,8 @@ def events(scene: Scene) -> tuple[Event, ...]:
 
 
 def _events_by_time(history: History) -> list[Event]:
-    """Events of a load path in the order of time, without letters; those of one instant, within
-    1e-9 of the time, are one.
+    """Events of a load path in the order of time, without the letters of the paper. Events of one
+    instant, within 1e-9 of the time, are merged into one.
     """
     merged_events: list[Event] = []
     for later_event in sorted(_unlettered_events(history), key=lambda event: event.time):
@@ -184,25 +184,26 @@ def event(scene: Scene, letter: str) -> Event:
 
 
 def _unlettered_events(history: History) -> Iterator[Event]:
-    """Events of a load path, without letters: begins and ends of stick and slip, extreme loads, the
-    end of the path. Also when the stick edge passes from one piece of the memory curve to the next.
+    """Events of a load path, without the letters of the paper: begins and ends of stick and slip,
+    extreme loads, the end of the path. So is each passage of the stick edge from one piece of the
+    memory curve to the next.
 
-    That curve is M(eta), the tangential force of the flat punches up to the load eta; a growing
-    slip zone erases it from the edge of contact inwards. A span is a time in full stick, or with
-    slip in one direction. The stick edge stays on one piece of the curve in it, `sticking_piece`;
-    its `direction` is 1, -1 or 0.
+    The memory curve is M(eta), the tangential force of the flat punches up to the load eta. A
+    growing slip zone erases it from the edge of contact inwards. A span is a time in full stick, or
+    with slip in one direction, 1, -1 or 0. In a span the stick edge stays on one piece of the
+    curve, its `sticking_piece`.
 
-    `_event_at` makes an event with the loads and the load at the stick edge. A change of state
-    comes twice, as the begin of a span and as the end of the span before. `events` merges the two,
-    and drops those whose name ends in `_CONTINUATION_ENDING`.
+    `_event_at` makes an event with the loads and the load at the stick edge. A change between stick
+    and slip comes twice, as the begin of a span and as the end of the span before. `events` merges
+    the two, and drops those whose name ends in " goes on" (`_CONTINUATION_ENDING`).
     """
     state_names = {0: "full stick", 1: "forward slip", -1: "reverse slip"}
     spans_of_cycles = [(f"cycle {number}", cycle) for number, cycle in enumerate(history.cycles, 1)]
-    for label, spans in [("initial loading", history.loading), *spans_of_cycles]:
+    for part_of_path, spans in [("initial loading", history.loading), *spans_of_cycles]:
         former_span: Span | None = None
         for span in spans:
             if former_span is None:
-                event_name = f"{label} starts"
+                event_name = f"{part_of_path} starts"
             elif former_span.direction != span.direction:
                 event_name = (
                     f"{state_names[former_span.direction]} ends, {state_names[span.direction]}"
@@ -237,7 +238,8 @@ def _same_piece(first_piece: Curve, second_piece: Curve) -> bool:
 
     A memory curve M(eta) is the tangential force of the flat punches up to the load eta. The anchor
     of a piece is the instant of the load path through whose P and Q it passes. None: nothing
-    sticks. An `arc` is a piece that is a curved part of the load path, passed in full stick.
+    sticks. An arc is a piece that is a curved part of the load path itself, on which the contact
+    grew in full stick; only arcs have `arc_times`, of their ends.
     """
     if first_piece is None or second_piece is None:
         return first_piece is second_piece
@@ -246,9 +248,9 @@ def _same_piece(first_piece: Curve, second_piece: Curve) -> bool:
         and second_piece.arc_times is not None
         and first_piece.anchor.segment is second_piece.anchor.segment
     ):
-        return True  # an arc that a cycle starts in comes in two pieces
+        return True  # where a cycle starts within an arc, the arc is two pieces
     return (
-        # All of an instant but its segment of the load path.
+        # Time, P and Q of the anchor; [0] is its segment of the load path.
         first_piece.anchor[1:] == second_piece.anchor[1:]
         and first_piece.slope == second_piece.slope
     )
@@ -258,13 +260,14 @@ def _load_extremes(span: Span) -> Iterator[Event]:
     """Events at which P or Q has a maximum or minimum in time, at the begin of a span or inside it;
     a span is a time in full stick or with slip in one direction.
 
-    The turning points of an ellipse are sought a little beyond its ends too: the loads may turn
-    smoothly at an end. Times count as one within 1e-9.
+    The turning points of an ellipse are sought 0.1 rad beyond its ends too: the loads may turn
+    smoothly at an end. One within 1e-9 before the begin belongs to the span, one within 1e-9 before
+    the end does not.
     """
     segment = span.segment
     time_difference = 1e-3 * (segment.end - segment.start)
     searched_segment = segment
-    # the cycle of an `EllipseLoad`
+    # whether the segment is the cycle of an `EllipseLoad`
     if is_plain_ellipse(segment):
         searched_segment = replace(segment, start=segment.start - 0.1, end=segment.end + 0.1)
     for combination, load_name in ((NORMAL_LOAD, "P"), (TANGENTIAL_LOAD, "Q")):
@@ -287,9 +290,10 @@ def _event_at(span: Span, time: float, name: str) -> Event:
     """An event with its `name` and loads, at a `time` of the segment of the load path in which a
     span lies; times outside the span are moved to its nearer end.
 
-    A span is a time in full stick or with slip in one direction. `front_load` is P_c, the load that
-    the flat punches up to the stick edge carry; the slip zones carry P - P_c, `slip_zone_load`.
-    `delay` is how much later the span is than the segment's own time.
+    A span is a time in full stick or with slip in one direction. The event has P_c as `front_load`:
+    the load that the flat punches up to the stick edge carry. The slip zones carry the rest, P -
+    P_c, which the span gives as `slip_zone_load`. Its `delay` is how much later it is than the
+    segment's own time; the event has the time of the path.
     """
     time_in_segment = min(max(time, span.begin.time), span.end.time)
     normal_load, tangential_load = (float(load) for load in span.segment.loads(time_in_segment))
@@ -307,23 +311,25 @@ def _time_by_letter(history: History) -> dict[str, float]:
     """Times of the events A to M of figure 2 of Davies, Barber and Hills (2012) on a steady ellipse
     of loads; empty without such an ellipse.
 
-    At each of them u = Q - f P, v = Q + f P, P or Q is largest or least, for the first time after
-    the events before it. A is the start of the cycle, B and I the end of full stick, E and M of
-    forward slip, G of reverse slip. J is as long after I as I is after G. A clockwise ellipse is
-    mirrored, Q for -Q; times are in rad. Of loads on a line C and D would coincide, so that it has
-    no letters.
+    At most of them u = Q - f P, v = Q + f P, P or Q is largest or least, for the first time after
+    the events before it. A is the start of the cycle. Full stick ends at B and I, forward slip at E
+    and M, reverse slip at G. J is as long after I as I is after G: the stick edge is then where it
+    was at G. A clockwise ellipse is mirrored, Q for -Q; times are in rad. Loads on a straight line,
+    an ellipse of no area, have no letters: C and D would coincide.
     """
     if history.ellipse_of_cycle is None or history.steady_from is None:
         return {}
     friction = history.spans[0].friction
     ellipse = history.ellipse_of_cycle.ellipse
     assert ellipse is not None  # for the type checker: `ellipse_of_cycle` is one
-    # of the ellipse over pi, positive for an anticlockwise one: from the amplitudes of P and Q and
-    # the lag of Q
-    area = ellipse.amplitude[0] * ellipse.amplitude[1] * math.sin(ellipse.phase_radians)
-    if abs(area) <= 1e-12 * ellipse.amplitude[0] * ellipse.amplitude[1]:
+    # Area of the ellipse over pi, positive for an anticlockwise one. `amplitude` holds those of P
+    # and of Q; the phase is the lag of Q behind P.
+    signed_area_over_pi = (
+        ellipse.amplitude[0] * ellipse.amplitude[1] * math.sin(ellipse.phase_radians)
+    )
+    if abs(signed_area_over_pi) <= 1e-12 * ellipse.amplitude[0] * ellipse.amplitude[1]:
         return {}
-    rotation_sign = 1 if area > 0 else -1
+    rotation_sign = 1 if signed_area_over_pi > 0 else -1
     revolution = 2 * math.pi
     load_combinations = {
         "u": slip_combination(rotation_sign, friction),
@@ -331,7 +337,7 @@ def _time_by_letter(history: History) -> dict[str, float]:
         "P": NORMAL_LOAD,
         "Q": Combination(0.0, float(rotation_sign)),
     }
-    # Which of them is largest (+) or least (-) there; v is least where -v is largest.
+    # Which combination is largest (+) or least (-) at the event; v is least where -v is largest.
     extreme_by_letter = {
         "B": "u-",
         "C": "P+",

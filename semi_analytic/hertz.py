@@ -61,6 +61,27 @@ class HertzContact:
     P_x load at which a = |x|
 
     P = pi E* a^2 / (4 R),  p(x, P) = (E*/(2 R)) sqrt(a^2 - x^2)
+
+    Attributes
+    ----------
+    modulus
+        E* [stress]
+    radius
+        R [length]
+    datum_length
+        L, distance of the datum of displacements and approach [length]
+    has_closed_form
+        True: kernels and integrals need no quadrature
+    half_width_may_be_steep
+        False: P grows everywhere with a
+    corner_half_widths, corner_loads
+        empty: a parabola has no corners, at which dP/da is not smooth
+    least_half_width
+        0, the half-width under no load [length]
+    extent
+        infinite: largest half-width, at which the profile ends [length]
+    relative_roundoff
+        relative error of P(a) and dP/da
     """
 
     modulus: float
@@ -120,7 +141,7 @@ class HertzContact:
         ... )  # 2 P/(pi a)
         50.0
         """
-        # P - P_x, P_x the load at which a = |x|; a^2/P is `square_width_per_load`
+        # P - P_x, P_x the load at which a = |x|; then p = (2/pi) sqrt((P - P_x)/(a^2/P))
         load_beyond_x = np.maximum(np.asarray(load, dtype=float) - self.load(x), 0.0)
         return np.sqrt(load_beyond_x / self.square_width_per_load) * (2 / np.pi)
 
@@ -144,18 +165,18 @@ class HertzContact:
         >>> round(2 / np.pi * float(contact.slip_integral(0.6, contact.load(0.6))), 12)  # 0.6^2/2
         0.18
         """
-        # P_x
+        # P_x; the punches up to the load P_x or P lie within x
         load_at_x = self.load(x)
-        punch_load = np.minimum(np.asarray(load, dtype=float), load_at_x)  # of punches within x
-        load_left_to_x = load_at_x - punch_load
+        punch_load = np.minimum(np.asarray(load, dtype=float), load_at_x)
+        load_beyond_punch = load_at_x - punch_load
         # P_x - sqrt(P_x (P_x - P)), without its cancellation; 0 at x = 0
         algebraic_term = (
             load_at_x
             * punch_load
-            / (load_at_x + np.sqrt(load_at_x * load_left_to_x) + _SMALLEST_FLOAT)
+            / (load_at_x + np.sqrt(load_at_x * load_beyond_punch) + _SMALLEST_FLOAT)
         )
         # `_arccosh_root`: arccosh(sqrt(P_x/P)) from P_x - P and P
-        return punch_load * _arccosh_root(load_left_to_x, punch_load) + algebraic_term
+        return punch_load * _arccosh_root(load_beyond_punch, punch_load) + algebraic_term
 
     def slip_integral_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
         """First moment of the slip integral, int eta' arccosh(|x|/a(eta')) d eta' over the loads
@@ -166,16 +187,16 @@ class HertzContact:
         (r^3 - s^3)], r = sqrt(P_x), s = sqrt(P_x - eta). It is found by parts: the second term is a
         quarter of int_0^eta eta' sqrt(P_x/(P_x - eta')) d eta'.
         """
-        # P_x
+        # P_x; the punches up to the load P_x or P lie within x
         load_at_x = self.load(x)
-        punch_load = np.minimum(np.asarray(load, dtype=float), load_at_x)  # of punches within x
-        load_left_to_x = load_at_x - punch_load
+        punch_load = np.minimum(np.asarray(load, dtype=float), load_at_x)
+        load_beyond_punch = load_at_x - punch_load
         # notation: r = sqrt(P_x), s = sqrt(P_x - eta)
         r = np.sqrt(load_at_x)
-        s = np.sqrt(load_left_to_x)
+        s = np.sqrt(load_beyond_punch)
         algebraic_term = r * (2 * load_at_x * (r - s) - 2 / 3 * (r**3 - s**3))
         # `_arccosh_root`: arccosh(sqrt(P_x/eta)) from P_x - eta and eta
-        return punch_load**2 / 2 * _arccosh_root(load_left_to_x, punch_load) + algebraic_term / 4
+        return punch_load**2 / 2 * _arccosh_root(load_beyond_punch, punch_load) + algebraic_term / 4
 
     def edge_advance(self, load: ArrayLike) -> Array:
         """How far the edge is beyond that of no load: a itself [length]."""
@@ -270,8 +291,12 @@ class HertzContact:
 _SMALLEST_FLOAT = np.finfo(float).tiny
 
 
-def _arccosh_root(load_left_to_x: Array, load: Array) -> Array:
-    """arccosh(sqrt(P_x/eta)) = arsinh(sqrt((P_x - eta)/eta)) from P_x - eta and eta = `load`; 0 is
-    returned for eta = 0, where it is multiplied by eta.
+def _arccosh_root(load_beyond_punch: Array, load: Array) -> Array:
+    """arccosh(|x|/a(eta)) = arccosh(sqrt(P_x/eta)) of a parabola, of a point x outside the punch of
+    the load eta.
+
+    Given are `load_beyond_punch` = P_x - eta and `load` = eta, by which it is arsinh(sqrt((P_x -
+    eta)/eta)). P_x is the load at which the edge of contact is at x. For eta = 0, where the caller
+    multiplies by eta, the value is 0.
     """
-    return np.arcsinh(np.sqrt(load_left_to_x / np.where(load > 0, load, np.inf)))
+    return np.arcsinh(np.sqrt(load_beyond_punch / np.where(load > 0, load, np.inf)))

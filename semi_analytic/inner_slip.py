@@ -117,6 +117,7 @@ def _integrals_over_hats(half_widths: Array, primitive: Array, moment_primitive:
     integral_with_rising_hat = (moment_integral - lower_width * kernel_integral) / interval_length
     hat_integrals = kernel_integral - integral_with_rising_hat
     hat_integrals[:, 1:] += integral_with_rising_hat[:, :-1]
+    # The last half-width has the mu of the one before: their hats are one.
     hat_integrals[:, -1] += integral_with_rising_hat[:, -1]
     return hat_integrals
 
@@ -168,21 +169,21 @@ class InnerSlip:
         """Shear [stress] and slip [length] that the extra slip adds at distances x (k,) >= 0 from
         the middle, and whether each point lies in its slip zone.
 
-        They are added to the fields of the memory curve (tangential force carried up to each load),
-        by which |q| would exceed f p inside the contact. A point between two half-widths counts as
-        slipping where both of them do; `is_slipping` (m,) is that of all but the last of the
-        `half_widths` (m + 1,). `densities` (m,) are the mu of the punches, `slip_at_middle` is the
-        slip at x = 0.
+        The caller adds them to the fields of the memory curve, the tangential force carried up to
+        each load. With those alone |q| exceeds f p inside the contact. A point between two
+        half-widths counts as slipping where both of them slip: `is_slipping` (m,) is that of all
+        but the last of the `half_widths` (m + 1,). `densities` (m,) are the mu of the punches,
+        `slip_at_middle` is the slip at x = 0.
         """
         # influence matrices (k, m)
         shear_per_density, slip_per_density = _shear_and_slip_of_punches(
             x, self.half_widths, self.modulus
         )
-        number_of_half_width_within = np.searchsorted(self.half_widths, x, side="right") - 1
-        is_inside_contact = number_of_half_width_within < len(self.is_slipping)
+        index_of_half_width_within = np.searchsorted(self.half_widths, x, side="right") - 1
+        is_inside_contact = index_of_half_width_within < len(self.is_slipping)
         next_point_slips = np.append(self.is_slipping[1:], False)
         slips_at_both_ends = (self.is_slipping & next_point_slips)[
-            np.minimum(number_of_half_width_within, len(self.is_slipping) - 1)
+            np.minimum(index_of_half_width_within, len(self.is_slipping) - 1)
         ]
         return SlipAtPoints(
             shear=shear_per_density @ self.densities,
@@ -198,9 +199,22 @@ Tractions = Callable[[Array], tuple[Array, Array]]
 
 @dataclass(frozen=True, eq=False)
 class _MemoryContact:
-    """The contact at an instant before the extra slip: q and f p of the memory curve, direction
-    sigma of the extra slip, a, half-widths at which the memory curve's slip begins or ends, that
-    outside of which the edge slips, E*.
+    """The contact at an instant before the extra slip.
+
+    Attributes
+    ----------
+    tractions
+        function of points x (k,): q and f p of the memory curve, (k,) each [stress]
+    direction
+        sigma, direction of the extra slip, +1 or -1
+    half_width
+        a [length]
+    slip_ends
+        (j,) half-widths at which slip by the memory curve begins or ends [length]
+    stick_half_width
+        the half-width outside of which the edge slips by the memory curve; a where it sticks
+    modulus
+        E* [stress]
     """
 
     tractions: Tractions
@@ -274,20 +288,23 @@ def inner_slip(
     return solution
 
 
-def _refined_half_widths(half_widths: Array, slips: NDArray[np.bool_], slip_ends: Array) -> Array:
+def _refined_half_widths(
+    half_widths: Array, is_slipping: NDArray[np.bool_], slip_ends: Array
+) -> Array:
     """The half-widths, ascending, with more of them around the ends of the zone of extra slip and
     around `slip_ends`, where slip by the memory curve begins or ends.
 
     The memory curve is the tangential force carried up to each load. The two intervals on each side
-    of an end are cut into four parts. `slips` (m,) tells which of the half-widths but the last are
-    in the zone of extra slip.
+    of such an end are cut into four parts each. `is_slipping` (m,) states for all half-widths but
+    the last whether points there are in the zone of extra slip.
     """
-    numbers_of_ends = np.flatnonzero(slips[1:] != slips[:-1]) + 1
-    numbers_of_ends = np.union1d(numbers_of_ends, np.searchsorted(half_widths, slip_ends))
+    # indices of the half-widths at which a zone ends
+    indices_of_ends = np.flatnonzero(is_slipping[1:] != is_slipping[:-1]) + 1
+    indices_of_ends = np.union1d(indices_of_ends, np.searchsorted(half_widths, slip_ends))
     intervals_around = (
-        numbers_of_ends[:, None] + np.arange(-_PUNCHES_AROUND_END, _PUNCHES_AROUND_END)
+        indices_of_ends[:, None] + np.arange(-_PUNCHES_AROUND_END, _PUNCHES_AROUND_END)
     ).ravel()
-    intervals = np.unique(np.clip(intervals_around, 0, len(slips) - 1))
+    intervals = np.unique(np.clip(intervals_around, 0, len(is_slipping) - 1))
     shares_of_interval = np.arange(1, _PARTS_OF_INTERVAL) / _PARTS_OF_INTERVAL
     added_half_widths = (
         half_widths[intervals, None] + np.diff(half_widths)[intervals, None] * shares_of_interval
@@ -296,22 +313,25 @@ def _refined_half_widths(half_widths: Array, slips: NDArray[np.bool_], slip_ends
 
 
 def _force_of_punches(half_widths: Array) -> Array:
-    """Tangential force int r dx of each hat function of mu, which is 1 at one half-width c and 0 at
-    the others, over pi E*/2: int mu c dc, (m,). mu is the density of flat punches, r their shear.
+    """Tangential force int r dx of each hat function of mu, divided by pi E*/2: int mu c dc, (m,).
+
+    A hat function is 1 at one half-width c and 0 at the others. mu is the density of flat punches,
+    r their shear.
     """
     lower_width = half_widths[:-1]
     interval_length = np.diff(half_widths)
     force_of_rising_hats = interval_length * (lower_width / 2 + interval_length / 3)
     force_of_hats = interval_length * (lower_width / 2 + interval_length / 6)
     force_of_hats[1:] += force_of_rising_hats[:-1]
+    # The last half-width has the mu of the one before: their hats are one.
     force_of_hats[-1] += force_of_rising_hats[-1]
     return np.asarray(force_of_hats)
 
 
 @dataclass(frozen=True, eq=False)
 class _PunchProblem:
-    """What is needed to find the extra slip by flat punches of given half-widths: values at m
-    points, all half-widths but the last.
+    """Matrices and limits of the equations for the extra slip by flat punches of given half-widths.
+    Its m points are all half-widths but the last.
 
     Attributes
     ----------
@@ -329,7 +349,8 @@ class _PunchProblem:
     excess_tolerance
         excess that is round-off [stress]
     is_at_edge
-        (m,) whether the point slips at the edge by the memory curve already
+        (m,) whether the point is in the slip zone next to the edge, which slips by the memory
+        curve already
     """
 
     direction: int
@@ -421,8 +442,9 @@ class _PunchProblem:
 def _slip_on_punches(
     contact: _MemoryContact, half_widths: Array, coarser_solution: InnerSlip | None
 ) -> InnerSlip | None:
-    """Extra slip by flat punches of given half-widths (m + 1,), after which |q| <= f p at each of
-    them; None where the search for the slip zone does not converge within 200 trials.
+    """Extra slip by flat punches of given half-widths (m + 1,) with which |q| <= f p at the points.
+    These are all half-widths but the last. None where the search for the slip zone does not
+    converge within 200 trials.
 
     The zone (active set) starts from that of a coarser solution, or without one from the points
     whose q exceeds the limit. It is changed until no sticking point exceeds the limit and no
