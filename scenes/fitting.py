@@ -255,10 +255,9 @@ def _levelled_trace(x: Array, h: Array, request: FitRequest) -> _Trace:
     """Prepare measured points x, h (n,) for a fit: level a trace that is tilted as a whole, and
     decide whether its middle (axis of symmetry) and a remaining tilt are fitted.
 
-    Returned are the levelled heights (n,) and the tilt that was removed; the middle where it is
-    known, else None; whether all points lie on one side of it; whether a tilt is fitted; and the x
-    at which the search for the middle begins. A stated tilt is removed as it is. Points on one side
-    of the middle show no tilt. Nor does a parabola whose middle is fitted: a tilt only moves it.
+    A stated tilt is removed as it is. No tilt is fitted where all points lie on one side of the
+    middle: they do not show one. Nor is one fitted to a parabola whose middle is fitted: a tilt
+    only moves it. `_Trace` lists what is returned.
 
     Parameters
     ----------
@@ -288,7 +287,7 @@ def _levelled_trace(x: Array, h: Array, request: FitRequest) -> _Trace:
     # Where the search for the middle begins: the lowest place of the parabola through the points.
     first_middle = _lowest_place(x, levelled_heights) if known_middle is None else known_middle
     if request.first_guess is not None and known_middle is None:
-        first_middle, _ = request.first_guess
+        first_middle, _ = request.first_guess  # middle and half-length of the flat
     elif tilt_is_fitted and known_middle is None and not x[0] < first_middle < x[-1]:
         # The tilt is so large that the parabola is lowest beyond the points.
         first_middle = float(x[0] + x[-1]) / 2
@@ -349,8 +348,8 @@ class _FitOfRows(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class _ScaledFit:
-    """A fit to points whose x and h were made dimensionless, with what turns it back into the units
-    of the trace.
+    """A fit to points whose x and h were made dimensionless, with the origin and the units by which
+    it is converted to those of the trace.
 
     Attributes
     ----------
@@ -379,14 +378,14 @@ class _ScaledFit:
     def heights(self, places: Array) -> Array:
         """Fitted h of the levelled trace at any places x (n,) [length].
 
-        The dimensionless fit `fit` is h = offset + tilt (x - middle) + sum of basis functions of
-        |x - middle| with weights (`basis_weights`). `origin` is the place at which its x is 0;
-        `length_unit` and `height_unit` are its units; its h is counted from the first measured h.
-        `fit.rows` holds the kind of profile, and the half-length of its flat is 0 without one.
+        The dimensionless fit `fit` is h = offset + tilt (x - middle) + sum_j w_j B_j(|x - middle|),
+        with basis functions B_j and weights w_j (`basis_weights`). Its x is 0 at `origin`, its h at
+        the first fitted point; `length_unit` and `height_unit` are its units. `fit.rows` gives the
+        basis functions of its kind of profile. `flat_half_length` is 0 without a flat.
         """
         fit = self.fit
         scaled_places = (places - self.origin) / self.length_unit
-        # (n, m) values of the m basis functions, convex in the distance from the middle.
+        # (n, m) values of the m basis functions B_j, convex in the distance from the middle.
         basis_functions = fit.rows.basis_functions(
             np.abs(scaled_places - fit.middle), fit.flat_half_length
         )
@@ -540,8 +539,8 @@ def _fit_about(
 def _record_of_fit(
     x_of_all_rows: Array, trace: _Trace, scaled_fit: _ScaledFit, request: FitRequest
 ) -> dict[str, Any]:
-    """Record of a fit for the scene file: middle, tilt, offset, noise, extent, smoothing weight and
-    more by their keys, in the units of the trace.
+    """Record of a fit for the scene file, in the units of the trace: the keys of `profiles.Fitted`
+    but for those of the file and its rows.
 
     A noise that is not stated is the standard deviation of the residuals, their sum of squares
     divided by the degrees of freedom: points minus fitted parameters.
@@ -572,7 +571,8 @@ def _record_of_fit(
     # The residuals of an exact fit are round-off: a noise of 0 would divide by 0 later.
     estimated_noise = max(math.sqrt(sum_of_squares / degrees_of_freedom), 1e-15 * height_unit)
 
-    # How far the points reach from the middle on each side.
+    # How far the points reach from the middle on each side. "extent" is the smaller distance: up to
+    # there points lie on both sides; of points on one side it is the larger.
     reach_to_left_end = middle - x[0]
     reach_to_right_end = x[-1] - middle
     larger_reach = max(reach_to_left_end, reach_to_right_end)
@@ -597,12 +597,13 @@ def _record_of_fit(
 
 
 def _is_tilted_as_a_whole(x: Array, h: Array, kind: str) -> bool:
-    """Whether measured points x, h (n,) fall from end to end, since the trace lay tilted: the
-    least-squares parabola is then lowest far from mid-length, where a level one is lowest.
+    """Whether measured points x, h (n,) fall from end to end, since the trace lay tilted in the
+    instrument.
 
-    Far is 0.3 of the half-length of the trace. For a `kind` "hertz" it is the half-length: a tilt
-    of it is not fitted, so that an off-centre parabola must stay as it is. Points that are the
-    right half of a profile are never tilted.
+    The least-squares parabola of a level trace is lowest near mid-length. A trace is tilted where
+    it is lowest farther from there than 0.3 of the half-length of the trace. For a `kind` "hertz"
+    the limit is the half-length: a tilt of it is not fitted, so that an off-centre parabola must
+    stay as it is. Points that are the right half of a profile are never tilted.
     """
     if x[-1] <= x[0] or _is_half_a_profile(x, h):
         return False
@@ -688,19 +689,20 @@ def _lowest_place(x: Array, h: Array) -> float:
     """x at which the least-squares parabola through points x, h (n,) is lowest; the mean of x where
     the parabola does not open upwards.
     """
-    scale = float(np.ptp(x)) / 2 or 1.0
+    half_length = float(np.ptp(x)) / 2 or 1.0
     # Least squares by singular values: points that all but coincide give no warning.
     _, slope, bend = np.linalg.lstsq(
-        polynomial.polyvander((x - x.mean()) / scale, 2), h - h.mean(), rcond=None
+        polynomial.polyvander((x - x.mean()) / half_length, 2), h - h.mean(), rcond=None
     )[0]
-    return float(x.mean() - scale * slope / (2 * bend)) if bend > 0 else float(x.mean())
+    return float(x.mean() - half_length * slope / (2 * bend)) if bend > 0 else float(x.mean())
 
 
 def _noise_variance(x: Array, h: Array) -> float:
     """Variance of the noise of measured heights h (n,) at places x (n,), robust to spikes.
 
-    It is the median of the squared third divided differences of four neighbouring points, each
-    over its variance for noise of variance 1. A smooth profile hardly contributes, since its
+    Of every four neighbouring points the third divided difference is squared, and divided by its
+    variance for noise of variance 1. The median of these squares is divided by 0.4549, which is the
+    median of the square of a standard normal number. A smooth profile hardly contributes, since its
     curvature hardly changes between neighbours. 0 where no four neighbours differ in x.
 
     >>> x = np.linspace(-1, 1, 2001)
@@ -721,9 +723,9 @@ def _noise_variance(x: Array, h: Array) -> float:
     distances = places[:, :, None] - places[:, None, :] + np.eye(4)
     weights = 1 / np.prod(distances, axis=2)
     third_differences = np.sum(weights * heights[is_distinct], axis=1)
-    scaled_squares = third_differences**2 / np.sum(weights**2, axis=1)
+    variance_of_each_four = third_differences**2 / np.sum(weights**2, axis=1)
     # _MEDIAN_OF_SQUARED_DEVIATE: 0.4549, that of a standard normal number
-    return float(np.median(scaled_squares)) / _MEDIAN_OF_SQUARED_DEVIATE
+    return float(np.median(variance_of_each_four)) / _MEDIAN_OF_SQUARED_DEVIATE
 
 
 # Coefficients (m, 4) of curvature polynomials of u = (s/L)^2 that are nowhere negative for u >= 0,
@@ -834,8 +836,8 @@ class _ScaledRows:
             h = offset + tilt (x - middle) + sum_j w_j B_j(|x - middle|),   w_j >= 0
 
         Minimised is the sum of squared residuals, of tilt_weight tilt^2, and of `smoothing_weight`
-        times the squared differences of neighbouring w_j. The best offset and tilt for any w are
-        put in first, so that non-negative least squares for w alone remain.
+        times the squared differences of neighbouring w_j. Offset and tilt are eliminated first, as
+        those that are best for any w. So non-negative least squares for w alone remain.
 
         `x` and `h` (n,) are the dimensionless places and heights of the points. `middle_is_fitted`
         and `tilt_is_fitted` say whether these two are unknown; a fixed middle is 0. `tilt_weight`
@@ -858,21 +860,23 @@ class _ScaledRows:
         middle = float(middle_and_half_length[0]) if self.middle_is_fitted else 0.0
         flat_half_length = float(middle_and_half_length[-1]) if self.kind == "flat_rounded" else 0.0
         basis_functions = self.basis_functions(np.abs(self.x - middle), flat_half_length)
-        means = basis_functions.mean(axis=0)
+        means_of_functions = basis_functions.mean(axis=0)
         equations, tilt_of_columns = self._equations_of_weights(basis_functions)
         smoothing_rows = _smoothing_rows(basis_functions.shape[1], smoothing_weight)
         basis_weights = _non_negative_weights(np.vstack([equations, smoothing_rows]))
 
-        # Offset, tilt and heights that belong to these weights, and what they add to the sum of
-        # squares.
+        # Best offset and tilt for these weights, heights of the profile alone and of the fit, and
+        # the penalties: roots of what smoothing and tilt add to the sum of squares.
         tilt = float(tilt_of_columns[-1] - tilt_of_columns[:-1] @ basis_weights)
         profile_heights = basis_functions @ basis_weights
-        offset = float(self.h.mean() - means @ basis_weights + tilt * (middle - self.x.mean()))
+        offset = float(
+            self.h.mean() - means_of_functions @ basis_weights + tilt * (middle - self.x.mean())
+        )
         fitted_heights = offset + tilt * (self.x - middle) + profile_heights
         tilt_penalty = math.sqrt(self.tilt_weight) * tilt if self.tilt_is_fitted else 0.0
         penalties = np.append(smoothing_rows[:, :-1] @ basis_weights, tilt_penalty)
         # The offset counts as a parameter, and each weight that is not 0.
-        n_parameters = (
+        n_fitted_parameters = (
             1.0
             + self.tilt_is_fitted
             + len(middle_and_half_length)
@@ -887,19 +891,29 @@ class _ScaledRows:
             tilt=tilt,
             profile_heights=profile_heights,
             fitted_heights=fitted_heights,
-            n_effective_parameters=n_parameters,
+            n_effective_parameters=n_fitted_parameters,
             smoothing_weight=smoothing_weight,
             residuals=np.append(fitted_heights - self.h, penalties),
         )
 
     def _equations_of_weights(self, basis_functions: Array) -> tuple[Array, Array]:
-        """Linear least-squares equations for the k weights w_j of a profile, with the best offset
-        and tilt for any w put in: (m, k + 1), the right side last. Also the tilt that belongs to
-        each column, (k + 1,): the best tilt is the last one minus the others times w.
+        """Linear least-squares equations for the k weights w_j of a profile, and the best tilt of
+        each of their columns. The best offset and tilt for any w are already eliminated.
 
-        `basis_functions` (n, k) are the functions B_j at the points; `x` and `h` (n,) are places
-        and heights of the points, dimensionless. The tilt is fitted if `tilt_is_fitted`, with
-        `tilt_weight` tilt^2 in the sum of squares; else it is 0. There are at most k + 1 equations.
+        `x` and `h` (n,) are places and heights of the points, dimensionless. The tilt is fitted if
+        `tilt_is_fitted`, with `tilt_weight` tilt^2 in the sum of squares; else it is 0.
+
+        Parameters
+        ----------
+        basis_functions
+            (n, k) functions B_j at the points
+
+        Returns
+        -------
+        equations
+            (m, k + 1), m <= k + 1 where n > k + 1, the right side in the last column
+        tilt_of_columns
+            (k + 1,); the best tilt for any w is the last entry minus the others times w
         """
         n_rows, n_functions = basis_functions.shape
         # The best offset for any w: without the means of all columns it drops out.
@@ -949,7 +963,7 @@ class _ScaledRows:
             [*lower_bounds, 1e-9][: len(first_guess)],
             [*upper_bounds, _LONGEST_HALF_LENGTH][: len(first_guess)],
         )
-        minimum = least_squares(
+        least_squares_solution = least_squares(
             lambda middle_and_half_length: (
                 self.fit_for(middle_and_half_length, smoothing_weight).residuals
             ),
@@ -959,7 +973,7 @@ class _ScaledRows:
             ftol=1e-12,
             gtol=1e-12,
         )
-        return self.fit_for(minimum.x, smoothing_weight)
+        return self.fit_for(least_squares_solution.x, smoothing_weight)
 
     def fit(
         self, noise: float | None, smoothing_weight: float | None, flat_half_length: float | None
@@ -1017,11 +1031,12 @@ class _ScaledRows:
 
     def _n_effective_parameters(self, middle: float, smoothing_weight: float) -> float:
         """How many parameters a smoothing spline about a `middle` has in effect: the offset, the
-        middle and the tilt where they are fitted, and the trace of the smoother matrix.
+        middle and the tilt where they are fitted, and the sum of the diagonal of the smoother
+        matrix.
 
-        That matrix takes basis weights without smoothing to those with it. `smoothing_weight` is
-        the factor on the squared differences of neighbouring basis weights; without smoothing each
-        weight counts as one parameter.
+        Basis weights with smoothing are that matrix times those without. So each basis weight
+        counts as one parameter without smoothing, and as less with it. `smoothing_weight` is the
+        factor on the squared differences of neighbouring basis weights.
         """
         basis_functions = self.basis_functions(np.abs(self.x - middle), 0.0)
         normal_matrix = (basis_functions - basis_functions.mean(axis=0)).T @ basis_functions
@@ -1038,9 +1053,9 @@ class _ScaledRows:
         """Fit a smoothing spline with each of several smoothing weights, and return the fit of the
         least expected error.
 
-        With S the sum of squared residuals, n points and k effective parameters (trace of the
-        smoother matrix), that error is S/noise^2 + 2 k (Mallows), or S/(n - k)^2 where the noise is
-        unknown (generalised cross-validation).
+        With S the sum of squared residuals, n points and k effective parameters, that error is
+        S/noise^2 + 2 k (Mallows), or S/(n - k)^2 where the noise is unknown (generalised
+        cross-validation). `_n_effective_parameters` gives k.
 
         Parameters
         ----------
@@ -1091,7 +1106,8 @@ class _Fit:
     profile_heights, fitted_heights
         (n,) at the points: the sum of basis functions alone, and with offset and tilt
     n_effective_parameters
-        how many numbers were fitted; of a spline the trace of its smoother matrix
+        how many numbers were fitted; of a spline the basis weights count as the sum of the diagonal
+        of its smoother matrix
     smoothing_weight
         factor on the squared differences of neighbouring basis weights
     residuals

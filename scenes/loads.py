@@ -371,10 +371,11 @@ class BulkAndTilt(Frozen, Generic[V]):
         path: LoadPath,  # noqa: ARG002 straight loads follow no formula
         pair: Pair,  # noqa: ARG002
     ) -> Sequence[LoadSegment]:
-        """Two quantities beside P and Q, such as both bulk stresses, on the last segments of the
-        load `path`: those on which they follow formulas of time. On earlier ones they are straight.
+        """Segments of two quantities beside P and Q, such as both bulk stresses, for the last load
+        segments of the `path`: those on which they follow formulas of time. Here there are none: on
+        all segments the quantities are straight.
 
-        `pair` holds the values of their keys in the scene; None counts as 0.
+        `pair` holds the values of their two keys in the scene; None counts as 0.
         """
         return ()
 
@@ -409,13 +410,15 @@ class BulkAndTilt(Frozen, Generic[V]):
         # P at the vertices, from 0 on, and the values of both quantities there. A list states them.
         # A number or formula counts in proportion to P up to the cycle, or up to the begin of
         # functions that do not repeat. On a cycle of straight lines a number holds at each vertex.
-        end_loads = (float(segment.loads(segment.end)[0]) for segment in straight_load_segments)
-        normal_loads = np.array([0.0, *end_loads])
-        first_values, second_values = (
+        normal_loads_at_ends = (
+            float(segment.loads(segment.end)[0]) for segment in straight_load_segments
+        )
+        normal_loads = np.array([0.0, *normal_loads_at_ends])
+        values_of_first_quantity, values_of_second_quantity = (
             self.values_at_vertices(key_value, normal_loads, float(value_at_start)).tolist()
             for key_value, value_at_start in zip(pair, values_at_cycle_start, strict=True)
         )
-        pairs_at_vertices = zip(first_values, second_values, strict=True)
+        pairs_at_vertices = zip(values_of_first_quantity, values_of_second_quantity, strict=True)
         straight_segments_of_pair = (
             StraightSegment(segment.start, segment.end, begin_values, end_values)
             for segment, (begin_values, end_values) in zip(
@@ -567,22 +570,23 @@ class EllipseLoad(CyclicLoad[Wave]):
         [length] stands in the place of P, and `tangential_displacement` [length] in that of Q: each
         holds its mean and amplitude.
         """
-        # Mean and amplitude of the quantities in the places of Q and P.
+        # Mean and amplitude of the quantities in the places of Q and P; lag of the former [rad].
         tangential_mean = self.mean_tangential_load
         tangential_amplitude = self.tangential_amplitude
-        phase = self.phase_radians
-        if (wave := self.tangential_displacement) is not None:
-            tangential_mean = wave.mean
-            tangential_amplitude = wave.amplitude
-            phase = math.radians(wave.phase_degrees)
+        phase_lag = self.phase_radians
+        if (displacement := self.tangential_displacement) is not None:
+            tangential_mean = displacement.mean
+            tangential_amplitude = displacement.amplitude
+            phase_lag = math.radians(displacement.phase_degrees)
         normal_mean = self.mean_normal_load
         normal_amplitude = self.normal_amplitude
         if self.approach is not None:
             normal_mean = self.approach.mean
             normal_amplitude = self.approach.amplitude
 
-        # |Q - Q0| is largest at t = phase and half a revolution later; P grows for pi < t < 2 pi.
-        start_time = phase + math.pi if phase >= 0 else phase + 2 * math.pi
+        # |Q - Q0| is largest at t = phase_lag and half a revolution later; P grows for
+        # pi < t < 2 pi.
+        start_time = phase_lag + math.pi if phase_lag >= 0 else phase_lag + 2 * math.pi
 
         # One revolution of the ellipse as a load segment.
         revolution = ellipse_segment(
@@ -590,7 +594,7 @@ class EllipseLoad(CyclicLoad[Wave]):
             start_time + 2 * math.pi,
             (normal_mean, tangential_mean),
             (normal_amplitude, tangential_amplitude),
-            phase,
+            phase_lag,
         )
         if self.initial_loading == "parabola":
             # A parabola in the P-Q plane from (0, 0), tangent to the ellipse: half a revolution
@@ -1142,8 +1146,9 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         return descriptions
 
     def _with_stated_quantities(self, values: Array) -> Array:
-        """Rows (n, m) of the file's columns, with P and the time filled in where the scene states
-        them in place of a column: a constant P, and the time from row to row.
+        """Rows of the record from the m columns of its file, `values` (n, m), with a column
+        inserted for each quantity that the scene states in its place: a constant P
+        (`constant_normal_load`), and times from the time between two rows (`interval`).
         """
         if self.constant_normal_load is not None:
             # P comes after the times, which are put before it below where the file has none.
@@ -1331,10 +1336,11 @@ class TimeSeriesLoad(StraightLoad, FromFile):
     def series(self) -> NDArray[np.float64]:
         """Load series (n, 3) of time, P and Q: the rows that the load path goes through.
 
-        They come from the rows of the record from the keys `start` to `end`. Where a least normal
-        load is stated, rows below it get Q = 0. Then means over `average` rows each take their
-        places, and `reduce` leaves some of these out. A record that starts loaded gets a row
-        P = Q = 0 before.
+        1. The rows of the record from the keys `start` to `end` are taken.
+        2. Where a least normal load is stated, rows below it get Q = 0.
+        3. Every `average` rows are replaced by their mean.
+        4. `reduce` leaves out rows that change the path little: see `reduced_record`.
+        5. A record that starts loaded gets a row P = Q = 0 before.
 
         Raises
         ------
@@ -1361,8 +1367,8 @@ class TimeSeriesLoad(StraightLoad, FromFile):
 
     def entries_of_vertices(self, vertex_count: int) -> tuple[Sequence[int], int]:
         """Index of the list entry (row of the record) that belongs to each of the `vertex_count`
-        vertices of the load path, -1 for a vertex at (0, 0) before the rows; and 1, the index of
-        the vertex up to which a single value grows with P.
+        vertices of the load path; -1 for a vertex at (0, 0) before the rows. Second, the number 1:
+        the index of the vertex up to which a single value grows with P.
         """
         first_row, row_after_last = self.row_bounds()
         # 1 where a line from (0, 0) comes before the rows
@@ -1507,22 +1513,24 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
                 raise ValueError(
                     f"{name} is not finite at time {sample_times[is_not_finite][0]:.6g}"
                 )
-        # Largest value of each function. Errors of Q are relative to P.
-        scales = {
+        # The value against which errors of a function are small: its own largest one, for Q that of
+        # P.
+        error_scales = {
             name: float(np.max(np.abs(function(sample_times))))
             for name, function in functions.items()
         }
-        load_scale = scales["normal_load"]
-        scales["tangential_load"] = load_scale
+        load_scale = error_scales["normal_load"]
+        error_scales["tangential_load"] = load_scale
         # Not at simple fractions of the duration, where a function of few periods has its corners:
         # a corner is to lie inside an interval, and is located there.
         interval_ends = self.duration * np.array([0.0, 0.23, 0.47, 0.74, 1.0])
         # Halve the intervals until a Chebyshev series is accurate on each; `edges` are the ends of
-        # all. Twice, so that the corners of each function are ends of intervals for all.
+        # all intervals. Two passes over the functions, so that the corners of each are ends of
+        # intervals for all.
         for name, function in [*functions.items()] * 2:
             try:
                 interval_ends = piecewise_series_of(
-                    function, interval_ends, scales[name] or 1.0
+                    function, interval_ends, error_scales[name] or 1.0
                 ).edges
             except UnresolvedError as fault:
                 cause = "not finite, or it jumps or swings too fast"
@@ -1590,13 +1598,14 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
 def _chebyshev_segment(
     begin: float, end: float, functions: Sequence[Callable[[Any], Any]], load_scale: float = 0.0
 ) -> ChebyshevSegment:
-    """Segment of a load path from time `begin` to `end` whose two loads are Chebyshev series. The
-    series go through values of two `functions`, each from an array of times to one of loads.
+    """Segment of a load path from time `begin` to `end` with two Chebyshev series over time: of P
+    and Q, or of a pair that takes their places, such as both bulk stresses.
 
+    The series go through values of two `functions`, each from an array of times to one of values.
     Last terms of a series below 1e-16 of `load_scale`, the size of the loads, are left out as
-    round-off.
+    round-off; with 0 only terms that are 0.
     """
-    # Chebyshev points of [-1, 1], mapped to the times of the segment.
+    # CHEBYSHEV_NODES: points of [-1, 1], -1 being the time `begin` and 1 the time `end`.
     times = begin + (end - begin) * (1 + CHEBYSHEV_NODES) / 2
 
     def coefficients_of(function: Callable[[Any], Any]) -> tuple[float, ...]:

@@ -522,9 +522,10 @@ def _require_rising(slope: PiecewiseSeries) -> None:
 
 
 def _integral_of_slope(slope: PiecewiseSeries) -> PiecewiseSeries:
-    """Rise of a profile from the first edge on: the integral of its slope, which is given by
-    Chebyshev series on intervals, as series of the same degree. The term of the next degree is
-    round-off.
+    """Rise of a profile from the begin of the first interval on: the integral of its slope.
+
+    Both are Chebyshev series on the same intervals, whose ends are `slope.edges`, and of the same
+    degree. The term of the next degree is round-off.
     """
     coefficients = chebyshev.chebint(slope.coefficients, lbnd=-1)[:-1] * np.diff(slope.edges) / 2
     rises = chebyshev.chebval(1.0, coefficients)  # over each interval
@@ -589,7 +590,7 @@ class CallableProfile(Gap):
         values_at = function_of_arrays(self.height_function or self.slope_function)
         self._require_symmetric(values_at)
         # _N_HALVINGS: 53; intervals end at extent/2^53, ..., extent/2, extent
-        edges = np.union1d(
+        interval_ends = np.union1d(
             self.extent * 0.5 ** np.arange(_N_HALVINGS, -1.0, -1.0),
             [place for place in self.breaks if place < self.extent],
         )
@@ -599,12 +600,12 @@ class CallableProfile(Gap):
             self._load_errors = LoadErrors(0.0, 0.0)
             if self.height_function is not None:
                 # The derivative of the height, with ends of intervals at its corners.
-                height_slope = slope_of_height(values_at, edges)
-                edges = height_slope.edges
+                height_slope = slope_of_height(values_at, interval_ends)
+                interval_ends = height_slope.edges
                 slope_at = height_slope.slope
                 self._load_errors = height_slope.load_errors
             # Chebyshev series on intervals, halved until accurate.
-            self._slope = piecewise_series_of(slope_at, edges)
+            self._slope = piecewise_series_of(slope_at, interval_ends)
         except UnresolvedError as fault:
             raise ValueError(
                 f"the function is too rough between x = {fault.low:.6g} and {fault.high:.6g}: no"
@@ -657,27 +658,29 @@ class CallableProfile(Gap):
         return tuple(self._slope.edges[1:-1].tolist())
 
     def slope(self, x: ArrayLike) -> Array:
-        """Slope h'(x) for x >= 0, in the shape of x: of its series up to the extent, constant
-        beyond, and a power of x below the first edge of the series.
+        """Slope h'(x) for x >= 0, in the shape of x.
+
+        It is that of its Chebyshev series up to the extent, constant beyond. Below the x at which
+        the series begin it is a power of x, of the exponent `exponent`.
         """
         distance = np.asarray(x, dtype=float)
-        first_edge = float(self._slope.edges[0])
+        begin_of_series = float(self._slope.edges[0])
         return (
-            self._slope(np.clip(distance, first_edge, self.extent))
-            * np.minimum(distance / first_edge, 1.0) ** self.exponent
+            self._slope(np.clip(distance, begin_of_series, self.extent))
+            * np.minimum(distance / begin_of_series, 1.0) ** self.exponent
         )
 
     def curvature_times_x(self, x: ArrayLike) -> Array:
         """x times the curvature h''(x) for x >= 0, in the shape of x; 0 beyond the extent. Below
-        the first edge of the slope's series the slope is a power of x.
+        the x at which the series of the slope begin the slope is a power of x.
         """
         distance = np.asarray(x, dtype=float)
-        first_edge = float(self._slope.edges[0])
+        begin_of_series = float(self._slope.edges[0])
         value_on_series = (
-            self._slope.derivative(np.clip(distance, first_edge, self.extent)) * distance
+            self._slope.derivative(np.clip(distance, begin_of_series, self.extent)) * distance
         )
         return np.where(
-            distance < first_edge,
+            distance < begin_of_series,
             self.exponent * self.slope(distance),
             np.where(distance > self.extent, 0.0, value_on_series),
         )
@@ -691,33 +694,33 @@ class CallableProfile(Gap):
 
     @property
     def exponent(self) -> float:
-        """Power of x that the slope follows below the first edge of its series, by the slopes at
-        that edge and at twice its x; 1 where the slope is 0 there.
+        """Exponent of the power of x that the slope follows below the x at which its series begin.
+
+        It is that of the slopes there and at twice that x; 1 where the slope is 0 there.
         """
-        first_edge = self._slope.edges[0]
-        doubled_edge = self._slope.edges[0] * 2
-        slope_at_first_edge, slope_at_doubled_edge = self._slope(
-            np.array([first_edge, doubled_edge])
+        # edges: ends of the intervals of the series, ascending
+        begin_of_series = self._slope.edges[0]
+        doubled_begin = self._slope.edges[0] * 2
+        slope_at_begin, slope_at_doubled_begin = self._slope(
+            np.array([begin_of_series, doubled_begin])
         )
         return (
-            float(np.log2(slope_at_doubled_edge / slope_at_first_edge))
-            if slope_at_first_edge > 0
-            else 1.0
+            float(np.log2(slope_at_doubled_begin / slope_at_begin)) if slope_at_begin > 0 else 1.0
         )
 
     def height(self, x: ArrayLike) -> Array:
         """Gap h(x) [length] of the untouched faces, in the shape of x: the integral of the slope
         h'.
 
-        Near x = 0, up to the first edge of the slope's series, the slope is a power of x. Beyond
-        the extent the gap goes on straight.
+        Near x = 0, up to the x at which the series of the slope begin, the slope is a power of x.
+        Beyond the extent the gap goes on straight.
         """
         distance = np.abs(np.asarray(x, dtype=float))
         inner_distance = np.minimum(distance, self.extent)
         rise_beyond_extent = (distance - inner_distance) * float(self.slope(self.extent))
 
-        # Below the first edge h' goes as x to the power `exponent`; `_height` is the integral
-        # beyond.
+        # Below the begin of the series h' goes as x^exponent; `_height` is the integral beyond it.
+        # edges: ends of the intervals of the series, ascending
         tip_distance = np.minimum(inner_distance, self._slope.edges[0])
         tip_height = tip_distance * self.slope(tip_distance) / (self.exponent + 1)
         return (
@@ -806,7 +809,8 @@ class Tabulated(FromFile):
         RowError
             For the first row that is no valid profile, counted in the whole table.
         """
-        # `points`: the measured rows (x, h); a fault holds its row, from 0, and the broken rule.
+        # `points`: the measured rows (x, h). A RowError holds in `row` the number of the row, from
+        # 0, and in `rule` the sentence that says what is wrong with it.
         rows = self.points.values
         if self.symmetric:
             return (one_side_of_profile(rows, self.asymmetry),)
@@ -1023,8 +1027,8 @@ def rising_spline(x: Array, h: Array) -> Spline:
 
     Source: Schumaker, SIAM J. Numer. Anal. 20 (1983).
     """
-    lengths = np.diff(x)
-    secant_slopes = np.diff(h) / lengths
+    interval_lengths = np.diff(x)
+    secant_slopes = np.diff(h) / interval_lengths
 
     # Slopes at the rows. An interval is on a line where its secant is that of a neighbour.
     left_secants = secant_slopes[:-1]
@@ -1041,9 +1045,9 @@ def rising_spline(x: Array, h: Array) -> Spline:
     is_interval_on_line = is_row_in_line[:-1] | is_row_in_line[1:]
     slopes_of_lines = np.where(is_interval_on_line, secant_slopes, np.inf)
     line_slope_at_row = np.minimum(slopes_of_lines[:-1], slopes_of_lines[1:])
-    parabola_slope_at_row = (left_secants * lengths[1:] + right_secants * lengths[:-1]) / (
-        lengths[:-1] + lengths[1:]
-    )
+    parabola_slope_at_row = (
+        left_secants * interval_lengths[1:] + right_secants * interval_lengths[:-1]
+    ) / (interval_lengths[:-1] + interval_lengths[1:])
     slopes = np.zeros(len(x))
     slopes[1:-1] = np.where(
         np.isfinite(line_slope_at_row), line_slope_at_row, parabola_slope_at_row
@@ -1051,7 +1055,8 @@ def rising_spline(x: Array, h: Array) -> Spline:
     slopes[-1] = np.clip(2 * secant_slopes[-1] - slopes[-2], 0.0, 2 * secant_slopes[-1])
     slopes[1:-1] = np.minimum(slopes[1:-1], 2 * np.minimum(left_secants, right_secants))
 
-    # Intervals that one parabola does not fit: the mean of both slopes is not the secant's.
+    # Intervals that one parabola does not fit: the mean of both slopes is not the secant's. Excess:
+    # slope at a row minus that of the secant.
     excess_at_begin = slopes[:-1] - secant_slopes
     excess_at_end = slopes[1:] - secant_slopes
     # _ALIKE_SLOPES: 1e-12 of both slopes
@@ -1059,8 +1064,8 @@ def rising_spline(x: Array, h: Array) -> Spline:
         np.abs(excess_at_begin + excess_at_end) > _ALIKE_SLOPES * (slopes[:-1] + slopes[1:])
     )
     # Place of the knot inside, 0 at the begin of its interval, 1 at the end. Where the secant's
-    # slope lies between both slopes, it is such that both parts bend one way; else, with an
-    # inflection, it is the middle.
+    # slope lies between both slopes, the place is such that both parts bend one way. Else the
+    # spline has an inflection, and the place is the middle.
     bends_one_way = excess_at_begin * excess_at_end < 0
     difference_of_excess = np.where(bends_one_way, excess_at_end - excess_at_begin, 1.0)
     knot_place = np.where(bends_one_way, excess_at_end / difference_of_excess, 0.5)[split_intervals]

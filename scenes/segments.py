@@ -69,7 +69,7 @@ _SHORT_STEP_SHARE = 1e-9
 
 
 class Combination(NamedTuple):
-    """c_P P + c_Q Q of the two loads."""
+    """A linear combination c_P P + c_Q Q of the two loads: `normal` is c_P, `tangential` c_Q."""
 
     normal: float
     tangential: float
@@ -171,12 +171,13 @@ class _BracketedSearch:
             begin=begin,
         )
 
-    def record_errors(self, signed_error: Array) -> None:
-        """Take note of the errors of the iterates, (n,), positive where a time is too late: the
-        best times so far, and which of them have converged.
+    def update_best_times(self, signed_error: Array) -> None:
+        """Replace the best times so far where an iterate has a smaller error, and mark those times
+        that have converged.
 
         Short steps without a smaller error are round-off. After a long one, which halves a bracket,
-        steps with a smaller error follow.
+        steps with a smaller error follow. `signed_error` (n,) are the errors of the iterates,
+        positive where a time is too late.
         """
         absolute_error = np.abs(signed_error)
         is_improved = absolute_error < self.least_error
@@ -394,7 +395,7 @@ class LoadSegment(abc.ABC):
             # Change of the combination since `begin`, and its time derivative, at the iterates.
             change_so_far, rate = self._change_and_rate(combination, search.time, begin)
             signed_error = direction * (change_so_far - wanted_change)
-            search.record_errors(signed_error)
+            search.update_best_times(signed_error)
             if search.is_converged.all():
                 return search.best_time
             search.take_step(signed_error, direction * rate)
@@ -620,8 +621,10 @@ class HarmonicSegment(LoadSegment):
             default=1,
         )
         coefficients = np.zeros((2, highest_harmonic + 1), dtype=complex)
-        for row, waves in zip(coefficients, (self.normal, self.tangential), strict=True):
-            row[1 : len(waves) + 1] = [
+        for coefficients_of_load, waves in zip(
+            coefficients, (self.normal, self.tangential), strict=True
+        ):
+            coefficients_of_load[1 : len(waves) + 1] = [
                 amplitude * cmath.exp(-1j * phase_lag)
                 for amplitude, phase_lag in waves[:highest_harmonic]
             ]
@@ -649,10 +652,10 @@ class HarmonicSegment(LoadSegment):
         """(amplitude, lead) of a combination c_P P + c_Q Q of the loads of an ellipse: it is a
         constant plus amplitude cos(t + lead), lead in radians.
         """
-        known_values = self._known_amplitudes_and_leads
-        if combination not in known_values:
-            known_values[combination] = self._find_amplitude_and_lead(combination)
-        return known_values[combination]
+        known_amplitudes_and_leads = self._known_amplitudes_and_leads
+        if combination not in known_amplitudes_and_leads:
+            known_amplitudes_and_leads[combination] = self._find_amplitude_and_lead(combination)
+        return known_amplitudes_and_leads[combination]
 
     @cached_property
     def _known_amplitudes_and_leads(self) -> dict[Combination, tuple[float, float]]:
@@ -663,8 +666,8 @@ class HarmonicSegment(LoadSegment):
         """Amplitude and lead [rad] of a combination c_P P + c_Q Q of the loads of an ellipse, which
         is a constant plus amplitude cos(t + lead).
 
-        They are those of the sum of the phasors of c_P P and c_Q Q. Where one coefficient is 0, the
-        amplitude has the sign of the other one.
+        They are the absolute value and the angle of the sum of the phasors of c_P P and c_Q Q.
+        Where c_P or c_Q is 0, the amplitude has the sign of the other coefficient.
 
         # notation: lag: P = mean + amplitude cos(t - lag), Q likewise
         """
@@ -904,7 +907,7 @@ class HarmonicSegment(LoadSegment):
         are those of its roots on the unit circle. `largest_amplitudes` (m + 1,) are upper bounds of
         the amplitudes of the combination's harmonics, k = 0, 1, ...
         """
-        # Coefficients i k c_k of the rate, those at round-off set to 0.
+        # Fourier coefficients i k c_k of the rate, those at round-off set to 0.
         rate_coefficients = self._rate_coefficients(combination)
         largest_rate = float(np.arange(len(largest_amplitudes)) @ largest_amplitudes)
         rate_coefficients[np.abs(rate_coefficients) <= _ROUND_OFF_SHARE * largest_rate] = 0
@@ -988,7 +991,7 @@ class HarmonicSegment(LoadSegment):
         that this one carries are delayed too.
         """
         delay_angle = math.remainder(delay, 2 * math.pi)
-        # A delay by whole periods, but for round-off, leaves the phases as they are.
+        # `delay` without its whole periods; where only round-off is left the phases stay.
         if abs(delay_angle) <= 1e-15 * abs(delay):
             return super().shifted(delay)
 
@@ -1036,10 +1039,10 @@ class ChebyshevSegment(LoadSegment):
     @cached_property
     def _starts_from_zero(self) -> tuple[bool, bool]:
         """Whether P, and Q, start from 0."""
-        p, q = np.abs(chebyshev.chebval(-1.0, self._series.T)) <= _ROUND_OFF_SHARE_OF_SUM * np.sum(
-            np.abs(self._series), axis=1
-        )
-        return bool(p), bool(q)
+        p_is_zero_at_start, q_is_zero_at_start = np.abs(
+            chebyshev.chebval(-1.0, self._series.T)
+        ) <= _ROUND_OFF_SHARE_OF_SUM * np.sum(np.abs(self._series), axis=1)
+        return bool(p_is_zero_at_start), bool(q_is_zero_at_start)
 
     def loads(self, time: ArrayLike) -> Loads:
         """Loads P and Q [force per thickness] at `time`, each in its shape, by Chebyshev series of
@@ -1063,9 +1066,11 @@ class ChebyshevSegment(LoadSegment):
 
     def rate_of(self, combination: Combination, time: ArrayLike) -> Array:
         """Time derivative of a combination c_P P + c_Q Q of the loads, in the shape of `time`."""
-        _, slope = self._series_of(combination)  # coefficients of the derivative by u
+        # coefficients of the derivative by u, the variable of the series; du/dt is the last factor
+        _, derivative_series = self._series_of(combination)
         return np.asarray(
-            chebyshev.chebval(self._series_variable(time), slope) * (2 / (self.end - self.start))
+            chebyshev.chebval(self._series_variable(time), derivative_series)
+            * (2 / (self.end - self.start))
         )
 
     def _series_of(self, combination: Combination) -> tuple[Array, Array]:
@@ -1117,7 +1122,7 @@ class ChebyshevSegment(LoadSegment):
         >>> segment.turning_points(NORMAL_LOAD)
         [2.0]
         """
-        # `_series_of` gives the coefficients of the combination and of its derivative by u.
+        # The derivative by u is the rate but for a constant factor.
         _, rate_series = self._series_of(combination)
         # `_series` (2, m): Chebyshev coefficients of P and of Q.
         largest_coefficient = float(np.abs(combination) @ np.max(np.abs(self._series), axis=1))
@@ -1204,8 +1209,8 @@ class LoadPath:
         return tuple(segment.shifted(delay) for segment in self.cycle)
 
     def companion(self, name: str) -> LoadPath | None:
-        """What all segments carry under `name`, "bulk" or "tilt_and_moment", as a path of its own;
-        None where one of them carries nothing.
+        """The load path of what all segments carry under `name`: "bulk", both bulk stresses in
+        place of P and Q, or "tilt_and_moment". None where one of them carries nothing.
         """
         initial_companions = [getattr(segment, name) for segment in self.initial_loading]
         cycle_companions = [getattr(segment, name) for segment in self.cycle]
@@ -1294,8 +1299,8 @@ def _wave_sum_at(terms: WaveTerms, z: NDArray[np.complex128], time: Array) -> Ar
         return np.full(z.shape, highest.real)
     partial_sum: Any = highest
     for coefficient, decrease_of_k in lower_terms:
-        power = z if decrease_of_k == 1 else np.exp(1j * decrease_of_k * time)
-        partial_sum = partial_sum * power + coefficient
+        factor_between_terms = z if decrease_of_k == 1 else np.exp(1j * decrease_of_k * time)
+        partial_sum = partial_sum * factor_between_terms + coefficient
     sums: Array = partial_sum.real
     return sums
 
@@ -1306,9 +1311,9 @@ def _refined_turning_points(
     """Turning points of a combination c_P P + c_Q Q of the loads, refined from guesses (n,) by two
     Newton steps on its rate: times inside the segment, ascending.
 
-    The slope of the rate is a difference quotient over a millionth of the segment. A Newton step is
-    not taken where it exceeds the distance, 1e-5 of half the segment, of roots that are one double
-    root but for round-off.
+    The derivative of the rate is a difference quotient over a millionth of the segment. A Newton
+    step longer than 1e-5 of half the segment is not taken. Round-off parts a double zero of the
+    rate by up to that distance.
 
     Parameters
     ----------
@@ -1429,10 +1434,10 @@ def largest_ratio(segments: Iterable[LoadSegment]) -> float:
         # NORMAL_LOAD: P alone, as a combination
         times_of_extreme_p = [segment.start, segment.end, *segment.turning_points(NORMAL_LOAD)]
         while True:
-            times_of_positive_q = segment.turning_points(Combination(-ratio, 1.0))
-            times_of_negative_q = segment.turning_points(Combination(ratio, 1.0))
+            turning_times_for_positive_q = segment.turning_points(Combination(-ratio, 1.0))
+            turning_times_for_negative_q = segment.turning_points(Combination(ratio, 1.0))
             candidate_times = np.array(
-                [*times_of_extreme_p, *times_of_positive_q, *times_of_negative_q]
+                [*times_of_extreme_p, *turning_times_for_positive_q, *turning_times_for_negative_q]
             )
             largest_candidate = largest_ratio_of(*segment.loads(candidate_times))
             if not largest_candidate > ratio * (1 + 1e-15):

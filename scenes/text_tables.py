@@ -548,8 +548,9 @@ def _is_row(text: str, fewest_cells: int) -> bool:
 def _layouts_with_headings_at(
     request: _Request, lines: list[Line], index: int, fewest_expected_headings: int
 ) -> Iterator[tuple[_Layout, bool]]:
-    """Layouts of a text table if `lines[index]` holds its headings, for each separator and each way
-    to cut that line by it. With each True where its first row fits, or where it has no rows.
+    """Layouts of a text table if `lines[index]` holds its headings, one for each separator and each
+    way to cut that line by it. Each comes with a boolean: True where its first row fits, or where
+    it has no rows.
 
     A row fits if it has a cell for every heading, and a number in a column that is read. A comment
     holds the headings only above a row of numbers that fits.
@@ -594,7 +595,7 @@ def _layouts_with_headings_at(
                 continue
 
             # The layout with these headings, and the text of its first row.
-            layout, first_row = _layout_with_headings(
+            layout, text_of_first_row = _layout_with_headings(
                 request,
                 lines,
                 index,
@@ -603,12 +604,16 @@ def _layouts_with_headings_at(
                 may_skip_lines,
             )
 
-            first_row_fits = first_row is None or (
-                _has_cell_for_each_heading(first_row, separator, columns_read, len(headings))
-                and _has_number(first_row, separator, columns_read)
+            first_row_fits = text_of_first_row is None or (
+                _has_cell_for_each_heading(
+                    text_of_first_row, separator, columns_read, len(headings)
+                )
+                and _has_number(text_of_first_row, separator, columns_read)
             )
             if is_comment and (
-                first_row is None or not first_row_fits or not _is_numeric(first_row, separator)
+                text_of_first_row is None
+                or not first_row_fits
+                or not _is_numeric(text_of_first_row, separator)
             ):
                 continue
             yield layout, first_row_fits
@@ -668,9 +673,9 @@ def _layout_with_headings(
     ]
 
     first_row_line = heading_line + 1
-    first_row = None
+    text_of_first_row = None
     if rows:
-        first_row_line, first_row = rows[0]
+        first_row_line, text_of_first_row = rows[0]
     layout = _Layout(
         separator=separator,
         names=tuple(columns.names),
@@ -682,12 +687,20 @@ def _layout_with_headings(
         lines_between=lines_between,
         time_column=_time_column(request, columns.names, columns.columns_read),
     )
-    return layout, first_row
+    return layout, text_of_first_row
 
 
 class _LinesBelowHeadings(NamedTuple):
-    """What stands below the headings of a text table: units (n_columns,) of a line of their own,
-    empty without one; numbers of lines skipped before the rows; lines from the first row on.
+    """What stands below the headings of a text table.
+
+    Attributes
+    ----------
+    units
+        (n_columns,) by a line of units; each an empty text without such a line
+    skipped_lines
+        numbers of the lines before the first row that hold neither units nor numbers
+    rows
+        (line number, text) of the lines from the first row on
     """
 
     units: list[str]
@@ -721,11 +734,11 @@ def _lines_below_headings(
     """
     n_columns = len(columns.names)
     units = [""] * n_columns
-    skipped_lines: list[int] = []
+    numbers_of_skipped_lines: list[int] = []
     for index, (line_number, text) in enumerate(lines):
         cells = _cells_of_line(text, separator)
         if _has_number(text, separator, columns.columns_read):
-            return _LinesBelowHeadings(units, tuple(skipped_lines), lines[index:])
+            return _LinesBelowHeadings(units, tuple(numbers_of_skipped_lines), lines[index:])
         # Units without brackets; a dash is no unit.
         unit_cells = [cell.strip("[](){}<> ").strip("-") for cell in cells]
         has_cell_for_headings = len(cells) == n_columns or (
@@ -734,7 +747,7 @@ def _lines_below_headings(
         if has_cell_for_headings and not any(units) and _are_units(cells):
             units = unit_cells + [""] * (n_columns - len(cells))
         elif may_skip_lines:
-            skipped_lines.append(line_number)
+            numbers_of_skipped_lines.append(line_number)
         else:
             return _LinesBelowHeadings(units, (), lines[index:])
     # No row of numbers: the lines below are reported as rows at fault.
@@ -1211,13 +1224,19 @@ def _first_row_with_numbers(lines: list[Line], columns: Sequence[int]) -> FirstR
 def _headings_above_rows(
     lines: list[Line], separator: str | None, n_columns: int
 ) -> tuple[int, tuple[str, ...], tuple[str, ...]]:
-    """Headings that stand above the first row of a text table whose columns are taken by number:
-    number (from 1) of their line, headings (n_columns,) and units (n_columns,).
+    """Headings that stand above the first row of a text table whose columns are taken by number.
 
-    `lines` are (line number, text) of those above the row, `separator` stands between cells (None
-    for blanks). Of the lines with `n_columns` cells the last one holds the headings; if its cells
-    are units, the one before does. 0 and empty tuples where no line has so many cells, or where
-    other lines stand between headings and row.
+    Of the lines with `n_columns` cells the last one holds the headings; if its cells are units, the
+    one before does. `lines` are (line number, text) of those above the row, `separator` stands
+    between cells (None for blanks).
+
+    Returns
+    -------
+    heading_line
+        number (from 1) of the line of headings; 0 where no line has so many cells, or where other
+        lines stand between headings and row
+    headings, units
+        (n_columns,) each; empty where there is no line of headings
     """
     lines_with_all_cells = [
         (number, cells_of_line)
@@ -1271,8 +1290,18 @@ def _has_decimal_comma(lines: Iterator[Line], layout: _Layout) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class _Rows:
-    """Rows of a text table: numbers (n_rows, n_columns) of the columns read, line (n_rows,)
-    of each row, lines that are no rows, in words, and the first cell of a column of times of day.
+    """Rows of a text table.
+
+    Attributes
+    ----------
+    values
+        (n_rows, n_columns) numbers in the columns that are read
+    line_numbers
+        (n_rows,) number (from 1) of the line of each row
+    lines_left_out
+        lines that are no rows, in words
+    first_clock_text
+        first cell of a column of times of day, empty where times are numbers
     """
 
     values: Array
@@ -1359,8 +1388,8 @@ class _RowReader:
             # Empty cells at the end of a line are none.
             row = text if separator is None else text.rstrip(f"{separator} ")
             n_separators = len(row.split()) - 1 if separator is None else row.count(separator)
-            has_right_cells = fewest_separators <= n_separators <= most_separators
-            if not has_right_cells or (has_decimal_comma and "." in row):
+            has_right_cell_count = fewest_separators <= n_separators <= most_separators
+            if not has_right_cell_count or (has_decimal_comma and "." in row):
                 raise ValueError
             yield row.replace(",", ".") if has_decimal_comma else row
 
@@ -1440,45 +1469,47 @@ def _read_rows_cell_by_cell(
         For the first row with a fault: too few or too many cells, or a cell that is no number.
     """
     clock = ClockColumn()  # turns times of day into seconds, row after row
-    values = array("d")
+    numbers_of_rows = array("d")  # of all rows, one after the other
     line_numbers = array("q")
     text_since_last_row: list[Line] = []
-    lines_with_headings: list[int] = []
+    numbers_of_heading_lines: list[int] = []
 
     # Lines of text wait until a row follows: then they are at fault.
     for line_number, text in rows:
         cells = _cells_of_line(text, layout.separator)
         if cells == [name.strip() for name in layout.names]:
-            lines_with_headings.append(line_number)
+            numbers_of_heading_lines.append(line_number)
             continue
         if _is_line_of_text(cells, layout, has_decimal_comma):
             text_since_last_row.append((line_number, text))
             continue
         if text_since_last_row:  # text between rows is at fault: reading it as a row raises
             _values_of_row(path, text_since_last_row[0], layout, has_decimal_comma, clock)
-        values.extend(_values_of_row(path, (line_number, text), layout, has_decimal_comma, clock))
+        numbers_of_rows.extend(
+            _values_of_row(path, (line_number, text), layout, has_decimal_comma, clock)
+        )
         line_numbers.append(line_number)
     if not line_numbers:  # a table of text alone: reading it as a row raises too
         _values_of_row(path, text_since_last_row[0], layout, has_decimal_comma, clock)
     return _Rows(
-        np.array(values).reshape(-1, len(layout.columns_read)),
+        np.array(numbers_of_rows).reshape(-1, len(layout.columns_read)),
         np.array(line_numbers, dtype=np.int64),
-        _lines_left_out_in_words(lines_with_headings, text_since_last_row),
+        _lines_left_out_in_words(numbers_of_heading_lines, text_since_last_row),
         clock.first_text,
     )
 
 
 def _lines_left_out_in_words(
-    lines_with_headings: Sequence[int], text_behind_rows: Sequence[Line]
+    numbers_of_heading_lines: Sequence[int], text_behind_rows: Sequence[Line]
 ) -> tuple[str, ...]:
     """What was left out of a text table, in words for the user; empty where nothing was.
 
-    `lines_with_headings` are numbers of lines that repeat the headings; the first five are named.
+    `numbers_of_heading_lines` are those of lines that repeat the headings; five are named at most.
     `text_behind_rows` are number and text of the lines behind the last row.
     """
     lines_left_out = []
-    if lines_with_headings:
-        numbers_in_words = ", ".join(map(str, lines_with_headings[:5]))
+    if numbers_of_heading_lines:
+        numbers_in_words = ", ".join(map(str, numbers_of_heading_lines[:5]))
         lines_left_out.append(f"line {numbers_in_words}: the headings once more")
     if text_behind_rows:
         first_line_number, first_text = text_behind_rows[0]
