@@ -10,9 +10,9 @@ lines; or it unloads, on one side of the curve or along it. Every line is put on
 once. A line keeps its own length and rise, so that P - P_c is a sum of lengths and keeps its
 digits, however little slips.
 
-A step leaves one record for each line that it goes through: along it P, P_c, Q and the level are
-linear in one another. Rows are taken a block at a time: what stays in memory is what was asked for,
-and the lines of the curve.
+A step leaves one record for each line that it goes through. A record is a portion of the step; in
+it P, P_c, Q and the level are linear in one another. Rows are taken a block at a time: what stays
+in memory is what was asked for, and the lines of the curve.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ _SLOPE_ROUNDOFF_SHARE = 1e-15
 _STEPS_AT_ONCE = 10_000
 # Rows of a measured series beyond which it is answered at its own rows, with pointwise fields at
 # about so many of them.
-_ROWS_OF_SHORT_RECORD = 1000
+_ROWS_OF_SHORT_SERIES = 1000
 _ROWS_OF_THINNED_ANSWER = 400
 # Share of a step within which an instant of the user is a row, and has the row's loads. These must
 # be those of the instant to the 1e-9 of the admissibility check. Or, where that is more, so
@@ -74,11 +74,11 @@ _FLOAT_SPACINGS_AT_ROW = 8
 
 # --------------------------------------------------------------------------- the curve and one step
 class Line(NamedTuple):
-    """The uppermost straight line of a memory curve M(eta), and by `curve_below` the whole curve, a
-    chain of lines from eta = 0 up to P; None in its place stands for bodies out of contact.
+    """A memory curve M(eta), held by its uppermost straight line. Each line holds the one below it,
+    down to eta = 0. None in place of the uppermost line stands for bodies out of contact.
 
-    M(eta) is the tangential force of the flat punches up to the load eta. A straight
-    `memory.CurvePart`.
+    M(eta) is the tangential force of the flat punches up to the load eta, from 0 to P. Each line is
+    a straight `memory.CurvePart`.
 
     Attributes
     ----------
@@ -137,23 +137,23 @@ _UNLOADS = 2
 
 
 class Records(NamedTuple):
-    """Parts of the steps of a load path, in each of which the stick edge moves along one line of
-    the memory curve. Arrays (m,) of all parts.
+    """The records of the steps of a load path. A record is a portion of a step in which the stick
+    edge moves along one line of the memory curve.
 
     Attributes
     ----------
     direction
-        of slip: 1 forward, -1 in reverse, 0 none
+        (m,) of slip: 1 forward, -1 in reverse, 0 none
     load_at_begin, load_at_end
-        P at the begin and at the end of the part [force per thickness]
+        (m,) P at the begin and at the end of the portion [force per thickness]
     slip_zone_load_at_begin, slip_zone_load_at_end
-        P - P_c there, P_c the load at the stick edge
+        (m,) P - P_c there, P_c the load at the stick edge
     level_rise
-        growth in the part of s Q - f P, s the direction
+        (m,) growth in the portion of s Q - f P, s the direction
     step_share_at_end
-        share of the step that is over at the end of the part
+        (m,) share of the step that is over at the end of the portion
     step_number
-        number of the step, which is that of the row at its begin
+        (m,) number of the step, which is that of the row at its begin
     """
 
     direction: Array
@@ -184,8 +184,14 @@ class Records(NamedTuple):
 
 
 class LineTable(NamedTuple):
-    """The line of the memory curve M(eta) that each of some records goes through, (m,) each: eta
-    and M at its upper end, and their growth along it.
+    """The line of the memory curve M(eta) that the stick edge moves along in each of some records.
+
+    Attributes
+    ----------
+    top_load, top_force
+        (m,) eta and M at its upper end [force per thickness]
+    load_length, force_rise
+        (m,) growth of eta and of M along it
     """
 
     top_load: Array
@@ -204,11 +210,18 @@ _COUNT_OF_RECORD_AND_LINE_NUMBERS = _COUNT_OF_RECORD_NUMBERS + len(LineTable._fi
 
 
 class Recorder:
-    """Takes the records of load steps while these are followed, a record being a part of a step in
-    which the stick edge moves along one line of the memory curve.
+    """Collects the records of load steps while these are followed. A record is a portion of a step
+    in which the stick edge moves along one line of the memory curve.
 
     All numbers go into one array: an object for each record would take three times as long. The
     lines themselves, and with them the memory curves, are stored only where `stores_curves`.
+
+    Attributes
+    ----------
+    lines
+        the line of each record; empty unless `stores_curves`
+    numbers
+        eleven of each record, one record after the other, in the order of `Recorder.add`
     """
 
     def __init__(self, stores_curves: bool) -> None:
@@ -228,29 +241,32 @@ class Recorder:
         slip_zone_load: tuple[float, float] = (0.0, 0.0),
         level_rise: float = 0.0,
     ) -> None:
-        """Store one part of a load step, in which the stick edge moves along one line of the memory
-        curve: as numbers in the order of `Records`, without that of the step, and `LineTable`.
+        """Store one record: a portion of a load step in which the stick edge moves along one line
+        of the memory curve.
+
+        It is stored as numbers: those of `Records` without the number of the step, then those of
+        `LineTable`.
 
         Parameters
         ----------
         line
-            the uppermost straight line of the memory curve (tangential force carried up to each
-            load) that still sticks at the begin; None for bodies out of contact
+            the uppermost straight line of the memory curve (tangential force of the flat punches up
+            to each load) that still sticks at the begin; None for bodies out of contact
         direction
             of slip: s = 1 forward, -1 in reverse, 0 for none
         begin, end
-            P, Q and the fraction of the step that is over, at both ends of the part
+            P, Q and the share of the step that is over, at both ends of the portion
         slip_zone_load
             P - P_c at both ends, P_c the load at the stick edge
         level_rise
-            growth of s Q - f P in the part, >= 0; 0 without slip
+            growth of s Q - f P in the portion, >= 0; 0 without slip
         """
         if self._add_line is not None:
             self._add_line(line)
         # line: eta and M at its upper end, growth of both along it; of None zeros and a length 1
         _, top_load, top_force, load_length, force_rise, _ = line or _LINE_OUT_OF_CONTACT
         load_at_begin, _, _ = begin
-        load_at_end, _, fraction_at_end = end
+        load_at_end, _, step_share_at_end = end
         self._add_numbers(
             (
                 direction,
@@ -258,7 +274,7 @@ class Recorder:
                 load_at_end,
                 *slip_zone_load,
                 level_rise,
-                fraction_at_end,
+                step_share_at_end,
                 top_load,
                 top_force,
                 load_length,
@@ -271,8 +287,11 @@ class Recorder:
         self._counts_of_numbers.append(len(self.numbers))
 
     def _columns(self) -> Array:
-        """The numbers of all m records as columns, (11, m): those of `Records` without the step,
-        then those of `LineTable`.
+        """The numbers of all m records as columns, (11, m).
+
+        Rows 0 to 6 are those of `Records`, without the number of the step: direction, P at begin
+        and end, P - P_c at begin and end, level rise, share of the step. Rows 7 to 10 are those of
+        `LineTable`: eta and M at the upper end, growth of eta and of M.
         """
         return np.frombuffer(self.numbers).reshape(-1, _COUNT_OF_RECORD_AND_LINE_NUMBERS).T
 
@@ -293,8 +312,8 @@ def kinds_of_steps(rows: Array, friction: float) -> NDArray[np.int8]:
 
     1 is slip forward, -1 slip in reverse, 0 full stick, 2 unloading. Where P does not fall a step
     slips if |dQ| > f dP, and sticks if not. Where P falls a step slips if |dQ| >= f |dP|. If not,
-    or if dQ = 0 without friction, it is of kind 2: the memory curve, the tangential force carried
-    up to each load, decides on its slip.
+    or if dQ = 0 without friction, it is of kind 2. Its direction of slip then depends on the memory
+    curve, the tangential force of the flat punches up to each load.
     """
     # dP and dQ of each step
     load_growth, force_rise = np.diff(rows, axis=0).T
@@ -350,20 +369,17 @@ def _curve_after_step(
 ) -> Line | None:
     """The memory curve after a straight load step; None for bodies out of contact.
 
-    The memory curve M(eta) is the tangential force that the flat punches up to the normal load eta
-    carry, for 0 <= eta <= P: a chain of straight lines. A `Line` is its uppermost line, and by
+    The memory curve M(eta) is the tangential force of the flat punches up to the normal load eta,
+    for 0 <= eta <= P: a chain of straight lines. A `Line` is its uppermost line, and by
     `curve_below` the whole curve.
-
-    The friction state along the step goes to `recorder`: one record for each line that the step
-    goes through.
 
     Parameters
     ----------
     curve
         the memory curve before the step; None for bodies out of contact
     kind
-        of the step, a direction of slip, +1 or -1; `_STICKS` = 0; or `_UNLOADS` = 2, P falls and
-        |dQ| <= f |dP|
+        of the step: 1 slip forward, -1 slip in reverse, 0 full stick, 2 unloading, where P falls
+        and |dQ| <= f |dP|
     begin_station, end_station
         P, Q and the share of the step that is over, at both ends
     friction
@@ -389,7 +405,7 @@ def _curve_after_loading_in_stick(
     curve: Line | None, begin_station: Station, end_station: Station
 ) -> Line:
     """The memory curve after a step of growing P in full stick: a line of length dP in eta and of
-    rise dQ is put on top.
+    rise dQ is added on top.
 
     The memory curve M(eta) is the tangential force of the flat punches up to the load eta. A line
     has eta and M at its upper end, its growth `load_length` of eta and `force_rise` of M, the lines
@@ -399,24 +415,34 @@ def _curve_after_loading_in_stick(
     """
     load, force, _ = begin_station
     load_at_end, force_at_end, _ = end_station
-    length = load_at_end - load
-    rise = force_at_end - force
+    line_length = load_at_end - load
+    line_rise = force_at_end - force
     curve_below = curve
     if curve is not None:
         # The slopes of the line below and of the step, both times both lengths.
-        scaled_line_slope = curve.force_rise * length
-        scaled_step_slope = rise * curve.load_length
+        slope_below_times_lengths = curve.force_rise * line_length
+        step_slope_times_lengths = line_rise * curve.load_length
         # _SLOPE_ROUNDOFF_SHARE: 1e-15
-        tolerance = _SLOPE_ROUNDOFF_SHARE * (abs(scaled_line_slope) + abs(scaled_step_slope))
-        if abs(scaled_line_slope - scaled_step_slope) <= tolerance:
+        tolerance = _SLOPE_ROUNDOFF_SHARE * (
+            abs(slope_below_times_lengths) + abs(step_slope_times_lengths)
+        )
+        if abs(slope_below_times_lengths - step_slope_times_lengths) <= tolerance:
             curve_below = curve.curve_below
-            length += curve.load_length
-            rise += curve.force_rise
+            line_length += curve.load_length
+            line_rise += curve.force_rise
     # The lowest line begins at P = 0: its length is the load, without the round-off of a sum.
     if curve_below is None:
-        return _new_tuple(Line, (None, load_at_end, force_at_end, load_at_end, rise, 1))
+        return _new_tuple(Line, (None, load_at_end, force_at_end, load_at_end, line_rise, 1))
     return _new_tuple(
-        Line, (curve_below, load_at_end, force_at_end, length, rise, curve_below.line_count + 1)
+        Line,
+        (
+            curve_below,
+            load_at_end,
+            force_at_end,
+            line_length,
+            line_rise,
+            curve_below.line_count + 1,
+        ),
     )
 
 
@@ -438,7 +464,7 @@ def _curve_after_slip(
     stick edge goes down through the straight lines of the curve while the level grows. A line of
     length l in eta and rise r in M is passed when the level has grown by f l - s r. P - P_c is the
     growth of P in the step plus the lengths of all lines passed. Where that is not above 0 no line
-    is put on.
+    is added.
 
     Parameters
     ----------
@@ -455,12 +481,11 @@ def _curve_after_slip(
         takes a record for each line that the stick edge goes through: slip, P and P - P_c at its
         begin and end
     """
-    # P, Q and the share of the step that is over
     load, force, begin_share = begin_station
     load_at_end, force_at_end, end_share = end_station
     load_growth = load_at_end - load
     level_growth = direction * (force_at_end - force) - friction * load_growth
-    remaining_level = level_growth
+    remaining_level_growth = level_growth
     # _STICK_EDGE_ROUNDOFF_SHARE: 4e-15 of f P
     level_roundoff = (
         _STICK_EDGE_ROUNDOFF_SHARE * friction * (load if load > load_at_end else load_at_end)
@@ -478,35 +503,38 @@ def _curve_after_slip(
         slip_zone_load = curve.load_length
         curve = curve.curve_below
 
-    level_to_pass_line = 0.0  # growth of the level by which a line is passed
+    level_growth_to_pass_line = 0.0  # growth of the level by which a line is passed
     while curve is not None:
         # the line below, growth of eta and of M along the line
         line_below, _, _, line_length, line_rise, _ = curve
-        level_to_pass_line = friction * line_length - direction * line_rise
+        level_growth_to_pass_line = friction * line_length - direction * line_rise
         # A stick edge that meets a knot at the very end of the step, to round-off, has not passed
         # it: what lies below may be at the limit already, and the edge would jump through it.
-        if remaining_level <= level_to_pass_line + level_roundoff or line_below is None:
+        if (
+            remaining_level_growth <= level_growth_to_pass_line + level_roundoff
+            or line_below is None
+        ):
             break
         passed_length += line_length
-        if level_to_pass_line > 0:
-            remaining_level -= level_to_pass_line
-            share_of_step = 1 - remaining_level / level_growth
-            slip_zone_load_at_knot = passed_length + share_of_step * load_growth
+        if level_growth_to_pass_line > 0:
+            remaining_level_growth -= level_growth_to_pass_line
+            share_of_step_at_knot = 1 - remaining_level_growth / level_growth
+            slip_zone_load_at_knot = passed_length + share_of_step_at_knot * load_growth
             # Q of a station inside a step is not recorded.
-            station_at_knot = (
-                load + share_of_step * load_growth,
+            next_station = (
+                load + share_of_step_at_knot * load_growth,
                 force,
-                begin_share + share_of_step * (end_share - begin_share),
+                begin_share + share_of_step_at_knot * (end_share - begin_share),
             )
             recorder.add(
                 curve,
                 direction,
                 station,
-                station_at_knot,
+                next_station,
                 (slip_zone_load, slip_zone_load_at_knot),
-                level_to_pass_line,
+                level_growth_to_pass_line,
             )
-            station = station_at_knot
+            station = next_station
             slip_zone_load = slip_zone_load_at_knot
         else:
             slip_zone_load += line_length
@@ -514,10 +542,12 @@ def _curve_after_slip(
 
     # The stick edge ends within the line `curve`, whose upper part slips too.
     sticking_curve = curve
-    if curve is not None and level_to_pass_line > 0 and remaining_level > 0:
-        # |Q| <= f P was checked: what the lowest line has not room for is round-off.
+    if curve is not None and level_growth_to_pass_line > 0 and remaining_level_growth > 0:
+        # |Q| <= f P was checked: a level growth beyond the lowest line is round-off.
         share_of_line = (
-            remaining_level / level_to_pass_line if remaining_level < level_to_pass_line else 1.0
+            remaining_level_growth / level_growth_to_pass_line
+            if remaining_level_growth < level_growth_to_pass_line
+            else 1.0
         )
         passed_length += share_of_line * curve.load_length
         # the line without its upper part, which slips
@@ -531,7 +561,7 @@ def _curve_after_slip(
         station,
         end_station,
         (slip_zone_load, slip_zone_load_at_end if slip_zone_load_at_end > 0 else 0.0),
-        remaining_level if remaining_level > 0 else 0.0,
+        remaining_level_growth if remaining_level_growth > 0 else 0.0,
     )
     if not slip_zone_load_at_end > 0:
         return sticking_curve
@@ -588,11 +618,13 @@ def _curve_after_unloading(
     )
     station = begin_station
     for part in earlier_parts:
-        share_of_step = begin_share + part.load_drop_at_end / load_drop * (end_share - begin_share)
+        share_at_part_end = begin_share + part.load_drop_at_end / load_drop * (
+            end_share - begin_share
+        )
         next_station = (
             load - part.load_drop_at_end,
             force - path_slope * part.load_drop_at_end,
-            share_of_step,
+            share_at_part_end,
         )
         curve = _curve_after_unloading_part(
             curve, part.direction, station, next_station, friction, recorder
@@ -671,8 +703,8 @@ def _curve_after_unloading_part(
     """The memory curve after a part of an unloading step with slip in one direction, 1 or -1, or
     without slip, 0, down along the curve.
 
-    The memory curve is the tangential force carried up to each load. `begin_station` and
-    `end_station` are P, Q and the share of the step that is over, at both ends of the part.
+    The memory curve is the tangential force of the flat punches up to each load. `begin_station`
+    and `end_station` are P, Q and the share of the step that is over, at both ends of the part.
     `recorder` takes a record for each straight line of the curve that the part goes through.
     """
     if direction:
@@ -683,8 +715,8 @@ def _curve_after_unloading_part(
 def _curve_after_retracing(
     curve: Line | None, begin_station: Station, end_station: Station, recorder: Recorder
 ) -> Line | None:
-    """The memory curve after unloading along it, Q = M(P), without slip: what lies above the new P
-    is taken off. None if nothing is left.
+    """The memory curve after unloading along it, Q = M(P), without slip: its part above the new P
+    is removed. None if nothing is left.
 
     The memory curve M(eta) is the tangential force of the flat punches up to the load eta; `curve`
     is its uppermost straight line, which holds those below. Stations are P, Q and the share of the
@@ -694,16 +726,16 @@ def _curve_after_retracing(
     load, force, begin_share = begin_station
     load_at_end, _, end_share = end_station
     load_drop = load - load_at_end
-    remaining_fall = load_drop  # of P, below the upper end of the line `curve`
+    drop_below_line_top = load_drop  # from the upper end of `curve` to the new P
     station = begin_station
-    while curve is not None and remaining_fall > 0 and station is not end_station:
-        # of the line, which P has still to fall through
-        share_of_line = remaining_fall / curve.load_length
-        remaining_fall -= curve.load_length
-        if curve.curve_below is None or remaining_fall <= 0:
+    while curve is not None and drop_below_line_top > 0 and station is not end_station:
+        # share of the line that lies above the new P; above 1 if P passes the whole line
+        share_of_line = drop_below_line_top / curve.load_length
+        drop_below_line_top -= curve.load_length
+        if curve.curve_below is None or drop_below_line_top <= 0:
             next_station = end_station
         else:
-            share_of_drop = 1 - remaining_fall / load_drop
+            share_of_drop = 1 - drop_below_line_top / load_drop
             # Q of a station inside a step is not recorded.
             next_station = (
                 load - share_of_drop * load_drop,
@@ -721,11 +753,21 @@ def _curve_after_retracing(
 
 
 class StepBlock(NamedTuple):
-    """What load steps between rows of P and Q (n + 1, 2) leave: records of their parts (m,), and
-    the line of the memory curve that each goes through, as numbers and, where wanted, as `lines`.
+    """The friction history of load steps between rows of P and Q.
 
-    `curve_at_end` is the memory curve at the last row, `largest_line_count` the largest number of
-    lines that it had.
+    Attributes
+    ----------
+    rows
+        (n + 1, 2) P and Q at the ends of the steps
+    records
+        of m portions of the steps, in each of which the stick edge moves along one line of the
+        memory curve
+    line_table, lines
+        the line of each record, as numbers, and, where wanted, as a `Line`
+    curve_at_end
+        the memory curve at the last row, None out of contact
+    largest_line_count
+        the largest number of lines that the memory curve had
     """
 
     rows: Array
@@ -755,14 +797,15 @@ def follow(
     curve: Line | None, rows: Array, friction: float, stores_curves: bool = False
 ) -> StepBlock:
     """Friction history of straight load steps between `rows` of P and Q, (n + 1, 2), from a given
-    memory curve on: slip in each part of a step, and the memory curve at the last row.
+    memory curve on: slip in each portion of a step, and the memory curve at the last row.
 
-    The memory curve is the tangential force carried up to each load, a chain of straight lines. Its
-    uppermost line holds the lines below and their number; `curve` is that at the first row, None
-    for bodies out of contact. A record is a portion of a step in which the stick edge moves along
-    one line; it holds the load P - P_c of the slip zones, P_c that at the stick edge. Where
-    `stores_curves` the memory curve of each record is stored too. The loads must be admissible,
-    |Q| <= f P and P >= 0.
+    The memory curve is the tangential force of the flat punches up to each load, a chain of
+    straight lines. Its uppermost line holds the lines below and their number. `curve` is that at
+    the first row, None for bodies out of contact.
+
+    A record is a portion of a step in which the stick edge moves along one line. It holds the load
+    P - P_c of the slip zones, P_c that at the stick edge. Where `stores_curves` the memory curve of
+    each record is stored too. The loads must be admissible, |Q| <= f P and P >= 0.
 
     >>> block = follow(None, np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 0.5], [2.0, -0.5]]), 0.5)
     >>> (
@@ -808,7 +851,7 @@ def _follow_rows(
     """The memory curve at the last of `rows` of P and Q, (n + 1, 2), and the largest number of
     straight lines that it had on the way.
 
-    The memory curve is the tangential force carried up to each load, a chain of straight lines;
+    The memory curve is the tangential force of the flat punches up to each load, a chain of lines.
     `curve` is that at the first row, None for bodies out of contact. `recorder` takes a record for
     each line that a step goes through; f is `friction`.
     """
@@ -869,8 +912,16 @@ def _is_same_memory(
 
 # ----------------------------------------------------------------------------------- the whole path
 class PathPart(NamedTuple):
-    """A part of a load path, its initial loading or one cycle: rows (m + 1, 3) of time, P and Q,
-    how much later than the time of the rows it is, and the memory curve at its first row.
+    """A part of a load path, its initial loading or one cycle.
+
+    Attributes
+    ----------
+    rows
+        (m + 1, 3) time, P and Q at the ends of its steps
+    delay
+        how much later the part is than the times of its rows
+    curve_at_begin
+        memory curve at its first row, None out of contact
     """
 
     rows: Array
@@ -957,9 +1008,9 @@ class LoadSeries:
 
         Of a measured path of more than 1,000 rows, `is_long_measurement`, the instants are all
         rows, or about 400 of them if `thinned`. Else they are about 400 a cycle and 100 of the
-        initial loading, evenly spread over the portions of the load steps. With `last_cycle_only`
-        only the last part of the path counts. `first_steps` is the number of the first step of each
-        part, `times` are those of all rows.
+        initial loading, evenly spread over the records, portions of the load steps. With
+        `last_cycle_only` only the last part of the path counts. `first_steps` is the number of the
+        first step of each part, `times` are those of all rows.
         """
         first_part = len(self.parts) - 1 if last_cycle_only else 0
         if self.is_long_measurement:
@@ -975,22 +1026,22 @@ class LoadSeries:
 
     def _even_times_of_part(self, part_number: int) -> Array:
         """Ascending instants of one part of the path: about 400 of a cycle, 100 of the initial
-        loading, evenly spread over each portion of a load step, with both its ends.
+        loading, evenly spread over each record, with both its ends.
 
-        In a portion of a step the stick edge moves along one line of the memory curve (tangential
-        force carried up to each load). The part has its rows of time, P and Q and the memory curve
-        at its first row.
+        A record is a portion of a load step in which the stick edge moves along one line of the
+        memory curve (tangential force of the flat punches up to each load). The part has its rows
+        of time, P and Q and the memory curve at its first row.
         """
         part = self.parts[part_number]
-        portions = follow(part.curve_at_begin, part.rows[:, 1:], self.friction).records
+        records = follow(part.curve_at_begin, part.rows[:, 1:], self.friction).records
         row_times = self.times[self.first_steps[part_number] :]
-        step_begin = row_times[portions.step_number]
-        step_end = row_times[portions.step_number + 1]
-        # A portion ends at the share `step_share_at_end` of its step.
-        time_inside_step = step_begin + portions.step_share_at_end * (step_end - step_begin)
-        portion_ends = np.where(portions.step_share_at_end == 1, step_end, time_inside_step)
-        ends_of_portions = np.unique(np.append(row_times[0], portion_ends))
-        return evenly_spaced_times(ends_of_portions, initial=part_number < self.first_cycle_part)
+        step_begin = row_times[records.step_number]
+        step_end = row_times[records.step_number + 1]
+        # A record ends at the share `step_share_at_end` of its step.
+        time_inside_step = step_begin + records.step_share_at_end * (step_end - step_begin)
+        record_ends = np.where(records.step_share_at_end == 1, step_end, time_inside_step)
+        sorted_ends = np.unique(np.append(row_times[0], record_ends))
+        return evenly_spaced_times(sorted_ends, initial=part_number < self.first_cycle_part)
 
     def locate(self, time: Array) -> tuple[Indices, Array, Array]:
         """Position of instants (n,) in the load path: number of the load step, share of that step
@@ -998,7 +1049,7 @@ class LoadSeries:
 
         Step k goes from row k of the path to row k + 1. An instant at a row belongs to the step
         that ends there. InputError for a time outside the path. `times` are those of all rows; a
-        time beyond the followed path is brought back by whole periods (`period`, None without one).
+        time beyond the followed path is reduced by whole periods (`period`, None without one).
         """
         times = self.times
         durations = np.diff(times)
@@ -1013,13 +1064,14 @@ class LoadSeries:
         slack_share_of_steps = np.minimum(
             time_slack / durations, np.maximum(_STEP_SHARE_AT_ROW, rounding_share)
         )
-        next_row = np.clip(np.searchsorted(times, path_time, side="left"), 1, len(times) - 1)
+        row_at_end = np.clip(np.searchsorted(times, path_time, side="left"), 1, len(times) - 1)
         # An instant that misses a row by round-off is still at the row.
-        last_row = next_row - 1
-        is_at_last_row = (next_row > 1) & (
-            path_time - times[last_row] <= slack_share_of_steps[last_row] * durations[last_row]
+        row_at_begin = row_at_end - 1
+        is_at_row_at_begin = (row_at_end > 1) & (
+            path_time - times[row_at_begin]
+            <= slack_share_of_steps[row_at_begin] * durations[row_at_begin]
         )
-        step_number = last_row - is_at_last_row
+        step_number = row_at_begin - is_at_row_at_begin
         share_of_step = (path_time - times[step_number]) / durations[step_number]
         slack_share_of_step = slack_share_of_steps[step_number]
         share_of_step = np.where(
@@ -1035,7 +1087,7 @@ class LoadSeries:
         """
         if self.period is None:
             return np.zeros(len(time), dtype=int)
-        # brought back by whole periods
+        # reduced by whole periods, into the followed path
         path_time, _ = time_in_followed_path(
             time, float(self.times[0]), float(self.times[-1]), self.period
         )
@@ -1056,10 +1108,10 @@ def series_of(scene: Scene, time: Array | None) -> LoadSeries:
     """
     friction_coefficient = scene.friction.coefficient
     loading, cycle = _rows_of_loading_and_cycle(scene)
-    # _ROWS_OF_SHORT_RECORD: 1000 rows of a measured series
+    # _ROWS_OF_SHORT_SERIES: 1000 rows of a measured series
     is_long_measurement = (
         isinstance(scene.load, TimeSeriesLoad)
-        and len(scene.load.kept_rows()) > _ROWS_OF_SHORT_RECORD
+        and len(scene.load.kept_rows()) > _ROWS_OF_SHORT_SERIES
     )
     # InadmissibleLoadError at the first bad instant
     require_admissible_rows(loading, friction_coefficient)
@@ -1087,11 +1139,11 @@ def _rows_of_loading_and_cycle(scene: Scene) -> tuple[Array, Array]:
     take a gigabyte. A series that repeats is loaded from the first row to the second, where the
     cycle begins.
     """
-    load_record = scene.load
-    if isinstance(load_record, TimeSeriesLoad):
-        rows = load_record.series()
-        return (rows[:2], rows[1:]) if load_record.repeats else (rows, rows[:0])
-    path = load_record.path()
+    scene_load = scene.load
+    if isinstance(scene_load, TimeSeriesLoad):
+        rows = scene_load.series()
+        return (rows[:2], rows[1:]) if scene_load.repeats else (rows, rows[:0])
+    path = scene_load.path()
     return _rows_of(path.initial_loading), _rows_of(path.cycle)
 
 
@@ -1286,10 +1338,12 @@ def blocks_of_part(
     part: PathPart, friction: float, stores_curves: bool = False
 ) -> Iterator[tuple[int, StepBlock]]:
     """Number of the first step, and friction history, of each block of at most 10,000 load steps of
-    a part of the path, f = `friction`; `part` holds its rows of time, P and Q and the memory curve
-    at its first row. The memory curve is the tangential force carried up to each load. A record is
-    a portion of a step in which the stick edge moves along one line of it. Where `stores_curves`,
-    blocks also hold the memory curve of each record.
+    a `part` of the path, f = `friction`.
+
+    The part holds its rows of time, P and Q and the memory curve at its first row. The memory curve
+    is the tangential force of the flat punches up to each load. Each block begins with the memory
+    curve at the end of the block before. Where `stores_curves`, blocks also hold the memory curve
+    of each record, a portion of a step in which the stick edge moves along one line of it.
     """
     curve = part.curve_at_begin
     for first_row in range(0, len(part.rows) - 1, _STEPS_AT_ONCE):
@@ -1304,8 +1358,20 @@ def blocks_of_part(
 
 
 class _StateColumns(NamedTuple):
-    """Friction states at instants, (n,) each: P, Q, P - P_c, direction of slip, number of the
-    memory curve's sticking line, and error of the tangential force, M(P) - Q.
+    """Friction states at n instants, (n,) each.
+
+    Attributes
+    ----------
+    load, force
+        P and Q [force per thickness]
+    slip_zone_load
+        P - P_c, P_c the load at the stick edge
+    direction
+        of slip: 1 forward, -1 in reverse, 0 none
+    piece_number
+        number of the memory curve's line at the stick edge
+    force_error
+        M(P) - Q, the error of the tangential force, 0 but for round-off
     """
 
     load: Array
@@ -1452,10 +1518,10 @@ def _share_of_record(records: Records, record_number: Indices, share_of_step: Ar
     share_at_begin = np.where(is_first_record, 0.0, np.append(0.0, records.step_share_at_end[:-1]))[
         record_number
     ]
-    share_length = np.maximum(
+    share_of_step_in_record = np.maximum(
         records.step_share_at_end[record_number] - share_at_begin, np.finfo(float).tiny
     )
-    return np.clip((share_of_step - share_at_begin) / share_length, 0.0, 1.0)
+    return np.clip((share_of_step - share_at_begin) / share_of_step_in_record, 0.0, 1.0)
 
 
 def _loads_at(rows: Array, step: Indices, share_of_step: Array) -> tuple[Array, Array]:

@@ -5,8 +5,8 @@ dissipates W.
 least f without gross sliding
 
 At constant P, W falls steadily from f_min on, to 0 as 1/f: one f for each W. Where P varies, W does
-not vanish with growing f: what shrinking contact sets free is lost however rough the faces are. For
-an ellipse
+not vanish with growing f: a shrinking contact releases energy, which is dissipated at any f. For an
+ellipse
 
     W_inf = (2 A/pi) P1 Q1^2 sin^2(phase) int_0^pi sin^3 t (d ln a/dP) dt,   P = P0 + P1 cos t
 
@@ -161,7 +161,7 @@ def friction_from(
         W of one cycle [energy per unit thickness], > 0, an array that broadcasts with the rest
     scene
         in place of all the others: its profile, material and loads, of any kind; its own
-        coefficient counts for nothing
+        coefficient of friction is not used
     profile, material
         one profile, or its keys with numbers or arrays; of the two bodies, or one for both
     mean_normal_load, normal_amplitude, mean_tangential_load, tangential_amplitude
@@ -318,7 +318,10 @@ class _EllipseBatch:
         self, name: str, value: Any, members: NDArray[np.intp] | slice = slice(None)
     ) -> Any:
         """An argument of `dissipation`, or a key of its profile, for k members of the batch, all if
-        none are stated: numbers as (k,), other values as they are.
+        no `members` are stated: numbers as (k,).
+
+        The list under the key "rises" of a profile gives a list of such arrays. The keys "kind" and
+        "fitted" hold no numbers and are returned as they are.
         """
         if name == "rises":
             return [self.values_of_members("", rise, members) for rise in value]
@@ -378,12 +381,12 @@ def _friction_of_ellipses(
     )
     shape = frictionless_batch.value.shape
     ellipses = _EllipseBatch(profile_and_material, loads, shape)
-    least_friction, load_amplitude_ratio = ellipses.least_friction_and_amplitude_ratio()
+    least_friction, force_over_load_amplitude = ellipses.least_friction_and_amplitude_ratio()
     return _friction_batch(
         target,
         ellipses.work,
         least_friction,
-        load_amplitude_ratio,
+        force_over_load_amplitude,
         shape,
         frictionless_batch.notes,
     )
@@ -402,20 +405,20 @@ def _friction_of_path(target: ArrayLike, scene: Scene) -> FrictionBatch:
         scene_at_friction = scene.vary(friction=friction)
         return solve(scene_at_friction, x=0.0, fields="dissipation", cycles="steady").dissipation
 
-    def work(friction: Array, _member: NDArray[np.intp]) -> Array:
+    def work_of(friction: Array, _member: NDArray[np.intp]) -> Array:
         """W at coefficients (k,), (k,); the scene is the only member of its batch."""
         return np.array([work_at(coefficient) for coefficient in friction.tolist()])
 
     normal_load, tangential_load = _sampled_loads(scene.load.path())
     with np.errstate(divide="ignore", invalid="ignore"):
-        largest_load_ratio = float(np.nanmax(np.abs(tangential_load) / normal_load))
-    least_friction = _least_admissible_friction(work_at, largest_load_ratio)
+        largest_force_over_load = float(np.nanmax(np.abs(tangential_load) / normal_load))
+    least_friction = _least_admissible_friction(work_at, largest_force_over_load)
     # range of Q over range of P, 0 where P is constant
-    load_amplitude_ratio = 0.0
+    force_over_load_range = 0.0
     if float(np.ptp(normal_load)) > 1e-9 * float(np.max(np.abs(normal_load))):
-        load_amplitude_ratio = float(np.ptp(tangential_load) / np.ptp(normal_load))
+        force_over_load_range = float(np.ptp(tangential_load) / np.ptp(normal_load))
     return _friction_batch(
-        target, work, np.array([least_friction]), np.array([load_amplitude_ratio]), (), ()
+        target, work_of, np.array([least_friction]), np.array([force_over_load_range]), (), ()
     )
 
 
@@ -470,8 +473,10 @@ class _WorkCurve(NamedTuple):
     largest_f: Array
 
 
-Work = Callable[[Array, NDArray[np.intp]], Array]
-"""Friction work W (k,) by coefficients of friction (k,) and the indices (k,) of members at them."""
+WorkFunction = Callable[[Array, NDArray[np.intp]], Array]
+"""Function that gives friction works W (k,) for coefficients of friction (k,) and member indices
+(k,).
+"""
 
 
 class _Targets(NamedTuple):
@@ -515,7 +520,7 @@ class _Targets(NamedTuple):
 
 def _friction_batch(
     measured_dissipation: ArrayLike,
-    work: Work,
+    work_of: WorkFunction,
     least_friction_of_member: Array,
     load_amplitude_ratio: Array,
     shape: tuple[int, ...],
@@ -532,8 +537,8 @@ def _friction_batch(
     ----------
     measured_dissipation
         W of a cycle [energy per thickness], which broadcasts with the batch
-    work
-        function that gives W by coefficients and the indices of members
+    work_of
+        function that gives W by coefficients of friction and the indices of members
     least_friction_of_member, load_amplitude_ratio
         (m,) f_min, below which the member slides grossly, and Q1/P1, 0 where P is constant
     shape
@@ -543,9 +548,9 @@ def _friction_batch(
     """
     targets = _Targets.of_measured(measured_dissipation, shape)
     # W over ln f, (samples, m): first samples, then turning points among them
-    curve = _sampled_work(work, least_friction_of_member, load_amplitude_ratio)
-    curve = _with_turning_points(curve, work)
-    roots = _roots_of(curve, work, targets)
+    curve = _sampled_work(work_of, least_friction_of_member, load_amplitude_ratio)
+    curve = _with_turning_points(curve, work_of)
+    roots = _roots_of(curve, work_of, targets)
     limits = _limits_of(curve, least_friction_of_member, targets)
     reason = _reasons_without_root(targets, roots, limits)
     has_root = reason == NoFriction.NONE
@@ -642,13 +647,15 @@ def _sentences_of_reasons(
     )
 
 
-def _sampled_work(work: Work, least_friction: Array, load_amplitude_ratio: Array) -> _WorkCurve:
+def _sampled_work(
+    work_of: WorkFunction, least_friction: Array, load_amplitude_ratio: Array
+) -> _WorkCurve:
     """Friction work W of m members of a batch at samples of the coefficient f, from f_min up to 1e6
     times the larger of f_min and Q1/P1, the amplitudes of Q over P.
 
     f_min = `least_friction` (m,) is the least f without gross sliding,
     Q1/P1 = `load_amplitude_ratio` (m,). Samples are dense next to f_min and sparse beyond 100 times
-    the larger. A member is solvable where f_min and all its W are finite. `work` gives W by
+    the larger. A member is solvable where f_min and all its W are finite. `work_of` gives W by
     coefficients and the indices of members.
     """
     n_members = len(least_friction)
@@ -673,34 +680,34 @@ def _sampled_work(work: Work, least_friction: Array, load_amplitude_ratio: Array
     )
     member = np.broadcast_to(np.arange(n_members), log_f.shape)
     works = np.full(log_f.shape, np.nan)
-    solvable_works = work(np.exp(log_f[:, is_solvable]).ravel(), member[:, is_solvable].ravel())
+    solvable_works = work_of(np.exp(log_f[:, is_solvable]).ravel(), member[:, is_solvable].ravel())
     works[:, is_solvable] = solvable_works.reshape(len(log_f), -1)
     is_solvable &= np.all(np.isfinite(works), axis=0)
     return _WorkCurve(log_f, works, is_solvable, largest_f)
 
 
-def _with_turning_points(curve: _WorkCurve, work: Work) -> _WorkCurve:
+def _with_turning_points(curve: _WorkCurve, work_of: WorkFunction) -> _WorkCurve:
     """The samples of friction work W over the coefficient f, with the extrema of W between them
     added as samples.
 
-    Between two samples an extremum may hide two roots. `work` gives W by coefficients and the
+    Between two samples an extremum may hide two roots. `work_of` gives W by coefficients and the
     indices of members of the batch. `curve` holds ln f and W, (samples, m) each, and whether W of a
     member is known at all its samples.
     """
     first_sample, member = _samples_before_extrema(curve)
     if not len(first_sample):
         return curve
-    log_f_of_extremum, work_of_extremum = _extrema_of_work(curve, work, first_sample, member)
+    log_f_of_extremum, work_of_extremum = _extrema_of_work(curve, work_of, first_sample, member)
 
-    # A row for the first extremum of each member, the next for its second, ...
-    row_of_extremum = np.arange(len(first_sample)) - np.searchsorted(
+    # (rows, m): the first row for the first extremum of each member, the next for its second, ...
+    number_within_member = np.arange(len(first_sample)) - np.searchsorted(
         np.sort(member), np.sort(member)
     )
     order_by_member = np.argsort(member, kind="stable")
-    log_f_rows = np.full((int(row_of_extremum.max()) + 1, curve.works.shape[1]), np.nan)
+    log_f_rows = np.full((int(number_within_member.max()) + 1, curve.works.shape[1]), np.nan)
     work_rows = log_f_rows.copy()
-    log_f_rows[row_of_extremum, member[order_by_member]] = log_f_of_extremum[order_by_member]
-    work_rows[row_of_extremum, member[order_by_member]] = work_of_extremum[order_by_member]
+    log_f_rows[number_within_member, member[order_by_member]] = log_f_of_extremum[order_by_member]
+    work_rows[number_within_member, member[order_by_member]] = work_of_extremum[order_by_member]
 
     log_f = np.concatenate([curve.log_f, log_f_rows])
     works = np.concatenate([curve.works, work_rows])
@@ -718,19 +725,23 @@ def _samples_before_extrema(curve: _WorkCurve) -> tuple[NDArray[np.intp], NDArra
     `curve` has W at the samples, (k, m) for m members. Members whose W is not known at all samples
     are left out, as are changes of W below 1e-10 of its largest value, which are round-off.
     """
-    work_change = np.diff(curve.works, axis=0)
+    work_changes = np.diff(curve.works, axis=0)
     largest_work = np.max(np.where(curve.is_solvable, curve.works, 0.0), axis=0)
     # _LEAST_RISE: 1e-10.
     is_above_roundoff = (
-        np.minimum(np.abs(work_change[:-1]), np.abs(work_change[1:])) >= _LEAST_RISE * largest_work
+        np.minimum(np.abs(work_changes[:-1]), np.abs(work_changes[1:]))
+        >= _LEAST_RISE * largest_work
     )
-    turns = work_change[:-1] * work_change[1:] < 0
+    turns = work_changes[:-1] * work_changes[1:] < 0
     first_sample, member = np.nonzero(curve.is_solvable & is_above_roundoff & turns)
     return first_sample, member
 
 
 def _extrema_of_work(
-    curve: _WorkCurve, work: Work, first_sample: NDArray[np.intp], member: NDArray[np.intp]
+    curve: _WorkCurve,
+    work_of: WorkFunction,
+    first_sample: NDArray[np.intp],
+    member: NDArray[np.intp],
 ) -> tuple[Array, Array]:
     """Extrema of the friction work W over the coefficient f: ln f and W there, (e,) each, by
     iteration within three samples on which W turns.
@@ -739,8 +750,8 @@ def _extrema_of_work(
     ----------
     curve
         ln f and W at the samples, (k, m) for m members of a batch
-    work
-        function that gives W by coefficients and the indices of members
+    work_of
+        function that gives W by coefficients of friction and the indices of members
     first_sample, member
         (e,) number of the first of the three samples, and the member
     """
@@ -752,7 +763,7 @@ def _extrema_of_work(
     sign_to_minimum = np.where(first_change < 0, 1.0, -1.0)
     minimum_search = elementwise.find_minimum(
         lambda log_f_at_trial, member_of_trial, sign: (
-            sign * _work_by_log_f(work, log_f_at_trial, member_of_trial)
+            sign * _work_by_log_f(work_of, log_f_at_trial, member_of_trial)
         ),
         tuple(curve.log_f[first_sample + k, member] for k in (0, 1, 2)),
         args=(member.astype(float), sign_to_minimum),
@@ -760,13 +771,13 @@ def _extrema_of_work(
     return minimum_search.x, sign_to_minimum * minimum_search.f_x
 
 
-def _work_by_log_f(work: Work, log_f: Array, member: Array) -> Array:
+def _work_by_log_f(work_of: WorkFunction, log_f: Array, member: Array) -> Array:
     """Friction work W at ln f of members of a batch, arrays of one shape of any rank.
 
-    `work` gives W by coefficients and the indices of members, (k,) each. `member` are these indices
-    as floats, as a search of scipy passes them.
+    `work_of` gives W by coefficients and the indices of members, (k,) each. `member` are these
+    indices as floats, as a search of scipy passes them.
     """
-    return work(np.exp(log_f).ravel(), member.ravel().astype(int)).reshape(log_f.shape)
+    return work_of(np.exp(log_f).ravel(), member.ravel().astype(int)).reshape(log_f.shape)
 
 
 class _Roots(NamedTuple):
@@ -788,7 +799,7 @@ class _Roots(NamedTuple):
     is_unsettled: NDArray[np.bool_]
 
 
-def _roots_of(curve: _WorkCurve, work: Work, targets: _Targets) -> _Roots:
+def _roots_of(curve: _WorkCurve, work_of: WorkFunction, targets: _Targets) -> _Roots:
     """Every coefficient f at which the friction work W of a member of a batch is its target, the
     measured W.
 
@@ -798,8 +809,8 @@ def _roots_of(curve: _WorkCurve, work: Work, targets: _Targets) -> _Roots:
     ----------
     curve
         samples of W over ln f for each of m members, (samples, m), turning points included
-    work
-        function that gives W by coefficients and the indices of members
+    work_of
+        function that gives W by coefficients of friction and the indices of members
     targets
         n measured W, and the member of each
     """
@@ -814,23 +825,23 @@ def _roots_of(curve: _WorkCurve, work: Work, targets: _Targets) -> _Roots:
     from scipy.optimize import elementwise  # noqa: PLC0415
 
     member_of_root = targets.member[target_of_root]
-    goal_works = targets.works[target_of_root]
+    works_at_roots = targets.works[target_of_root]
     # iteration over ln f between two samples
     root_search = elementwise.find_root(
-        lambda log_f_at_trial, member_of_trial, goal_work: (
-            _work_by_log_f(work, log_f_at_trial, member_of_trial) - goal_work
+        lambda log_f_at_trial, member_of_trial, work_at_root: (
+            _work_by_log_f(work_of, log_f_at_trial, member_of_trial) - work_at_root
         ),
         (
             curve.log_f[sample_before_root, member_of_root],
             curve.log_f[sample_before_root + 1, member_of_root],
         ),
-        args=(member_of_root.astype(float), goal_works),
+        args=(member_of_root.astype(float), works_at_roots),
     )
     # each root in the row of its target, in ascending order
     place_in_row = np.arange(len(target_of_root)) - np.searchsorted(target_of_root, target_of_root)
     rows[target_of_root, place_in_row] = np.exp(root_search.x)
     # a residual above 1e-8 of the target: not found
-    is_found = np.abs(root_search.f_x) <= _LARGEST_RESIDUAL * goal_works
+    is_found = np.abs(root_search.f_x) <= _LARGEST_RESIDUAL * works_at_roots
     is_unsettled[target_of_root[~is_found]] = True
     return _Roots(rows, n_roots, is_unsettled)
 
