@@ -125,15 +125,15 @@ class Request:
     Attributes
     ----------
     contact, modulus
-        normal contact, E*
+        normal contact, E* [stress]
     time
-        (n,) instants as asked for
+        (n,) instants of the answer
     x
-        (m,) points as asked for
+        (m,) points of the answer [length]
     distance
-        (k,) different |x|; different x of an unsymmetric contact
+        (k,) different |x| of the points; different x of an unsymmetric contact [length]
     distance_index
-        (m,) index of the distance of each x
+        (m,) index in `distance` of each point
     wanted_fields
         names of the fields that are wanted
     bulk_tilt_path
@@ -544,10 +544,17 @@ class _InstantsOnPath(NamedTuple):
 
 
 class _WantedIntegrals(NamedTuple):
-    """Which integrals over slip are wanted: friction work, that of each load step, and the work per
-    area W(x).
+    """Which integrals over slip are wanted along a whole path, or in one part of it, the initial
+    loading or a cycle.
 
-    They are wanted along a whole path, or in one part of it, the initial loading or a cycle.
+    Attributes
+    ----------
+    wants_work
+        friction work
+    wants_work_of_steps
+        friction work of each load step
+    wants_density
+        friction work per area W(x)
     """
 
     wants_work: bool
@@ -604,7 +611,8 @@ class _SeriesSums:
     n_skipped_in_stick
         integrals that were not taken, since nothing slips
     counts
-        numbers of records, slips, pieces of memory curves, quadratures and their nodes, by name
+        by name: records ("spans"), records with slip ("slips"), pieces of memory curves alive and
+        dropped, quadratures over slip and their nodes
     """
 
     works: Array
@@ -818,7 +826,7 @@ def _answer_of_series(series: LoadSeries, request: Request) -> PathAnswer:
     for part_number in _parts_needed(series, instants.step):
         _follow_part(series, part_number, instants, request, states, path_sums)
 
-    # friction states at the instants, and M(P) - Q of each
+    # friction states at the instants, and M(P) - Q of each: carried tangential force minus Q
     snapshot, force_error = states.snapshot(request.time, instants.place_in_path)
     return PathAnswer(
         snapshot=snapshot,
@@ -1270,15 +1278,15 @@ def _values_over_time(request: Request, snapshot: Snapshot) -> dict[str, Array]:
     stick_half_width[instants_with_slip] = _half_width(contact, stick_edge_load[instants_with_slip])
     # no stick zone: all of the contact slips, and the face has no flat
     stick_half_width[(stick_edge_load <= 0) & (stick_half_width == 0)] = np.nan
-    # U pi/A, U the tangential displacement, and normal approach: NaN unless asked for
-    scaled_displacement = np.full(len(request.time), np.nan)
-    approach = scaled_displacement
+    # U over A/pi, U the tangential displacement, and normal approach: NaN unless asked for
+    displacement_over_compliance = np.full(len(request.time), np.nan)
+    approach = displacement_over_compliance
     # the integral of ln(2 L/a) over the memory curve (tangential force carried up to each load), L
     # the length of the datum; the point x has no effect
     if request.wants("tangential_displacement"):
-        scaled_displacement = KernelIntegrals(contact, np.zeros(1), "shift").over_memory_curves(
-            snapshot
-        )[:, 0]
+        displacement_over_compliance = KernelIntegrals(
+            contact, np.zeros(1), "shift"
+        ).over_memory_curves(snapshot)[:, 0]
     if request.wants("normal_approach"):
         # A/pi int_0^P ln(2 L/a) d eta
         approach = request.unit_compliance * contact.approach_integral(snapshot.load)
@@ -1286,7 +1294,7 @@ def _values_over_time(request: Request, snapshot: Snapshot) -> dict[str, Array]:
     values = {
         "normal_load": snapshot.load,
         "tangential_load": snapshot.force,
-        "tangential_displacement": request.unit_compliance * scaled_displacement,
+        "tangential_displacement": request.unit_compliance * displacement_over_compliance,
         "normal_approach": approach,
         "contact_half_width": half_width,
         "stick_half_width": stick_half_width,
@@ -1299,17 +1307,20 @@ def _values_over_time(request: Request, snapshot: Snapshot) -> dict[str, Array]:
 
 
 def _values_with_bulk_and_tilt(
-    request: Request, bulk_tilt_path: OneCurve, snapshot: Snapshot, values: Mapping[str, Array]
+    request: Request,
+    bulk_tilt_path: OneCurve,
+    snapshot: Snapshot,
+    values_without_tilt: Mapping[str, Array],
 ) -> dict[str, Array]:
     """What bulk stress and tilt add to the values over time, or change in them, by name: bulk
     stresses, tilt, moments of pressure and of shear, half-width, Q and approach (n,), edges (n, 2).
 
-    `values` are those of a contact centred at x = 0. `snapshot` has the friction states: P as
-    `load`, P - P_c of the slip zones, P_c the load at the stick edge. Its `force` is Q, or a load
-    in its place where bulk strain alone shears the contact. `tangential_fraction`, 1 or 0, is the
-    rise of Q over that of `force`. A centre is the middle of a contact or stick zone, NaN
-    half-widths are those of no stick zone. The memory curve is the tangential force, or the bulk
-    strain, locked in up to each load. `bulk_tilt_path` gives loads and edges over time.
+    `values_without_tilt` are those of a contact centred at x = 0; its NaN half-widths are those of
+    no stick zone. `snapshot` has the friction states: P as `load`, P - P_c of the slip zones, P_c
+    the load at the stick edge. Its `force` is Q, or a load in its place where bulk strain alone
+    shears the contact. `tangential_fraction`, 1 or 0, is the rise of Q over that of `force`. A
+    centre is the middle of a contact or stick zone. The memory curve is the tangential force, or
+    the bulk strain, locked in up to each load. `bulk_tilt_path` gives loads and edges over time.
     """
     tilted_contact = bulk_tilt_path.contact
     tilted_values = bulk_tilt_path.values_over_time(request.time, snapshot.load)
@@ -1324,13 +1335,15 @@ def _values_with_bulk_and_tilt(
     tilted_values["shear_moment"] = shear_moment
     contact_edges = tilted_values["contact_edges"]
     tilted_values["contact_half_width"] = np.diff(contact_edges)[:, 0] / 2
-    has_slip_zones = (snapshot.slip_zone_load > 0) | np.isnan(values["stick_half_width"])
+    has_slip_zones = (snapshot.slip_zone_load > 0) | np.isnan(
+        values_without_tilt["stick_half_width"]
+    )
     stick_edge_load = snapshot.load - snapshot.slip_zone_load
     stick_centre = tilted_contact.centre(stick_edge_load)
-    stick_edges = stick_centre[:, None] + values["stick_edges"]
+    stick_edges = stick_centre[:, None] + values_without_tilt["stick_edges"]
     tilted_values["stick_edges"] = np.where(has_slip_zones[:, None], stick_edges, contact_edges)
     if not request.wants("normal_approach"):
-        tilted_values["normal_approach"] = values["normal_approach"]
+        tilted_values["normal_approach"] = values_without_tilt["normal_approach"]
     return tilted_values
 
 
@@ -1370,12 +1383,12 @@ def _fields_at_points(
     NotFoundError
         Where a value of a field is not a number.
     """
-    shape = (len(request.time), len(request.distance_index))
+    shape_of_fields = (len(request.time), len(request.distance_index))
     # for fields that were not asked for
     fields: dict[str, NDArray[Any]] = {
-        name: np.broadcast_to(np.nan, shape) for name in ("pressure", "shear", "slip")
+        name: np.broadcast_to(np.nan, shape_of_fields) for name in ("pressure", "shear", "slip")
     }
-    fields["state"] = np.broadcast_to(np.int8(OPEN), shape)
+    fields["state"] = np.broadcast_to(np.int8(OPEN), shape_of_fields)
 
     fields_at_distances: dict[str, NDArray[Any]] = {}
     if request.wants("pressure"):
@@ -1435,11 +1448,11 @@ def _state_of(
     )
     codes_by_direction = np.array((SLIP_REVERSE, STICK, SLIP_FORWARD), dtype=np.int8)
     direction_at_points = snapshot.direction[:, None] * sign_at_points  # -1, 0 or 1
-    state_of_slip = codes_by_direction[direction_at_points + 1]
+    state_outside_stick_edges = codes_by_direction[direction_at_points + 1]
     is_between_stick_edges = is_between_edges(loads_and_edges["stick_edges"], distances)
     is_in_contact = is_between_edges(loads_and_edges["contact_edges"], distances)
     is_in_contact &= snapshot.load[:, None] > 0
-    contact_state = np.where(is_between_stick_edges, np.int8(STICK), state_of_slip)
+    contact_state = np.where(is_between_stick_edges, np.int8(STICK), state_outside_stick_edges)
     return np.where(is_in_contact, contact_state, np.int8(OPEN))
 
 

@@ -278,10 +278,10 @@ def _instants_of_cycle(path_loads: PathLoads) -> tuple[Array, Array]:
     return time, path_loads.loads_at(time)
 
 
-def _is_rising(time: Array, force: Array, period: float) -> NDArray[np.bool_]:
+def _is_rising(time: Array, tangential_load: Array, period: float) -> NDArray[np.bool_]:
     """Whether Q rises at each instant (n,) of a cycle, from its least value to its largest."""
-    time_of_least = time[np.argmin(force)]
-    time_of_largest = time[np.argmax(force)]
+    time_of_least = time[np.argmin(tangential_load)]
+    time_of_largest = time[np.argmax(tangential_load)]
     rise_duration = (time_of_largest - time_of_least) % period
     return np.asarray((time - time_of_least) % period <= rise_duration)
 
@@ -312,9 +312,9 @@ def _work_and_error(strokes: tuple[Stroke, Stroke]) -> tuple[float, float]:
     """Friction work W of the steady cycle [energy per thickness], and its relative error: what half
     as many quadrature nodes change.
     """
-    work = math.fsum(stroke.work(STROKE_NODE_COUNT) for stroke in strokes)
+    friction_work = math.fsum(stroke.work(STROKE_NODE_COUNT) for stroke in strokes)
     work_by_half_the_nodes = math.fsum(stroke.work(STROKE_NODE_COUNT // 2) for stroke in strokes)
-    return work, abs(work_by_half_the_nodes / work - 1)
+    return friction_work, abs(work_by_half_the_nodes / friction_work - 1)
 
 
 def _density_and_error(strokes: tuple[Stroke, Stroke], x: Array) -> tuple[Array, float]:

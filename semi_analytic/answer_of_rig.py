@@ -85,10 +85,14 @@ class RiggedScene:
     ----------
     scene
         as asked
-    contact, modulus, effects
-        normal contact of half-planes, E* [stress], what the bodies add
+    contact
+        normal contact of half-planes
+    modulus
+        E* [stress]
+    effects
+        what the bodies add to half-planes
     compliance
-        of contact and rig
+        of contact, bodies and springs of the rig, with the curvatures that the bodies add
     """
 
     scene: Scene
@@ -125,10 +129,10 @@ class RiggedScene:
         # states_approach: whether the normal approach is prescribed, in the place of P.
         scene = self.scene
         if scene.load.states_approach:
-            loads = loads_of_approach(
+            normal_loads = loads_of_approach(
                 self.contact, self.modulus, self.compliance, actuator_motion.load_or_approach
             )
-            actuator_motion = actuator_motion._replace(load_or_approach=loads)
+            actuator_motion = actuator_motion._replace(load_or_approach=normal_loads)
         # Flat punches of the contact; largest_s: coordinate s of the widest of them.
         table = self._punch_table(actuator_motion)
         largest_load = float(np.max(actuator_motion.load_or_approach))
@@ -148,14 +152,14 @@ class RiggedScene:
         friction_limit = self.scene.friction.coefficient * actuator_motion.load_or_approach
         # The Q at the Coulomb limit that widens the contact.
         widening_force = -np.sign(curvatures.normal_under_shear) * friction_limit
-        loads = PathRows(
+        path_rows = PathRows(
             actuator_motion.time,
             actuator_motion.load_or_approach,
             widening_force,
             actuator_motion.end_rows,
             None,
         )
-        return punch_table_of(self.contact, self.modulus, loads, curvatures)
+        return punch_table_of(self.contact, self.modulus, path_rows, curvatures)
 
 
 def rigged_scene(scene: Scene, effects: BodyEffects | None) -> RiggedScene:
@@ -171,15 +175,15 @@ def rigged_scene(scene: Scene, effects: BodyEffects | None) -> RiggedScene:
         For finite bodies without their effects.
     """
     # The rig has a stiffness of each spring, None if it is stiff, and a datum length.
-    rig = scene.rig
+    rig_of_scene = scene.rig
     if effects is None:
         if not scene.bodies.half_planes:
             raise InputError(
                 "load.tangential_displacement: the displacement of these bodies is not that of"
                 " half-planes; give effects = halfplane_fe.body_effects(scene)"
             )
-        assert rig.datum_length is not None  # for the type checker: the scene was checked
-        effects = BodyEffects(datum_length=rig.datum_length)
+        assert rig_of_scene.datum_length is not None  # for the type checker: the scene was checked
+        effects = BodyEffects(datum_length=rig_of_scene.datum_length)
     modulus = composite_modulus(scene.material)
     # unit_compliance: A/pi; a stiff rig has no stiffness stated: its spring compliance is 0.
     compliance = Compliance(
@@ -187,8 +191,8 @@ def rigged_scene(scene: Scene, effects: BodyEffects | None) -> RiggedScene:
         datum_length=effects.datum_length,
         normal_body_compliance=effects.normal_compliance.value,
         tangential_body_compliance=effects.tangential_compliance.value,
-        normal_spring_compliance=1 / (rig.normal_stiffness or math.inf),
-        tangential_spring_compliance=1 / (rig.tangential_stiffness or math.inf),
+        normal_spring_compliance=1 / (rig_of_scene.normal_stiffness or math.inf),
+        tangential_spring_compliance=1 / (rig_of_scene.tangential_stiffness or math.inf),
         curvatures=curvatures_of(effects),
         tilt_products=_tilt_products_of(scene, effects),
     )
@@ -452,34 +456,33 @@ class _Energy(NamedTuple):
         friction work [energy per thickness]
     loop_work
         closed integral of Q dU + P d(approach); NaN where it does not equal the work
-    tilt_and_strain
-        what tilt and bulk strain of the bodies add to the work
+    part_by_tilt_and_strain
+        what tilt and bulk strain of the bodies add to the work, or why it is left out
     errors
         relative, by the name of the value
     """
 
     work: float
     loop_work: float
-    tilt_and_strain: TiltAndStrainPart
+    part_by_tilt_and_strain: TiltAndStrainPart
     errors: dict[str, float]
 
 
 def _energy_of(followed: _FollowedRig) -> _Energy:
-    """Friction work of the last cycle of a rig, or of all of a path that has no steady cycle; the
-    closed integral of its loads over their displacements [energy per thickness]; and relative
-    errors of both and of Q.
+    """Energy of the last cycle of a rig, or of all of a path that has no steady cycle: friction
+    work, closed integral of the loads over their displacements, and relative errors of both and Q.
 
-    To the work by steps is added what tilt and bulk strain of the bodies add, and what the terms of
-    their effects beyond the curvatures, x^4, add. The closed integral is NaN without a steady
-    cycle, and with tilt or bulk strain. The error of the work is NaN where what tilt and strain add
-    is not known.
+    The work is the sum of the work by steps, of what tilt and bulk strain of the bodies add, and of
+    what the terms of their effects beyond the curvatures, x^4, add [energy per thickness]. The
+    closed integral is NaN without a steady cycle, and with tilt or bulk strain. The error of the
+    work is NaN where what tilt and strain add is not known.
     """
     change_by_bodies = _ChangeByBodies.of_driven_path(
         followed.rig, followed.fine_path, followed.last_cycle
     )
-    tilt_and_strain = _tilt_and_strain_of(followed, change_by_bodies)
+    part_by_tilt_and_strain = _part_by_tilt_and_strain(followed, change_by_bodies)
     # in the steady cycle, index 1 of a path that repeats it
-    work_of_tilt_and_strain = tilt_and_strain.work(_INDEX_OF_STEADY_CYCLE)
+    work_of_tilt_and_strain = part_by_tilt_and_strain.work(_INDEX_OF_STEADY_CYCLE)
     work = (
         followed.fine_path.work(followed.last_cycle)
         + work_of_tilt_and_strain.value
@@ -491,17 +494,17 @@ def _energy_of(followed: _FollowedRig) -> _Energy:
     if work > 0:
         error_of_bodies = work_of_tilt_and_strain.uncertainty + change_by_bodies.work_uncertainty
         errors["dissipation"] = errors.get("dissipation", 0.0) + error_of_bodies / work
-    if tilt_and_strain.left_out:  # the reason, if that work is not known
+    if part_by_tilt_and_strain.left_out:  # the reason, if that work is not known
         errors["dissipation"] = math.nan
 
     loop_work = math.nan
     # With tilt or bulk strain the closed integral is another number than the work: of their changes
     # U contains the moment of the pressure alone, which is not all that adds to the work.
-    if tilt_and_strain == TiltAndStrainPart():
+    if part_by_tilt_and_strain == TiltAndStrainPart():
         loop_work, loop_error = _loop_work_and_error(followed)
         if loop_error is not None:
             errors["loop_work"] = loop_error
-    return _Energy(work, loop_work, tilt_and_strain, errors)
+    return _Energy(work, loop_work, part_by_tilt_and_strain, errors)
 
 
 def _loop_work_and_error(followed: _FollowedRig) -> tuple[float, float | None]:
@@ -565,7 +568,7 @@ class _ChangeByBodies(NamedTuple):
         if rig.scene.bodies.half_planes or _reason_without_next_order(driven_path, cycle_rows):
             return cls()
         # The same loads three times: half-planes; bodies with all terms; bodies with curvatures
-        # alone.
+        # alone. followed_path: P, Q and friction memory at each row, and the table of flat punches.
         followed_path = driven_path.followed_path
         loads = (followed_path.normal_load, followed_path.tangential_load)
         table_and_loads = (followed_path.table, followed_path.friction, *loads)
@@ -593,7 +596,7 @@ class _ChangeByBodies(NamedTuple):
         )
 
 
-def _tilt_and_strain_of(
+def _part_by_tilt_and_strain(
     followed: _FollowedRig, change_by_bodies: _ChangeByBodies
 ) -> TiltAndStrainPart:
     """Friction work that tilt and bulk strain of the finite bodies add in the steady cycle of a rig
@@ -613,22 +616,24 @@ def _tilt_and_strain_of(
     if followed.steady_from is None:
         return TiltAndStrainPart(left_out="no cycle is steady")
     try:
-        tilt_and_strain = TiltAndStrainPart(
+        part_by_tilt_and_strain = TiltAndStrainPart(
             second_order_answer_of_rig(rig.scene, rig.effects, fine_path, last_cycle)
         )
     except DeclinedError as reason:
-        tilt_and_strain = _tilt_and_strain_on_grids(rig, fine_path, last_cycle, str(reason))
+        part_by_tilt_and_strain = _part_by_tilt_and_strain_on_grids(
+            rig, fine_path, last_cycle, str(reason)
+        )
     # a at the largest P, and the ratio of the fourth order to the curvatures there
     half_width = float(rig.contact.half_width(followed.largest_load))
     ratio_of_orders = ratio_of_next_order(rig.effects, half_width)
-    return tilt_and_strain._replace(
+    return part_by_tilt_and_strain._replace(
         relative_uncertainty=uncertain_fraction_of_tilt_and_strain(
             change_by_bodies.relative_change, ratio_of_orders
         )
     )
 
 
-def _tilt_and_strain_on_grids(
+def _part_by_tilt_and_strain_on_grids(
     rig: RiggedScene, driven_path: DrivenPath, last_cycle: slice, reason: str
 ) -> TiltAndStrainPart:
     """Friction work that tilt and bulk strain of the finite bodies add in the last cycle of a rig
@@ -676,14 +681,13 @@ def _compliance_to_answer_datum(rig: RiggedScene) -> float:
     bodies.
 
     L0 is the depth that every answer counts its displacements from, L that at which the rig
-    prescribes them.
-
-    `rig.compliance` holds L and the compliance A/pi of half-planes, `rig.scene.profile` L0.
+    prescribes them. `rig.compliance` holds L and the compliance A/pi of half-planes,
+    `rig.scene.profile` L0.
     """
     if not rig.scene.bodies.half_planes:
         return 0.0
-    ratio = rig.scene.profile.datum_length / rig.compliance.datum_length
-    return rig.compliance.unit_compliance * math.log(ratio)
+    datum_length_ratio = rig.scene.profile.datum_length / rig.compliance.datum_length
+    return rig.compliance.unit_compliance * math.log(datum_length_ratio)
 
 
 def _corrected_path(rig: RiggedScene, driven_path: DrivenPath) -> PathSeries:
@@ -761,9 +765,9 @@ def _times_near_slide_ends(driven_path: DrivenPath) -> Array:
     `driven_path` has for each row the time, P, and the slide of the step that ends there.
     """
     is_sliding = driven_path.slide_distance != 0
-    load = driven_path.followed_path.normal_load
+    normal_load = driven_path.followed_path.normal_load
     last_sliding_rows = np.flatnonzero(is_sliding[1:-1] & ~is_sliding[2:]) + 1
-    load_varies = load[last_sliding_rows + 1] != load[last_sliding_rows]
+    load_varies = normal_load[last_sliding_rows + 1] != normal_load[last_sliding_rows]
     last_sliding_rows = last_sliding_rows[load_varies][:_MOST_SLIDE_ENDS]
     begin_times = driven_path.time[last_sliding_rows - 1]
     end_times = driven_path.time[last_sliding_rows + 1]
@@ -834,14 +838,14 @@ def _scene_of_loads(scene: Scene, path_rows: PathRows, last_cycle: slice) -> Sce
     `last_cycle`.
     """
     loads = np.stack([path_rows.normal_load, path_rows.tangential_load], axis=1)
-    points = [(float(normal), float(tangential)) for normal, tangential in loads]
+    polygon_vertices = [(float(normal), float(tangential)) for normal, tangential in loads]
     # The first point is the unloaded state. A cycle comes back to its begin, so that its last point
     # is left out.
-    loading = tuple(points[1:])
+    loading = tuple(polygon_vertices[1:])
     cycle: tuple[tuple[float, float], ...] = ()
     if path_rows.period is not None:
-        loading = tuple(points[1 : last_cycle.start + 1])
-        cycle = tuple(points[last_cycle.start + 1 : -1])
+        loading = tuple(polygon_vertices[1 : last_cycle.start + 1])
+        cycle = tuple(polygon_vertices[last_cycle.start + 1 : -1])
     # A scene without the displacements of the rig.
     polygon_of_loads = PolygonLoad(
         initial_loading=loading, cycle=cycle, times=tuple(path_rows.time.tolist())
@@ -855,8 +859,9 @@ def _errors_of_steps(
     """Relative errors of friction work and of Q by the length of the load steps: differences
     between a path by fine steps and one by steps twice as long.
 
-    That of the work is over W of the steady cycle `steady_from`, or of the path where there is
-    none; that of Q over the largest |Q|. Without work, or without Q, there is no such error.
+    The difference of the work is divided by W of the steady cycle `steady_from`, or of the path
+    where there is none; that of Q by the largest |Q|. Without work, or without Q, there is no such
+    error.
     """
     errors = {}
     # Rows of the steady cycle; end_rows: rows at which the initial loading and each cycle end.
@@ -870,18 +875,18 @@ def _errors_of_steps(
     work = fine_path.work(fine_rows)
     if work > 0:
         errors["dissipation"] = abs(coarse_path.work(coarse_rows) / work - 1)
-    force = fine_path.followed_path.tangential_load
-    largest_force = float(np.max(np.abs(force)))
-    if largest_force > 0:
+    tangential_load = fine_path.followed_path.tangential_load
+    largest_tangential_load = float(np.max(np.abs(tangential_load)))
+    if largest_tangential_load > 0:
         # At the instants that both paths have.
         _, rows_in_fine_path, rows_in_coarse_path = np.intersect1d(
             fine_path.time, coarse_path.time, return_indices=True
         )
-        force_difference = (
-            force[rows_in_fine_path]
+        load_difference = (
+            tangential_load[rows_in_fine_path]
             - coarse_path.followed_path.tangential_load[rows_in_coarse_path]
         )
-        errors["tangential_load"] = float(np.max(np.abs(force_difference))) / largest_force
+        errors["tangential_load"] = float(np.max(np.abs(load_difference))) / largest_tangential_load
     return errors
 
 
@@ -906,14 +911,16 @@ def _notes(followed: _FollowedRig, cycle_energy: _Energy) -> Iterator[str]:
     """
     scene = followed.rig.scene
     yield from neglected_coupling(scene.material)
-    yield from _notes_of_place(followed, cycle_energy.tilt_and_strain)
+    yield from _notes_of_place(followed, cycle_energy.part_by_tilt_and_strain)
     yield from _notes_of_loads(followed, cycle_energy.errors.get("tangential_load", 0.0))
     yield from notes_of_slides(scene, followed.fine_path, followed.last_cycle)
     if np.any(followed.fine_path.followed_path.normal_load[1:] <= 0):
         yield "separation: the bodies part, and nothing is remembered after it"
 
 
-def _notes_of_place(followed: _FollowedRig, tilt_and_strain: TiltAndStrainPart) -> Iterator[str]:
+def _notes_of_place(
+    followed: _FollowedRig, part_by_tilt_and_strain: TiltAndStrainPart
+) -> Iterator[str]:
     """Sentences on where the displacements of a rig are prescribed: at a distance from the contact
     of half-planes, or at the bases of finite bodies.
 
@@ -938,15 +945,17 @@ def _notes_of_place(followed: _FollowedRig, tilt_and_strain: TiltAndStrainPart) 
         yield _note_of_next_order(rig, followed.fine_path, followed.last_cycle)
     half_width = float(rig.contact.half_width(followed.largest_load))
     modulus = composite_modulus(scene.material)  # E*
-    yield from notes_of_effects(rig.effects, half_width, modulus, tilt_and_strain, WORDS_UNDER_RIG)
+    yield from notes_of_effects(
+        rig.effects, half_width, modulus, part_by_tilt_and_strain, WORDS_UNDER_RIG
+    )
 
 
-def _notes_of_loads(followed: _FollowedRig, relative_error_of_force: float) -> Iterator[str]:
+def _notes_of_loads(followed: _FollowedRig, relative_error_of_load: float) -> Iterator[str]:
     """Sentences on the loads of a rig: which part of the actuator's range the contact takes in the
     last cycle, and how uncertain Q is.
 
-    The spring between actuator and contact takes the rest of the range. The relative error of Q is
-    given.
+    The spring between actuator and contact takes the rest of the range. `relative_error_of_load`
+    is the error of Q over its largest value.
     """
     driven_path = followed.fine_path
     force_unit, length_unit, _ = followed.rig.scene.unit_words
@@ -958,11 +967,11 @@ def _notes_of_loads(followed: _FollowedRig, relative_error_of_force: float) -> I
             f"rig: of the range {actuator_range:.6g} {length_unit} of the actuator the contact"
             f" takes {contact_range:.6g}, the spring the rest"
         )
-    largest_force = float(np.max(np.abs(driven_path.followed_path.tangential_load)))
+    largest_tangential_load = float(np.max(np.abs(driven_path.followed_path.tangential_load)))
     yield (
         "rig: P and Q follow from the displacements, at constant P without an error of the steps;"
-        f" here Q is uncertain by {relative_error_of_force * largest_force:.2g} of at"
-        f" most {largest_force:.6g} {force_unit}/{length_unit}"
+        f" here Q is uncertain by {relative_error_of_load * largest_tangential_load:.2g} of at"
+        f" most {largest_tangential_load:.6g} {force_unit}/{length_unit}"
     )
 
 
@@ -999,11 +1008,13 @@ def _note_of_next_order(rig: RiggedScene, driven_path: DrivenPath, last_cycle: s
             without_tangential_load,
             curvatures_of(effects),
         )
-        path = PathSeries(memory, rig.contact, rig.modulus, effects)
-        half_width = float(path.half_width[1])
+        path_of_two_rows = PathSeries(memory, rig.contact, rig.modulus, effects)
+        half_width = float(path_of_two_rows.half_width[1])
         # _SAMPLED_PLACES: 200.
         places = np.linspace(0.0, half_width, _SAMPLED_PLACES)
-        pressures.append(float(np.max(PointFields(path, places).pressure(np.array([1])))))
+        pressures.append(
+            float(np.max(PointFields(path_of_two_rows, places).pressure(np.array([1]))))
+        )
         half_widths.append(half_width)
     return (
         f"effects: the next order of the bodies, N_4, T_4, N_22 and T_22, is {place_text}, and in"

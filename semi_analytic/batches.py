@@ -102,11 +102,18 @@ def maxima_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
     """The two largest maxima over x of the friction work per area and cycle W(x), for each of m
     steady load ellipses, (6, m); `contact` is the normal contact P(a) of the profile.
 
-    Rows: the largest W(x) pi E*/(2 f^2), the second largest, the error of the largest, |x| of both,
-    and the place of the largest as a fraction. The fraction is 0 at the permanent stick edge, 1 at
-    the largest contact. Where nothing slips the largest is 0, and all other rows but its error are
-    NaN. The second one is NaN where there is one maximum only. All are NaN where a sample of W(x)
-    is.
+    The rows are:
+
+    1. the largest W(x) pi E*/(2 f^2);
+    2. the second largest, NaN where there is one maximum only;
+    3. the error of the largest;
+    4. |x| of the largest;
+    5. |x| of the second largest;
+    6. the place of the largest as a fraction, 0 at the permanent stick edge, 1 at the largest
+       contact.
+
+    Where nothing slips the largest is 0, and all other rows but its error are NaN. All are NaN
+    where a sample of W(x) is.
 
     W(x) is sampled with half of the quadrature nodes, between the half-widths at which its formula
     changes. A maximum is looked for about every sample above its neighbours. All ellipses have the
@@ -245,8 +252,16 @@ def _local_maxima(samples: _Samples, density_at: Callable[..., Array]) -> _Local
 
 
 class _Peaks(NamedTuple):
-    """Largest maximum of W(x) of each ellipse, (m,) each: W pi E*/(2 f^2), its error, |x|, and
-    which of the local maxima it is, -1 for none.
+    """Largest maximum of the friction work per area W(x) of each ellipse, (m,) each.
+
+    Attributes
+    ----------
+    density, error
+        W(x) pi E*/(2 f^2) there, and its error
+    place
+        |x| of the maximum
+    maximum_number
+        which of the local maxima of all ellipses it is, -1 for none
     """
 
     density: Array
@@ -387,8 +402,17 @@ def _second_maximum(
 
 
 class _Samples(NamedTuple):
-    """Samples of the friction work per area W(x), (n,) each: number of the ellipse, place x, and W
-    there; places ascend within an ellipse, one ellipse comes after the other.
+    """Samples of the friction work per area W(x), (n,) each. Places ascend within an ellipse, one
+    ellipse comes after the other.
+
+    Attributes
+    ----------
+    ellipse_number
+        of the ellipse
+    x
+        place |x| of the sample
+    density
+        W(x) pi E*/(2 f^2) there
     """
 
     ellipse_number: Indices
@@ -668,8 +692,15 @@ def _next_trial_places(bracket: Array, vertex_place: Array) -> Array:
 
 
 class _Vertex(NamedTuple):
-    """The vertex of the parabola through three points (x, W), the middle one where it bends up,
-    (n,) each: W and place of it; how far a concave W may rise above the middle point.
+    """The vertex of the parabola through three points (x, W), (n,) each; the middle point where the
+    parabola bends up.
+
+    Attributes
+    ----------
+    density, place
+        W and x of the vertex
+    possible_rise
+        how far a concave W may rise above the middle point
     """
 
     density: Array
@@ -918,7 +949,14 @@ def _works_of_members(members: Members) -> Array:
     """Friction work of one steady cycle of each member of a batch, times pi E*/(2 f^2) [(force per
     thickness)^2], and its permanent stick load P_T [force per thickness]: (5, m).
 
-    Rows: the work, its parts by forward and by reverse slip, an upper bound of its error, and P_T.
+    The rows are:
+
+    1. the work;
+    2. its part by forward slip;
+    3. its part by reverse slip;
+    4. an upper bound of the error of the work;
+    5. P_T.
+
     The integrand is the kernel Lam, the integral of ln(a/a(P_c)) over loads from P_c, that at the
     stick edge, to P; a is the contact half-width. Of Hertz and power laws Lam has a closed form, of
     flat and rounded faces a table. Other profiles take a quadrature, with one contact for all
@@ -970,8 +1008,7 @@ def _works_of_members(members: Members) -> Array:
 
 def _works_with_effects(curvatures: Curvatures, members: Members) -> Array:
     """Friction work of one steady cycle of each member, times pi E*/(2 f^2), on finite bodies,
-    whose loads add `curvatures` to gap and faces; rows (5, m): the work, its parts by forward and
-    by reverse slip, the error of the work, and the load of the permanent stick zone.
+    whose loads add `curvatures` to gap and faces; (5, m), with the rows of `_works_of_members`.
 
     The work is that on half-planes, exact, plus the change by the curvatures. One quadrature rule
     gives the works with and without curvatures, so that its error nearly cancels in the change. A
@@ -1155,15 +1192,14 @@ def peak_dissipation(
 
 def _maxima_of_members(members: Members) -> Array:
     """The two largest maxima over x of the friction work per area W(x) of each member of a batch,
-    (6, m), in units of the scene: the largest W(x) pi E*/(2 f^2), the second one, the error of the
-    largest, their |x|, and that of the largest as a fraction of the slip zone. Groups by the shape
-    of the profile have one contact each, in units of length and load. E* is the composite modulus,
-    f the friction.
+    (6, m), in units of the scene, with the rows of `maxima_of`.
+
+    Groups by the shape of the profile have one contact each, in units of length and load.
     """
     maxima = np.empty((6, len(members.is_mirrored)))
     for group in members.shape_groups():
         maxima_in_units = maxima_of(group.ellipses, group.contact)
-        # W(x) pi E*/(2 f^2) goes as load^2/length; then two places, and a fraction.
+        # W(x) pi E*/(2 f^2) has the unit load^2/length, both |x| that of length.
         maxima_in_units[:3] *= group.load_unit / group.length_unit * group.load_unit
         maxima_in_units[3:5] *= group.length_unit
         maxima[:, group.members] = maxima_in_units
@@ -1218,7 +1254,9 @@ def _kernel_table(first_octave: int, last_octave: int) -> LamTable:
 
 # ------------------------------------------------------------------------ members and their reasons
 class EllipseLoads(NamedTuple):
-    """Loads of a batch and its friction, numbers or arrays (m,): P0, P1, Q0, Q1, phase, f."""
+    """Loads of a batch and its friction as a caller gives them, numbers or arrays of any shapes
+    that broadcast: P0, P1, Q0, Q1, phase [rad], f.
+    """
 
     mean_normal: ArrayLike
     normal_amplitude: ArrayLike
@@ -1240,8 +1278,19 @@ class LoadArrays(NamedTuple):
 
 
 class ShapeGroup(NamedTuple):
-    """Members whose profiles differ by units of length and load only: their numbers (k,), the
-    normal contact in these units with E* = 1, their load ellipses, and the units, (k,) or one.
+    """Members of a batch whose profiles differ by units of length and load only.
+
+    Attributes
+    ----------
+    members
+        (k,) their numbers
+    contact
+        normal contact in units of length and load of each member, with E* = 1; of one profile for
+        all members its contact in units of the scene
+    ellipses
+        their load ellipses in units of load
+    load_unit, length_unit
+        these units, (k,) each; 1 where one profile serves all members
     """
 
     members: Indices
@@ -1603,10 +1652,10 @@ def _reasons_of_loads(
     """Why each of m load ellipses is inadmissible: separation (P1 > P0), gross sliding (|Q| > f P
     at some instant), or none; codes of `Reason`, (m,).
 
-    |Q| = f P is admitted, to round-off. Separation goes before gross sliding. The largest Q - f P
-    is Q0 - f P0 + f u, the largest -Q - f P is -Q0 - f P0 + f v; u and v (`forward_amplitude`,
-    `reverse_amplitude`) are the amplitudes of (Q - f P)/f and (Q + f P)/f, P0 and P1 mean and
-    amplitude of P.
+    |Q| = f P is admitted, to round-off. Where both hold the code is that of separation. The largest
+    Q - f P is Q0 - f P0 + f u, the largest -Q - f P is -Q0 - f P0 + f v. Here u and v
+    (`forward_amplitude`, `reverse_amplitude`) are the amplitudes of (Q - f P)/f and (Q + f P)/f. P0
+    and P1 are mean and amplitude of P.
 
     Parameters
     ----------
@@ -1617,7 +1666,7 @@ def _reasons_of_loads(
     """
     coulomb_limit_at_mean = friction * ellipses.mean_load
     # 4e-16 of the loads, about two round-offs
-    round_off = 4e-16 * (
+    largest_roundoff = 4e-16 * (
         np.abs(mean_tangential_load)
         + tangential_amplitude
         + coulomb_limit_at_mean
@@ -1628,7 +1677,7 @@ def _reasons_of_loads(
             friction * ellipses.forward_amplitude + mean_tangential_load,
             friction * ellipses.reverse_amplitude - mean_tangential_load,
         )
-        > coulomb_limit_at_mean + round_off
+        > coulomb_limit_at_mean + largest_roundoff
     )
     # Without friction u and v are those of another coefficient.
     is_sliding |= (friction == 0) & (tangential_amplitude > 0)
@@ -1654,7 +1703,8 @@ def _units_of_polynomial(length: Array, *rises: Array) -> tuple[Array, ...]:
     return length, largest_rise, *(rise / largest_rise for rise in rises)
 
 
-# Units of length and of height of profiles with these parameters, and the shape that they leave.
+# From the parameters of a profile: its units of length and of height, then the ratios of parameters
+# that determine its shape.
 _UNITS_AND_RATIOS: dict[str, Callable[..., tuple[Array, ...]]] = {
     "hertz": lambda radius: (np.sqrt(radius), np.ones_like(radius)),
     "flat_rounded": lambda radius, b: (b, b * b / radius),
@@ -1663,7 +1713,7 @@ _UNITS_AND_RATIOS: dict[str, Callable[..., tuple[Array, ...]]] = {
     "wedge": lambda radius, b: (b, b * b / radius),
     "polynomial": _units_of_polynomial,
 }
-# The profiles of these shapes.
+# The profile in its own units, from the ratios that determine its shape.
 _PROFILE_OF_RATIOS: dict[str, Callable[..., Profile]] = {
     "hertz": lambda: Hertz(radius=1.0),
     "flat_rounded": lambda: FlatRounded(radius=1.0, flat_half_length=1.0),

@@ -132,10 +132,17 @@ class _Sinusoid(NamedTuple):
 
 
 class CycleOfPunches(NamedTuple):
-    """What flat punches (m, k) meet in a steady cycle, sinusoids of its phase angle.
+    """Coulomb bounds and normal load outside of flat punches in a steady cycle: sinusoids of its
+    phase angle, for k punches under each of m ellipses, (m, k).
 
-    `forward_bound` and `reverse_bound` are s B_s, the Coulomb bounds of the locked-in tangential
-    force times s = +1 and -1. `load_outside` is the normal load that is carried outside of a punch.
+    Attributes
+    ----------
+    forward_bound
+        B_+, lower bound of the locked-in tangential force, which rises with it in forward slip
+    reverse_bound
+        -B_-, minus the upper bound of that force, which falls with it in reverse slip
+    load_outside
+        normal load that is carried outside of a punch
     """
 
     forward_bound: _Sinusoid
@@ -174,33 +181,39 @@ def cycle_of_punches(
         B_+, -B_- and the load P - eta - kn G outside of the punches, as sinusoids
     """
     friction = loads.friction
-    # kn G = `gap_per_normal` P + `gap_per_tangential` Q, and so on for kt G of the faces.
-    gap_per_normal = parabola_load * curvatures.normal
-    gap_per_tangential = parabola_load * curvatures.normal_under_shear
-    faces_per_tangential = parabola_load * curvatures.tangential
-    faces_per_normal = parabola_load * curvatures.tangential_under_pressure
+    # kn G = gap_load_per_normal P + gap_load_per_tangential Q, and so on for kt G of the faces.
+    gap_load_per_normal = parabola_load * curvatures.normal
+    gap_load_per_tangential = parabola_load * curvatures.normal_under_shear
+    faces_load_per_tangential = parabola_load * curvatures.tangential
+    faces_load_per_normal = parabola_load * curvatures.tangential_under_pressure
     # Sums of P and Q with constant factors: sinusoids of the phase angle.
     forward_bound = loads.load_combination(
-        normal_factor=-friction * (1 - gap_per_normal) - faces_per_normal,
-        tangential_factor=1 - faces_per_tangential + friction * gap_per_tangential,
+        normal_factor=-friction * (1 - gap_load_per_normal) - faces_load_per_normal,
+        tangential_factor=1 - faces_load_per_tangential + friction * gap_load_per_tangential,
         constant=friction * profile_load,
     )
     reverse_bound = loads.load_combination(
-        normal_factor=-friction * (1 - gap_per_normal) + faces_per_normal,
-        tangential_factor=faces_per_tangential - 1 + friction * gap_per_tangential,
+        normal_factor=-friction * (1 - gap_load_per_normal) + faces_load_per_normal,
+        tangential_factor=faces_load_per_tangential - 1 + friction * gap_load_per_tangential,
         constant=friction * profile_load,
     )
     load_outside = loads.load_combination(
-        normal_factor=1 - gap_per_normal,
-        tangential_factor=-gap_per_tangential,
+        normal_factor=1 - gap_load_per_normal,
+        tangential_factor=-gap_load_per_tangential,
         constant=-profile_load,
     )
     return CycleOfPunches(forward_bound, reverse_bound, load_outside)
 
 
 class WorkOfEllipses(NamedTuple):
-    """Friction work W of forward and of reverse slip in a steady cycle, times pi/A = pi E*/2, and
-    half-width of permanent stick, 0 where no point sticks all through, (m,) each.
+    """Results for m steady cycles, (m,) each.
+
+    Attributes
+    ----------
+    forward_work, reverse_work
+        friction work W of forward and of reverse slip, times pi/A = pi E*/2
+    permanent_stick_half_width
+        half-width of permanent stick, 0 where no point sticks all through [length]
     """
 
     forward_work: Array
@@ -391,10 +404,10 @@ def _works_of_forward_and_reverse_slip(punches: _Punches, edges: _EdgesOfCycle) 
     """
     works = np.zeros((2, len(edges.contact_edge)))
     node_fractions, node_weights = _crowded_gauss_rule()
-    kink = np.clip(edges.least_contact_edge, edges.stick_edge, edges.contact_edge)
+    kink_half_width = np.clip(edges.least_contact_edge, edges.stick_edge, edges.contact_edge)
     for inner_edge, length_of_range in (
-        (edges.stick_edge, kink - edges.stick_edge),
-        (kink, edges.contact_edge - kink),
+        (edges.stick_edge, kink_half_width - edges.stick_edge),
+        (kink_half_width, edges.contact_edge - kink_half_width),
     ):
         half_width = inner_edge + length_of_range * node_fractions
         work_of_punches = _work_of_punches(punches.cycle_at(half_width), punches.loads.friction)
