@@ -56,8 +56,8 @@ _SETTLED_CHANGE_SHARE = 1e-12
 _SETTLED_CHANGE_SHARE_ON_STEPS = 1e-9
 # Instants at which the tension is looked at first.
 _INSTANTS_AT_FIRST = 120
-# Parts of a load path, between turning points of P, beyond which it is a long record.
-_PARTS_OF_LONG_RECORD = 400
+# Parts of a load path, between turning points of P, beyond which it is a long path.
+_PARTS_OF_LONG_PATH = 400
 # A place at the edge of contact counts as in contact, since its instant is rounded: share of the
 # contact width. Also the share of a time, or of a distance of kinks, below which it is round-off.
 _EDGE_TOLERANCE_SHARE = 1e-10
@@ -198,7 +198,7 @@ class _Search:
     Attributes
     ----------
     instants
-        the answer's, (n,) ascending; on straight steps those of its last cycle
+        (n,) instants of the answer, ascending; on straight steps those of its last cycle
     monotonic_parts
         load segment, begin and end time of each part of the path on which P goes one way; none on
         straight steps
@@ -233,11 +233,11 @@ class _Search:
 
         # the largest load, and the edges of contact then
         turning_loads = np.asarray(self.scene.load.path().at(self.turning_times)[0])
-        number_of_largest_load = np.argmax(turning_loads)
-        self.largest_load_time = float(self.turning_times[number_of_largest_load])
+        index_of_largest_load = np.argmax(turning_loads)
+        self.largest_load_time = float(self.turning_times[index_of_largest_load])
         # (n, 2)
         edges_at_turns = solve(self.scene, x=0.0, time=self.turning_times, fields=()).contact_edges
-        self.widest_edges = edges_at_turns[number_of_largest_load]
+        self.widest_edges = edges_at_turns[index_of_largest_load]
         # places between which values are smooth functions of x
         self.kinks = self._find_kinks(edges_at_turns[turning_loads > 0])
 
@@ -257,8 +257,8 @@ class _Search:
         places = np.array(
             [*edges_at_turns.ravel(), *corners, *middle_of_profile, middle_of_contact]
         )
-        first_edge, last_edge = self.widest_edges
-        kinks = places[(places >= first_edge) & (places <= last_edge)]
+        left_edge, right_edge = self.widest_edges
+        kinks = places[(places >= left_edge) & (places <= right_edge)]
         if not self.scene.unsymmetric:  # the other side is its mirror image
             kinks = kinks[kinks >= 0]
         return np.unique(kinks)
@@ -379,20 +379,22 @@ class _Search:
         time.
         """
         is_first_round = len(x) > _MOST_CANDIDATES * _PLACES_IN_ROUND
-        is_long_record = len(self.monotonic_parts) > _PARTS_OF_LONG_RECORD
-        if self.on_straight_steps or (is_long_record and is_first_round):
+        is_long_path = len(self.monotonic_parts) > _PARTS_OF_LONG_PATH
+        if self.on_straight_steps or (is_long_path and is_first_round):
             return np.empty(0)
         # load at which an edge of contact is at x
-        edge_load = np.asarray(self.contact.load(x if self.scene.unsymmetric else np.abs(x)))
+        load_with_edge_at_x = np.asarray(
+            self.contact.load(x if self.scene.unsymmetric else np.abs(x))
+        )
         times_by_part = []
         for segment, begin_time, end_time in self.monotonic_parts:
             load_at_begin, load_at_end = (
                 float(segment.loads(time)[0]) for time in (begin_time, end_time)
             )
             # the edge passes x once on this part
-            passed_loads = edge_load[
-                (edge_load > min(load_at_begin, load_at_end))
-                & (edge_load < max(load_at_begin, load_at_end))
+            passed_loads = load_with_edge_at_x[
+                (load_with_edge_at_x > min(load_at_begin, load_at_end))
+                & (load_with_edge_at_x < max(load_at_begin, load_at_end))
             ]
             if len(passed_loads):
                 times_by_part.append(
@@ -411,10 +413,10 @@ class _Search:
         return self._largest_over_contact("dissipation_density_place", work_densities)
 
     def _largest_over_contact(
-        self, place_name: str, values: Callable[[Array], Array]
+        self, place_name: str, values_at: Callable[[Array], Array]
     ) -> tuple[float, float]:
-        """Largest value of a function of x over the contact, and its place, searched for between
-        its kinks.
+        """Largest value of the function `values_at` of x over the contact, and its place, searched
+        for between its kinks.
 
         Kinks are places between which the function is smooth. On straight steps the edge at each
         instant is a kink. Where these are hundreds, the maximum on the curved path, which the steps
@@ -423,7 +425,7 @@ class _Search:
         """
         # _PLACES_AT_FIRST: 96
         if not self.on_straight_steps or len(self.kinks) <= _PLACES_AT_FIRST:
-            return _largest_value_and_place(values, self.kinks)
+            return _largest_value_and_place(values_at, self.kinks)
         start, end = self.instants[[0, -1]].tolist()
         place_on_path = getattr(
             _extremes_of_cycle(self.scene, start, end, SEARCHED_VALUES), place_name
@@ -433,7 +435,7 @@ class _Search:
         first_kink = max(nearest_kink - _KINKS_ON_EACH_SIDE, 0)
         kinks_nearby = self.kinks[first_kink : nearest_kink + _KINKS_ON_EACH_SIDE + 1]
         return _largest_value_and_place(
-            values, kinks_nearby, settled_share=_SETTLED_CHANGE_SHARE_ON_STEPS
+            values_at, kinks_nearby, settled_share=_SETTLED_CHANGE_SHARE_ON_STEPS
         )
 
     def largest_edge_tension(self) -> tuple[float, float]:
@@ -504,7 +506,7 @@ def _monotonic_parts(
 
 
 def _largest_value_and_place(
-    values: Callable[[Array], Array],
+    values_at: Callable[[Array], Array],
     kinks: Array,
     n_first_places: int = _PLACES_AT_FIRST,
     settled_share: float = _SETTLED_CHANGE_SHARE,
@@ -512,7 +514,7 @@ def _largest_value_and_place(
     """Largest value of a function of place or time, and where it is, over the range of `kinks`
     (n,), ascending, between which the function is smooth.
 
-    `values` takes places (m,) and returns (m,). `n_first_places` places are tried at first, then
+    `values_at` takes places (m,) and returns (m,). `n_first_places` places are tried at first, then
     ever closer ones around the largest local maxima. A round that raises the largest value by less
     than `settled_share` of itself ends the search, if the round before raised it by less than
     1e-10. So do 16 rounds, and a value that is not finite, which is returned. One kink alone is the
@@ -525,14 +527,14 @@ def _largest_value_and_place(
     """
     kinks = _distinct(kinks)
     if len(kinks) == 1:
-        return float(values(kinks)[0]), float(kinks[0])
+        return float(values_at(kinks)[0]), float(kinks[0])
     first_places = _places_between_kinks(kinks, n_first_places)
-    first_values = values(first_places)
-    number_of_largest_value = int(np.argmax(first_values))
-    largest_value = float(first_values[number_of_largest_value])
-    place = float(first_places[number_of_largest_value])
+    first_values = values_at(first_places)
+    index_of_largest_value = int(np.argmax(first_values))
+    largest_value = float(first_values[index_of_largest_value])
+    place = float(first_places[index_of_largest_value])
     # three at most, each with its two neighbours
-    maxima = _local_maxima(first_places, first_values)
+    local_maxima = _local_maxima(first_places, first_values)
     nearly_settled_share = max(settled_share, _NEARLY_SETTLED_CHANGE_SHARE)
     is_nearly_settled = False
 
@@ -540,20 +542,20 @@ def _largest_value_and_place(
     for _ in range(_MOST_SEARCH_ROUNDS):
         if not np.isfinite(largest_value):
             break
-        places_by_maximum = [maximum.places_around() for maximum in maxima]
+        places_by_maximum = [maximum.places_around() for maximum in local_maxima]
         all_places = np.unique(np.concatenate(places_by_maximum))
-        new_values = values(all_places)
-        number_of_largest_value = int(np.argmax(new_values))
-        value_change = float(new_values[number_of_largest_value]) - largest_value
+        new_values = values_at(all_places)
+        index_of_largest_value = int(np.argmax(new_values))
+        value_change = float(new_values[index_of_largest_value]) - largest_value
         if value_change > 0:
-            largest_value = float(new_values[number_of_largest_value])
-            place = float(all_places[number_of_largest_value])
+            largest_value = float(new_values[index_of_largest_value])
+            place = float(all_places[index_of_largest_value])
         if is_nearly_settled and value_change <= settled_share * abs(largest_value):
             break
         is_nearly_settled = value_change <= nearly_settled_share * abs(largest_value)
-        maxima = [
+        local_maxima = [
             maximum.narrowed(places, new_values[np.searchsorted(all_places, places)])
-            for maximum, places in zip(maxima, places_by_maximum, strict=True)
+            for maximum, places in zip(local_maxima, places_by_maximum, strict=True)
         ]
     return largest_value, place
 
@@ -627,8 +629,8 @@ class _LocalMaximum(NamedTuple):
         """
         all_places = np.concatenate([self.places[:1], places, self.places[-1:]])
         all_values = np.concatenate([self.values[:1], values, self.values[-1:]])
-        number_of_largest_value = int(np.argmax(values)) + 1
-        maximum_and_neighbours = slice(number_of_largest_value - 1, number_of_largest_value + 2)
+        index_of_largest_value = int(np.argmax(values)) + 1
+        maximum_and_neighbours = slice(index_of_largest_value - 1, index_of_largest_value + 2)
         return _LocalMaximum(all_places[maximum_and_neighbours], all_values[maximum_and_neighbours])
 
 
@@ -641,12 +643,12 @@ def _local_maxima(places: Array, values: Array) -> list[_LocalMaximum]:
     is_above_next = values >= np.concatenate([values[1:], below_all_values])
     # _LEAST_CANDIDATE_SHARE: 0.97
     is_nearly_largest = values >= _LEAST_CANDIDATE_SHARE * np.max(values)
-    numbers_of_maxima = np.flatnonzero(is_above_last & is_above_next & is_nearly_largest)
-    highest_numbers = numbers_of_maxima[np.argsort(-values[numbers_of_maxima], kind="stable")][
+    indices_of_maxima = np.flatnonzero(is_above_last & is_above_next & is_nearly_largest)
+    indices_of_highest = indices_of_maxima[np.argsort(-values[indices_of_maxima], kind="stable")][
         :_MOST_CANDIDATES
     ]
-    last_number = len(places) - 1
-    neighbours = [np.clip([k - 1, k, k + 1], 0, last_number) for k in highest_numbers.tolist()]
+    last_index = len(places) - 1
+    neighbours = [np.clip([k - 1, k, k + 1], 0, last_index) for k in indices_of_highest.tolist()]
     return [
         _LocalMaximum(places[maximum_and_neighbours], values[maximum_and_neighbours])
         for maximum_and_neighbours in neighbours
@@ -666,15 +668,15 @@ def _extremes_at_default_points(scene: Scene) -> Extremes:
     answer = solve(scene)
     # instants of the last cycle
     cycle_rows = answer.last_cycle
-    pressure = answer.pressure[cycle_rows].max(axis=0)
+    largest_pressures = answer.pressure[cycle_rows].max(axis=0)
     edges = answer.contact_edges[cycle_rows]
     # largest minus smallest slip of each point
     slip_range = range_of_slip(answer.slip[cycle_rows], answer.state[cycle_rows] != OPEN)
     work_density = answer.dissipation_density
     tension, uncertainty = _largest_tension(answer, answer.time[cycle_rows])
     return Extremes(
-        pressure=float(pressure.max()),
-        pressure_place=float(answer.x[np.argmax(pressure)]),
+        pressure=float(largest_pressures.max()),
+        pressure_place=float(answer.x[np.argmax(largest_pressures)]),
         half_width=float(np.nanmax(np.diff(edges, axis=1), initial=0.0)) / 2,
         slip=float(slip_range.max()),
         slip_place=float(answer.x[np.argmax(slip_range)]),

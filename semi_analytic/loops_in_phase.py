@@ -62,7 +62,7 @@ class Stroke:
     shape, compliance, friction
         the profile, A = 2/E*, f
     loads_at_begin, load_changes
-        (4,) P, Q, eps and alpha at its begin, and their changes over the stroke
+        (4,) P, Q, bulk strain eps and tilt alpha at its begin, and their changes over the stroke
     direction
         d of slip: +1 forward, -1 in reverse
     """
@@ -96,10 +96,10 @@ class Stroke:
         u of the stroke, arrays like u.
         """
         # dN/du and da/du of N = f P - d Q and a = f alpha - d eps
-        load_rate, tilt_rate = self.equivalent_load_and_tilt_rates
-        load = self.loads_at_begin[0] + u * load_rate / (2 * self.friction)
-        tilt = self.loads_at_begin[3] + u * tilt_rate / (2 * self.friction)
-        return load, tilt
+        equivalent_load_rate, equivalent_tilt_rate = self.equivalent_load_and_tilt_rates
+        load_of_stick_zone = self.loads_at_begin[0] + u * equivalent_load_rate / (2 * self.friction)
+        tilt_of_stick_zone = self.loads_at_begin[3] + u * equivalent_tilt_rate / (2 * self.friction)
+        return load_of_stick_zone, tilt_of_stick_zone
 
     def middle_and_half_width(self, load: Array, tilt: Array) -> tuple[Array, Array]:
         """Middle and half-width of the frictionless contact under a load and a tilt [length]."""
@@ -114,62 +114,76 @@ class Stroke:
         return self.middle_and_half_width(*self.equivalent_load_and_tilt_of_stick(u))
 
     def friction_power(self, x: Array, u: Array) -> Array:
-        """Friction work per area and per fraction u of the stroke, f p |ds/du|, at points x in the
-        slip zone and fractions u, arrays that broadcast [energy per area]; f is the friction, p the
-        pressure, s the slip, `compliance` A = 2/E*.
+        """Rate of the friction work per area by the fraction u of the stroke, f p |ds/du|, at
+        points x in the slip zone and fractions u, arrays that broadcast [energy per area].
+
+        f is the friction, p the pressure, s the slip; `compliance` is A = 2/E*.
         """
-        # middle and half-width of the contact
-        m, c = self.contact_at(u)
-        pressure = self.shape.pressure(x, m, c) / (math.pi * self.compliance)
+        contact_middle, contact_half_width = self.contact_at(u)
+        pressure = self.shape.pressure(x, contact_middle, contact_half_width) / (
+            math.pi * self.compliance
+        )
         return np.asarray(self.friction * pressure * self.slip_rate(x, u))
 
     def slip_rate(self, x: Array, u: Array) -> Array:
         """Rate of slip s in the direction d of slip, d ds/du >= 0, at points x outside the stick
-        zone and fractions u of the stroke, arrays that broadcast [length]. It is -dN/du (A/pi)
-        arccosh(|x - m|/c) + da/du sgn(x - m) sqrt((x - m)^2 - c^2), with A = 2/E* the `compliance`.
+        zone and fractions u of the stroke, arrays that broadcast [length].
+
+            -dN/du (A/pi) arccosh(|x - m|/c) + da/du sgn(x - m) sqrt((x - m)^2 - c^2)
+
+        m and c are the middle and the half-width of the stick zone, A = 2/E* is the `compliance`.
         N = f P - d Q and a = f alpha - d eps, alpha the tilt, eps the bulk strain.
         """
-        # middle and half-width of the stick zone
-        m, c = self.stick_zone(u)
+        stick_middle, stick_half_width = self.stick_zone(u)
         # dN/du and da/du
-        load_rate, tilt_rate = self.equivalent_load_and_tilt_rates
-        distance = np.maximum(np.abs(x - m), c)
-        root_of_squares = np.sqrt((distance - c) * (distance + c))
+        equivalent_load_rate, equivalent_tilt_rate = self.equivalent_load_and_tilt_rates
+        distance_from_middle = np.maximum(np.abs(x - stick_middle), stick_half_width)
+        sqrt_of_square_difference = np.sqrt(
+            (distance_from_middle - stick_half_width) * (distance_from_middle + stick_half_width)
+        )
         return (
-            -load_rate * self.compliance / math.pi * np.arcsinh(root_of_squares / c)
-            + tilt_rate * np.sign(x - m) * root_of_squares
+            -equivalent_load_rate
+            * self.compliance
+            / math.pi
+            * np.arcsinh(sqrt_of_square_difference / stick_half_width)
+            + equivalent_tilt_rate * np.sign(x - stick_middle) * sqrt_of_square_difference
         )
 
     def stick_zone_recedes(self) -> bool:
-        """Whether all along this stroke the stick zone lies inside the contact, recedes at both
-        ends, and all points outside it slip in the direction d: only then its closed form holds. It
-        recedes at both ends where |da/dN| <= A/(pi c), c its half-width, A = 2/E*. N = f P - d Q
+        """Whether the closed form of the stick zone holds all along this stroke. It holds if the
+        stick zone lies inside the contact and recedes at both ends, and all points outside it slip
+        in the direction d.
+
+        It recedes at both ends where |da/dN| <= A/(pi c), c its half-width, A = 2/E*. N = f P - d Q
         and a = f alpha - d eps, alpha the tilt, eps the bulk strain.
         """
         # dN/du and da/du, u the fraction of the stroke
-        load_rate, tilt_rate = self.equivalent_load_and_tilt_rates
+        equivalent_load_rate, equivalent_tilt_rate = self.equivalent_load_and_tilt_rates
         # middle and half-width at 129 fractions u of the stroke
         stick_middle, stick_half_width = self.stick_zone(_SAMPLED_STROKE_FRACTIONS)
         contact_middle, contact_half_width = self.contact_at(_SAMPLED_STROKE_FRACTIONS)
         # the stick zone exists and shrinks
-        if load_rate >= 0 or np.min(stick_half_width) <= 0:
+        if equivalent_load_rate >= 0 or np.min(stick_half_width) <= 0:
             return False
-        if np.pi * np.max(stick_half_width) * abs(tilt_rate) > -load_rate * self.compliance:
+        if (
+            np.pi * np.max(stick_half_width) * abs(equivalent_tilt_rate)
+            > -equivalent_load_rate * self.compliance
+        ):
             return False
 
         # it lies inside the contact, but for 1e-12 of its half-width
-        round_off = _ROUND_OFF_SHARE * np.max(contact_half_width)
+        length_roundoff = _ROUND_OFF_SHARE * np.max(contact_half_width)
         is_left_end_inside = np.all(
-            contact_middle - contact_half_width <= stick_middle - stick_half_width + round_off
+            contact_middle - contact_half_width <= stick_middle - stick_half_width + length_roundoff
         )
         is_right_end_inside = np.all(
-            stick_middle + stick_half_width <= contact_middle + contact_half_width + round_off
+            stick_middle + stick_half_width <= contact_middle + contact_half_width + length_roundoff
         )
         if not (is_left_end_inside and is_right_end_inside):
             return False
 
         # points at the edges of contact slip in the direction d
-        least_slip_rate = load_rate * self.compliance * _ROUND_OFF_SHARE
+        least_slip_rate = equivalent_load_rate * self.compliance * _ROUND_OFF_SHARE
         rates_at_edges = [
             self.slip_rate(
                 contact_middle + sign_of_side * contact_half_width, _SAMPLED_STROKE_FRACTIONS
@@ -195,8 +209,8 @@ class Stroke:
             zone_begin = stick_middle + sign_of_side * stick_half_width
             zone_length = contact_middle + sign_of_side * contact_half_width - zone_begin
             # f p |ds/du|
-            power = self.friction_power(zone_begin + zone_length * nodes, stroke_fraction)
-            total_work += float(weights @ (np.abs(zone_length) * power) @ weights)
+            friction_power = self.friction_power(zone_begin + zone_length * nodes, stroke_fraction)
+            total_work += float(weights @ (np.abs(zone_length) * friction_power) @ weights)
         return total_work
 
     def displacement_and_moment_change(self, u: Array) -> Array:
@@ -213,12 +227,13 @@ class Stroke:
 
         def approach_and_moment(load: Array, tilt: Array) -> Array:
             """Normal approach h and moment m_p of the frictionless contact, (2, n)."""
-            m, c = self.middle_and_half_width(load, tilt)
-            # h of the frictionless contact; m, c its middle and half-width
-            approach = self.shape.approach(m, c, tilt) + self.compliance * load / math.pi * np.log(
-                2 / c
+            middle, half_width = self.middle_and_half_width(load, tilt)
+            approach = self.shape.approach(
+                middle, half_width, tilt
+            ) + self.compliance * load / math.pi * np.log(2 / half_width)
+            return np.stack(
+                [approach, self.shape.moment(middle, half_width, tilt) / self.compliance]
             )
-            return np.stack([approach, self.shape.moment(m, c, tilt) / self.compliance])
 
         # rows: approach and moment of the pressure
         values_at_begin = approach_and_moment(*self.load_and_tilt(np.zeros(1)))
@@ -240,10 +255,12 @@ class Stroke:
         nodes, weights = _end_root_quadrature(n_nodes)
         part_lengths = (end_fraction - begin_fraction)[:, None]
         # f p |ds/du|
-        power = self.friction_power(
+        friction_power = self.friction_power(
             x[point_of_part, None], begin_fraction[:, None] + part_lengths * nodes
         )
-        density_at_points = np.bincount(point_of_part, (part_lengths * power) @ weights, len(x))
+        density_at_points = np.bincount(
+            point_of_part, (part_lengths * friction_power) @ weights, len(x)
+        )
         return np.asarray(density_at_points, dtype=float)
 
     def _depth_in_slip_zone(self, x: Array, u: Array) -> Array:
@@ -362,14 +379,16 @@ def work_by_loads(strokes: tuple[Stroke, Stroke]) -> float:
     # 48 nodes along a stroke
     nodes, weights = _end_root_quadrature(STROKE_NODE_COUNT)
     u = np.append(nodes, 1.0)  # fractions of a stroke, its end the last
-    change_at_begin = np.zeros((2, 1))  # of U and m_q since the begin of the cycle
+    values_at_begin = np.zeros(
+        (2, 1)
+    )  # U and m_q at the begin of the stroke, since that of the cycle
     loop_work = 0.0
     for stroke in strokes:
         # U and m_q since the begin of the cycle
-        displacement, moment = change_at_begin + stroke.displacement_and_moment_change(u)
+        displacements, moments = values_at_begin + stroke.displacement_and_moment_change(u)
         # index 1: Q, 2: bulk strain
         loop_work -= weights @ (
-            stroke.load_changes[1] * displacement[:-1] + stroke.load_changes[2] * moment[:-1]
+            stroke.load_changes[1] * displacements[:-1] + stroke.load_changes[2] * moments[:-1]
         )
-        change_at_begin = np.array([displacement[-1:], moment[-1:]])
+        values_at_begin = np.array([displacements[-1:], moments[-1:]])
     return float(loop_work)

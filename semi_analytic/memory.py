@@ -132,7 +132,8 @@ class CurvePart(Protocol):
 
 
 class Piece(NamedTuple):
-    """The uppermost piece of a memory curve, and by `curve_below` the whole curve.
+    """The uppermost piece of a memory curve M(eta). Each piece holds the one below it as
+    `curve_below`, so that it stands for the whole curve.
 
     Attributes
     ----------
@@ -185,7 +186,7 @@ class Piece(NamedTuple):
 
 
 Curve: TypeAlias = Piece | None
-"""A memory curve: its uppermost piece, or None for bodies out of contact."""
+"""A memory curve: its uppermost piece, which holds those below; None for bodies out of contact."""
 
 
 _Part = TypeVar("_Part", bound=CurvePart)
@@ -344,9 +345,9 @@ def slip_to(
 def is_at_coulomb_limit(piece: Piece, direction: int, friction: float) -> bool:
     """Whether a piece of the memory curve is at the Coulomb limit in the `direction` s of slip:
     dM/d eta = s f (its `slope`), so that q = s f p there; f is `friction`, M(eta) the tangential
-    force of the flat punches up to the load eta. Slip in that direction passes it at once. Only a
-    straight piece can be: `bend` 0 (half of d2M/d eta2), and no arc (`arc_times` None), a curved
-    part of the load path.
+    force of the flat punches up to the load eta. In such slip the stick edge passes it at once.
+    Only a straight piece can be: `bend` 0 (half of d2M/d eta2), and no arc (`arc_times` None), a
+    curved part of the load path.
 
     >>> from scenes import StraightSegment
     >>> segment = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
@@ -422,8 +423,8 @@ def load_of_slip_zone(
     )
     signed_bend = direction * piece.bend
     discriminant = coulomb_margin**2 + 4 * signed_bend * slip_combination_change
-    root = np.sqrt(np.maximum(discriminant, 0.0))
-    load_from_edge_to_anchor = 2 * slip_combination_change / (coulomb_margin + root)
+    root_of_discriminant = np.sqrt(np.maximum(discriminant, 0.0))
+    load_from_edge_to_anchor = 2 * slip_combination_change / (coulomb_margin + root_of_discriminant)
     return combination_change(piece.anchor, segment, NORMAL_LOAD, time) + load_from_edge_to_anchor
 
 
@@ -443,24 +444,25 @@ def _load_of_slip_zone_on_arc(
     """
     # times on the load segment of the piece's `anchor`, the instant at the end of the arc
     arc_begin, arc_end = _times_of_arc(piece)
-    # s Q - f P
-    combination = slip_combination(direction, friction)
+    s_q_minus_f_p = slip_combination(direction, friction)
     arc_segment = piece.anchor.segment
     if arc_segment is segment:
         # None where P and Q are no single wave
-        mirrored_time = segment.mirrored_time(combination, time, (arc_begin + arc_end) / 2)
+        mirrored_time = segment.mirrored_time(s_q_minus_f_p, time, (arc_begin + arc_end) / 2)
         if mirrored_time is not None:
             return segment.change_of(NORMAL_LOAD, time, mirrored_time)
-    slip_combination_change = combination_change(piece.anchor, segment, combination, time)
+    slip_combination_change = combination_change(piece.anchor, segment, s_q_minus_f_p, time)
     # Back from the end of the arc, where the path may have turned: counted from its begin,
     # round-off would leave half the digits.
     time_at_stick_edge = arc_segment.time_of(
-        combination, slip_combination_change, arc_end, arc_begin
+        s_q_minus_f_p, slip_combination_change, arc_end, arc_begin
     )
     # P now minus P at the anchor
-    load_from_anchor = combination_change(piece.anchor, segment, NORMAL_LOAD, time)
+    load_change_since_anchor = combination_change(piece.anchor, segment, NORMAL_LOAD, time)
     # minus the change of P from the anchor to P_c
-    return load_from_anchor - arc_segment.change_of(NORMAL_LOAD, time_at_stick_edge, arc_end)
+    return load_change_since_anchor - arc_segment.change_of(
+        NORMAL_LOAD, time_at_stick_edge, arc_end
+    )
 
 
 def is_same_memory(

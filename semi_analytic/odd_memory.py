@@ -117,10 +117,10 @@ class SecondOrderWork:
         """Friction work that tilt and bulk strain add in a cycle, o . matrix o, with its
         uncertainty [energy per thickness]; o = (alpha_P, alpha_Q, e_P, e_Q), (4,).
 
-        The uncertainty is the quadrature error plus that of the next order. The latter is half of
-        r times the sum of the absolute terms of the quadratic form. Where the ratio r is above 1,
-        one side of the contact slips alone. Fitted to 500 random ellipses and polygons on grids:
-        the true error was a third of the uncertainty at most, but once 0.99 of it.
+        The uncertainty is the quadrature error plus that of the next order. The latter is half of r
+        times the sum of the absolute terms of the quadratic form. r is the largest one-sided ratio;
+        above 1 one side of the contact slips alone. Fitted to 500 random ellipses and polygons on
+        grids: the true error was a third of the uncertainty at most, but once 0.99 of it.
 
         Raises
         ------
@@ -138,24 +138,25 @@ class SecondOrderWork:
                 "tilt and strain go so fast that one side of the contact slips alone"
             )
         # coarse_matrix: by half as many quadrature points.
-        work = float(o @ self.matrix @ o)
-        quadrature_error = abs(work - float(o @ self.coarse_matrix @ o))
+        added_work = float(o @ self.matrix @ o)
+        quadrature_error = abs(added_work - float(o @ self.coarse_matrix @ o))
         sum_of_absolute_terms = float(np.abs(o) @ np.abs(self.matrix) @ np.abs(o))
         next_order_error = _FACTOR_OF_NEXT_ORDER * one_sided_ratio * sum_of_absolute_terms
-        return Estimate(work, quadrature_error + next_order_error)
+        return Estimate(added_work, quadrature_error + next_order_error)
 
     def added_work_by_effects(self, effects_per_load: Sequence[Estimate]) -> Estimate:
         """Friction work that tilt and bulk strain add in a cycle, with its uncertainty [energy per
-        thickness], from (alpha_P, alpha_Q, e_P, e_Q) that have uncertainties themselves.
+        thickness]. `effects_per_load` are alpha_P, alpha_Q, e_P and e_Q with their uncertainties.
 
-        Those of the four numbers count by the derivative of the quadratic form. They are added to
-        the uncertainty of `added_work`. DeclinedError where that declines.
+        The uncertainty is that of `added_work`, plus that by the four numbers: 2 |o| . |matrix| d,
+        d their uncertainties, o = (alpha_P, alpha_Q, e_P, e_Q). DeclinedError where `added_work`
+        declines.
         """
         o = np.array([float(effect.value) for effect in effects_per_load])
         uncertainties = np.array([float(effect.uncertainty) for effect in effects_per_load])
-        work = self.added_work(o)
+        added_work = self.added_work(o)
         error_by_effects = 2 * float(np.abs(o) @ np.abs(self.matrix) @ uncertainties)
-        return Estimate(work.value, work.uncertainty + error_by_effects)
+        return Estimate(added_work.value, added_work.uncertainty + error_by_effects)
 
     def largest_one_sided_ratio(self, tilt_and_strain_per_load: ArrayLike) -> float:
         """How nearly tilt and strain o make one side of the contact slip alone: the largest ratio
@@ -341,21 +342,21 @@ def second_order_work(
     """
     # _GAUSS_POINTS: 24 quadrature points of a span; _PANELS_OF_STROKE_END: 80 panels of the slip
     # zone at the smooth end of a stroke.
-    strokes = _Strokes(tuple(spans), radius, span_before, next_span)
+    spans_of_cycle = _SpansOfCycle(tuple(spans), radius, span_before, next_span)
     try:
-        strokes.require_no_limit_in_stick()
-        fine_matrix = strokes.matrix(_GAUSS_POINTS, _PANELS_OF_STROKE_END)
-        coarse_matrix = strokes.matrix(_GAUSS_POINTS // 2, _PANELS_OF_STROKE_END // 2)
+        spans_of_cycle.require_no_limit_in_stick()
+        fine_matrix = spans_of_cycle.matrix(_GAUSS_POINTS, _PANELS_OF_STROKE_END)
+        coarse_matrix = spans_of_cycle.matrix(_GAUSS_POINTS // 2, _PANELS_OF_STROKE_END // 2)
     except DeclinedError as reason:
         unknown_matrix = np.full((4, 4), np.nan)
         return SecondOrderWork(unknown_matrix, unknown_matrix, reason_declined=str(reason))
     # Coefficients (n, 4) of o: where their product with o exceeds 1, one side slips alone.
-    one_sided_ratios = [
-        ratios_of_span
+    arrays_of_coefficients = [
+        coefficients
         for span in spans
-        for ratios_of_span in _one_sided_slip_ratios(span, radius, modulus)
+        for coefficients in _one_sided_slip_coefficients(span, radius, modulus)
     ]
-    return SecondOrderWork(fine_matrix, coarse_matrix, tuple(one_sided_ratios))
+    return SecondOrderWork(fine_matrix, coarse_matrix, tuple(arrays_of_coefficients))
 
 
 def centre_coefficients(span: Span, radius: float, time: Array) -> tuple[Array, Array]:
@@ -379,9 +380,17 @@ def centre_coefficients(span: Span, radius: float, time: Array) -> tuple[Array, 
 
 
 @dataclass(frozen=True, eq=False)
-class _Strokes:
-    """The spans of slip and stick of a cycle, on a parabola of this `radius` [length], with the
-    spans just before and just after the cycle, None where there is none.
+class _SpansOfCycle:
+    """The spans of stick and slip of one cycle, or of a whole path, on a parabola.
+
+    Attributes
+    ----------
+    spans
+        in the order of time, each in full stick or with slip in one direction
+    radius
+        R of the parabola [length]
+    span_before, next_span
+        the spans just before and just after the cycle, None where there is none
     """
 
     spans: tuple[Span, ...]
@@ -416,9 +425,9 @@ class _Strokes:
         # Each span with the one before and the one after it. Each term of the sum is such a matrix,
         # zero where it does not apply.
         work_matrix = np.zeros((4, 4))
-        spans_with_neighbours = (self.span_before, *self.spans, self.next_span)
+        spans_and_neighbours = (self.span_before, *self.spans, self.next_span)
         for span_before, span, next_span in zip(
-            spans_with_neighbours[:-2], self.spans, spans_with_neighbours[2:], strict=True
+            spans_and_neighbours[:-2], self.spans, spans_and_neighbours[2:], strict=True
         ):
             # +1 forward slip, -1 reverse slip, 0 full stick.
             if not span.direction:
@@ -435,11 +444,11 @@ class _Strokes:
         return work_matrix
 
     def require_no_limit_in_stick(self) -> None:
-        """Raise DeclinedError where P changes in full stick along the Coulomb limit, dQ = +-f dP:
-        tilt and strain make one side of the contact slip.
+        """Raise DeclinedError where P changes in full stick along the Coulomb limit, dQ = +-f dP.
+        Tilt and strain make one side of the contact slip there.
 
-        It concerns spans of full stick, direction 0, whose `sticking_piece` of the memory curve has
-        the slope of the limit.
+        It concerns spans of full stick, direction 0, whose `sticking_piece` of the memory curve is
+        a line of slope f or -f.
         """
         for span in self.spans:
             piece = span.sticking_piece
@@ -625,7 +634,7 @@ def _work_in_span(span: Span, radius: float, n_points: int) -> Array:
     piece_at_edge = span.sticking_piece  # of the memory curve, where the stick edge is
     if piece_at_edge is None:
         raise DeclinedError("the contact slides as a whole")
-    time, weights = _gauss_times(span, n_points)
+    time, time_weights = _gauss_times(span, n_points)
 
     # P - P_c; then steepness mu, D and v at the stick edge, (n,) or coefficients (n, 4).
     slip_zone_load = span.slip_zone_load(time)
@@ -636,21 +645,21 @@ def _work_in_span(span: Span, radius: float, n_points: int) -> Array:
         span.friction, span.direction, *span.segment.rates(time)
     )
     centre_distance = stick_edge.centre_distance(radius)
-    friction_weights = span.friction * weights
+    friction_times_weights = span.friction * time_weights
     work_matrix = _quadratic_form(
-        friction_weights * equivalent_load_fall_rate / (2 * radius),
+        friction_times_weights * equivalent_load_fall_rate / (2 * radius),
         centre_distance,
         centre_distance,
     )
     work_matrix = work_matrix - _quadratic_form(
-        friction_weights * slip_zone_load, equivalent_tilt_rate, centre_distance
+        friction_times_weights * slip_zone_load, equivalent_tilt_rate, centre_distance
     )
     if _is_set_by_slip(piece_at_edge, span.friction):
         return work_matrix
     # s f (P - P_c) |dP_c|, since P_c falls by -N' dt/mu; mu = f - s dM/d eta is the steepness
     weights_along_memory = (
         span.direction
-        * friction_weights
+        * friction_times_weights
         * slip_zone_load
         * equivalent_load_fall_rate
         / stick_edge.steepness
@@ -747,9 +756,9 @@ def _work_at_kink(span_before: Span, span: Span, radius: float) -> Array:
 
 
 def _refuse_return_to_limit(span_before: Span, span: Span, radius: float) -> None:
-    """Refuse a path on which slip resumes at the Coulomb limit that an earlier stroke in its
-    direction left. It is refused if P and Q differ from those at the end of that stroke, or if that
-    end was smooth.
+    """Refuse some paths on which the stick edge of a `span` of slip comes back to memory that an
+    earlier stroke in the same direction left at the Coulomb limit. A path is refused if P and Q
+    differ from those at the end of that stroke, or if that end was smooth.
 
     Tilt and strain then differ from those of the earlier stroke, or a tangential load left at its
     smooth end is passed. The second order of the work then has no quadratic form. `span_before`
@@ -771,19 +780,19 @@ def _refuse_return_to_limit(span_before: Span, span: Span, radius: float) -> Non
         if piece.bottom_load < top_of_sticking_piece - load_tolerance:
             break
         # A piece without length leaves nothing to return to.
-        is_point = piece.top_load - piece.bottom_load <= load_tolerance
-        if is_point or not is_at_coulomb_limit(piece, span.direction, friction):
+        has_no_length = piece.top_load - piece.bottom_load <= load_tolerance
+        if has_no_length or not is_at_coulomb_limit(piece, span.direction, friction):
             continue
         # anchor: instant at which the earlier stroke ended and left this piece.
         normal_change = begin.normal_load - piece.anchor.normal_load
         tangential_change = begin.tangential_load - piece.anchor.tangential_load
-        earlier_end = _smooth_end_at_anchor(piece, span.direction, friction, radius)
+        earlier_smooth_end = _smooth_end_at_anchor(piece, span.direction, friction, radius)
         if (
             abs(normal_change) > load_tolerance
             or abs(tangential_change) > friction * load_tolerance
         ):
             raise DeclinedError("slip comes back to an earlier limit under other loads")
-        if earlier_end is not None and np.any(earlier_end.tilt_rate_form):
+        if earlier_smooth_end is not None and np.any(earlier_smooth_end.tilt_rate_form):
             raise DeclinedError("slip goes on after a smooth end of its stroke")
 
 
@@ -803,9 +812,9 @@ class _SmoothEnd:
     stick_edge_load: float
     tilt_rate_form: Array
 
-    def loads_left(self, n_panels: int) -> tuple[Array, Array]:
-        """Loads eta (n,), and the tangential load that the smooth end of a stroke leaves on the
-        flat punches next to each, over R a_s'^2/N'', (n,).
+    def remaining_loads(self, n_panels: int) -> tuple[Array, Array]:
+        """Loads eta (n,), and the tangential load that remains on the flat punches next to each
+        after the smooth end of a stroke, over R a_s'^2/N'', (n,).
 
         It is T P/eta d eta, with a tabulated function T of eta. `n_panels` divide P_c < eta < P,
         where `load` is P and `stick_edge_load` P_c.
@@ -906,8 +915,8 @@ def _work_at_stroke_end(span: Span, radius: float, n_panels: int) -> Array:
         return np.zeros((4, 4))
     # Loads eta of punches, and the tangential load left next to each over R a_s'^2/N'';
     # tilt_rate_form is R a_s'^2/N'' as a quadratic form of tilt and strain.
-    eta, load_left_at_eta = smooth_end.loads_left(n_panels)
-    integral = float(np.sum(load_left_at_eta * (smooth_end.load - eta)))
+    eta, remaining_load_at_eta = smooth_end.remaining_loads(n_panels)
+    integral = float(np.sum(remaining_load_at_eta * (smooth_end.load - eta)))
     return np.asarray(span.friction * integral * smooth_end.tilt_rate_form)
 
 
@@ -932,14 +941,14 @@ def _work_at_passed_end(span: Span, radius: float, n_panels: int) -> Array:
         return np.zeros((4, 4))
     # Loads eta of punches, and the tangential load left next to each over R a_s'^2/N'';
     # tilt_rate_form is R a_s'^2/N'' as a quadratic form of tilt and strain.
-    eta, load_left_at_eta = smooth_end.loads_left(n_panels)
+    eta, remaining_load_at_eta = smooth_end.remaining_loads(n_panels)
     stick_edge_load_at_end = span.end.normal_load - float(span.slip_zone_load(span.end.time))
     stick_edge_load_at_begin = span.begin.normal_load - float(span.slip_zone_load(span.begin.time))
     # Only the punches that the stick edge passes in this span.
     is_passed = (eta < stick_edge_load_at_begin) & (eta >= stick_edge_load_at_end)
     eta = eta[is_passed]
     load = _load_when_stick_edge_at(eta, span, piece)
-    integral = float(np.sum(load_left_at_eta[is_passed] * (load - eta)))
+    integral = float(np.sum(remaining_load_at_eta[is_passed] * (load - eta)))
     return np.asarray(span.friction * integral * smooth_end.tilt_rate_form)
 
 
@@ -963,7 +972,7 @@ def _load_when_stick_edge_at(eta: Array, span: Span, piece: Piece) -> Array:
 
 
 # ------------------------------------------------------------------------------- where it holds
-def _one_sided_slip_ratios(span: Span, radius: float, modulus: float) -> Iterator[Array]:
+def _one_sided_slip_coefficients(span: Span, radius: float, modulus: float) -> Iterator[Array]:
     """Arrays (n, 4) of coefficients k of o = (alpha_P, alpha_Q, e_P, e_Q) at instants of a span, in
     slip or in stick: while |k . o| < 1, both sides of the contact slip alike, or stick. Nothing is
     yielded for a span of stick in which P does not grow.
@@ -984,37 +993,40 @@ def _one_sided_slip_ratios(span: Span, radius: float, modulus: float) -> Iterato
 
     # Hertz' law: a^2 = 4 P R/(pi E*).
     half_width = np.sqrt(4 * load * radius / (np.pi * modulus))
-    edge_length = half_width  # sqrt(a^2 - c^2)/arccosh(a/c) for c near a
+    contact_edge_length = half_width  # sqrt(a^2 - c^2)/arccosh(a/c) for c near a
     if span.sticking_piece is not None and span.direction:
         slip_zone_load = span.slip_zone_load(time)
         # c/a = sqrt(P_c/P) of a parabola, kept off 0 and 1.
         stick_ratio = np.sqrt(
             np.clip(1 - slip_zone_load / load, _LEAST_STICK_RATIO**2, 1 - _EQUALITY_TOLERANCE)
         )
-        edge_length = half_width * np.sqrt(1 - stick_ratio**2) / np.arccosh(1 / stick_ratio)
+        contact_edge_length = half_width * np.sqrt(1 - stick_ratio**2) / np.arccosh(1 / stick_ratio)
         # Ratio 1; D of the stick edge, as coefficients (n, 4).
         stick_edge = _stick_edge_at(span, span.sticking_piece, time, slip_zone_load, radius)
         yield stick_edge.centre_distance(radius) / (half_width * (1 - stick_ratio))[:, None]
     for direction in (span.direction,) if span.direction else (1, -1):
-        yield _edge_slip_ratio(span, direction, time, edge_length, modulus)
+        yield _contact_edge_slip_coefficients(span, direction, time, contact_edge_length, modulus)
 
 
-def _edge_slip_ratio(
-    span: Span, direction: int, time: Array, edge_length: Array, modulus: float
+def _contact_edge_slip_coefficients(
+    span: Span, direction: int, time: Array, contact_edge_length: Array, modulus: float
 ) -> Array:
     """Slip rate at an edge of contact that tilt and strain cause, over the one that the loads
     cause, as coefficients (n, 4) of (alpha_P, alpha_Q, e_P, e_Q), at times (n,) of a span.
 
-        a_s' sqrt(a^2 - c^2) / ((A/pi) |N'| arccosh(a/c)),     N = f P - s Q,   a_s = f alpha - s
-        eps
+        a_s' sqrt(a^2 - c^2) / ((A/pi) |N'| arccosh(a/c))
+
+    with N = f P - s Q and a_s = f alpha - s eps.
 
     s is the `direction` of slip, alpha the tilt, eps the bulk strain, ' is d/dt, A = 2/E*, E* the
-    `modulus`. a and c are the half-widths of contact and stick. `edge_length` (n,) is sqrt(a^2 -
-    c^2)/arccosh(a/c), which is a in stick, c = a [length].
+    `modulus`. a and c are the half-widths of contact and stick. `contact_edge_length` (n,) is
+    sqrt(a^2 - c^2)/arccosh(a/c), which is a in stick, c = a [length].
     """
     s_q_minus_f_p = slip_combination(direction, span.friction)
     rate_of_s_q_minus_f_p = np.abs(span.segment.rate_of(s_q_minus_f_p, time))  # |N'|
-    edge_length_over_rate = edge_length / np.maximum(rate_of_s_q_minus_f_p, np.finfo(float).tiny)
+    contact_edge_length_over_rate = contact_edge_length / np.maximum(
+        rate_of_s_q_minus_f_p, np.finfo(float).tiny
+    )
     # a_s' as coefficients (n, 4).
     tilt_rate = _equivalent_tilt_coefficients(span.friction, direction, *span.segment.rates(time))
-    return np.asarray(np.pi * modulus / 2 * edge_length_over_rate[:, None] * tilt_rate)
+    return np.asarray(np.pi * modulus / 2 * contact_edge_length_over_rate[:, None] * tilt_rate)

@@ -127,8 +127,8 @@ def _depths_by_newton(loads: Array) -> Array:
     for load_step in range(1, _LOAD_STEP_COUNT + 1):
         load_fraction = load_step / _LOAD_STEP_COUNT
         for _ in range(_MOST_NEWTON_STEPS):
-            residual_of_loads = np.stack(loads_of_slip_depths(*depths)) - load_fraction * loads
-            newton_step = _newton_step(depths, residual_of_loads)
+            residual = np.stack(loads_of_slip_depths(*depths)) - load_fraction * loads
+            newton_step = _newton_step(depths, residual)
             # Never more than half the way to an end of contact, or to where both slip zones meet.
             longest_newton_step = np.minimum(
                 depths / 2, np.maximum(2 - depths.sum(axis=0), 0.0) / 4
@@ -145,10 +145,10 @@ def _depths_by_newton(loads: Array) -> Array:
     return depths
 
 
-def _newton_step(depth: Array, residual: Array) -> Array:
+def _newton_step(depths: Array, residual_of_loads: Array) -> Array:
     """Newton's step of the slip depths (2, n) at both ends of the contact, to be subtracted;
-    `residual` (2, n) is that of the two loads, dimensionless bulk strain e and Q/(f P), as
-    functions of the depths.
+    `residual_of_loads` (2, n): dimensionless bulk strain e and Q/(f P) of these `depths`, minus
+    those that are wanted.
 
     Derivatives are central differences of 1e-6 of the depths; the two equations are solved by
     Cramer's rule. `loads_of_slip_depths` gives both loads from the depths.
@@ -156,15 +156,15 @@ def _newton_step(depth: Array, residual: Array) -> Array:
     derivatives = []
     for end_number in (0, 1):
         depth_difference = (
-            _DIFFERENCE_SHARE_OF_DEPTH * depth * (np.arange(2) == end_number)[:, None]
+            _DIFFERENCE_SHARE_OF_DEPTH * depths * (np.arange(2) == end_number)[:, None]
         )
-        loads_after_difference = np.stack(loads_of_slip_depths(*(depth + depth_difference)))
-        loads_before_difference = np.stack(loads_of_slip_depths(*(depth - depth_difference)))
+        loads_after_difference = np.stack(loads_of_slip_depths(*(depths + depth_difference)))
+        loads_before_difference = np.stack(loads_of_slip_depths(*(depths - depth_difference)))
         derivatives.append(
             (loads_after_difference - loads_before_difference) / (2 * depth_difference[end_number])
         )
     (e_by_left_depth, force_by_left_depth), (e_by_right_depth, force_by_right_depth) = derivatives
-    residual_of_e, residual_of_force = residual
+    residual_of_e, residual_of_force = residual_of_loads
     determinant = e_by_left_depth * force_by_right_depth - e_by_right_depth * force_by_left_depth
     left_numerator = force_by_right_depth * residual_of_e - e_by_right_depth * residual_of_force
     right_numerator = e_by_left_depth * residual_of_force - force_by_left_depth * residual_of_e
@@ -269,13 +269,18 @@ class OppositeSlip(TiltedProfile):
 
     @cached_property
     def _conjugate_contact(self) -> OppositeSlip:
+        """This contact with kernels of U + kappa m_q, which is conjugate to Q in the friction work.
+
+        U is the tangential displacement, m_q the moment of the shear, kappa the bulk strain over Q.
+        """
         return replace(self, kernel_quantity="conjugate_displacement")
 
     def centre_and_half_width(self, load: ArrayLike) -> tuple[Array, Array]:
-        """Middle and half-width of the stick zone I(eta) at loads eta, any shape [length]; beyond
-        the largest unloading those at that, and at eta = P those of the contact. I(eta) is the
-        stick zone after |Q| = f (P - eta); P - eta is the unloading. `_contact` holds P, middle and
-        half-width of the contact.
+        """Middle and half-width of the stick zone I(eta) at loads eta, any shape [length].
+
+        I(eta) is the stick zone after |Q| = f (P - eta); P - eta is the unloading. Beyond the
+        largest unloading the values are those at the largest. At eta = P they are those of the
+        contact. `_contact` holds P, middle and half-width of the contact.
         """
         largest_load, contact_middle, contact_half_width = self._contact
         unloading = np.clip(
@@ -300,33 +305,35 @@ class OppositeSlip(TiltedProfile):
         )
 
     def load(self, half_width: ArrayLike) -> Array:
-        """The load P_x = P - |Q|/f of the |Q| at which a stick edge passes x = `half_width`, by
-        bisection over the unloading P - P_x, any shape [force per thickness]. Here x is a place and
-        carries its sign.
+        """Load P_x = P - |Q|/f of the |Q| at which a stick edge passes x, any shape [force per
+        thickness]. x is the argument `half_width`; here it is a place and carries its sign.
 
-        Beyond the contact the value is above P, in proportion to the distance from its edge; it is
-        0 where the point sticks up to the largest |Q|.
+        P_x is found by bisection over the unloading P - P_x. Beyond the contact the value is above
+        P, in proportion to the distance from its edge; it is 0 where the point sticks up to the
+        largest |Q|.
         """
         largest_load, contact_middle, contact_half_width = self._contact
         relative_x = (np.asarray(half_width, dtype=float) - contact_middle) / contact_half_width
-        lower_bound = np.zeros(relative_x.shape)
-        upper_bound = np.full(relative_x.shape, self._largest_unloading)
+        least_unloading = np.zeros(relative_x.shape)
+        most_unloading = np.full(relative_x.shape, self._largest_unloading)
         # functions of the unloading, edges over the contact half-width
         left_edge_at, right_edge_at = self._stick_edges
         for _ in range(60):
-            unloading = (lower_bound + upper_bound) / 2
+            unloading = (least_unloading + most_unloading) / 2
             is_outside_stick_zone = np.where(
                 relative_x < 0,
                 relative_x < left_edge_at(unloading),
                 relative_x > right_edge_at(unloading),
             )
-            lower_bound = np.where(is_outside_stick_zone, lower_bound, unloading)
-            upper_bound = np.where(is_outside_stick_zone, unloading, upper_bound)
+            least_unloading = np.where(is_outside_stick_zone, least_unloading, unloading)
+            most_unloading = np.where(is_outside_stick_zone, unloading, most_unloading)
         largest_unloading = np.array(self._largest_unloading)
         always_sticks = (relative_x >= left_edge_at(largest_unloading)) & (
             relative_x <= right_edge_at(largest_unloading)
         )
-        load_at_x = np.where(always_sticks, 0.0, largest_load - (lower_bound + upper_bound) / 2)
+        load_at_x = np.where(
+            always_sticks, 0.0, largest_load - (least_unloading + most_unloading) / 2
+        )
         distance_beyond_contact = np.abs(relative_x) - 1
         return np.where(
             distance_beyond_contact > 0, largest_load * (1 + distance_beyond_contact), load_at_x
@@ -343,10 +350,12 @@ class OppositeSlip(TiltedProfile):
         or -1: so q/f where x slips [stress].
         """
         _, contact_middle, contact_half_width = self._contact
-        pressure = self.profile.pressure(
+        unsigned_pressure = self.profile.pressure(
             np.asarray(x, dtype=float), np.array(contact_middle), np.array(contact_half_width)
         ) / (np.pi * self.intervals.compliance)
-        return np.asarray(self.slip_direction_at(x) * pressure + 0 * np.asarray(load, dtype=float))
+        return np.asarray(
+            self.slip_direction_at(x) * unsigned_pressure + 0 * np.asarray(load, dtype=float)
+        )
 
     def _integral_up_to_largest_load(
         self, x: ArrayLike, load: ArrayLike, kernel: KernelName
@@ -391,28 +400,30 @@ class OppositeSlip(TiltedProfile):
         lower_load = load[:-1, None]
         upper_load = load[1:, None]
         # P_x
-        edge_load = self.load(x)
-        begin_loads = lower_load + 0 * edge_load
+        load_with_edge_at_x = self.load(x)
+        integration_begin = lower_load + 0 * load_with_edge_at_x
         if kernel == "inverse_root":
             least_load = largest_load - self._largest_unloading
-            end_loads = upper_load + 0 * edge_load
-            distance_to_edge_load = lower_load - np.maximum(edge_load, least_load)
-            is_integrated = (lower_load >= edge_load) & (upper_load > lower_load)
+            integration_end = upper_load + 0 * load_with_edge_at_x
+            distance_to_singularity = lower_load - np.maximum(load_with_edge_at_x, least_load)
+            is_integrated = (lower_load >= load_with_edge_at_x) & (upper_load > lower_load)
         else:
-            end_loads = np.minimum(upper_load, edge_load)
-            distance_to_edge_load = np.minimum(edge_load, largest_load) - end_loads
-            is_integrated = end_loads > begin_loads
+            integration_end = np.minimum(upper_load, load_with_edge_at_x)
+            distance_to_singularity = (
+                np.minimum(load_with_edge_at_x, largest_load) - integration_end
+            )
+            is_integrated = integration_end > integration_begin
 
         range_integrals = np.zeros(is_integrated.shape)
-        is_near_edge_load = distance_to_edge_load < 3 * (upper_load - lower_load)
+        is_near_singularity = distance_to_singularity < 3 * (upper_load - lower_load)
         for takes_rule, rule in (
-            (is_integrated & is_near_edge_load, graded_nodes),
-            (is_integrated & ~is_near_edge_load, _gauss_nodes),
+            (is_integrated & is_near_singularity, graded_nodes),
+            (is_integrated & ~is_near_singularity, _gauss_nodes),
         ):
             range_integrals[takes_rule] = self._integrals_by_rule(
                 np.broadcast_to(x, is_integrated.shape)[takes_rule],
-                begin_loads[takes_rule],
-                end_loads[takes_rule],
+                integration_begin[takes_rule],
+                integration_end[takes_rule],
                 kernel,
                 rule,
             )
