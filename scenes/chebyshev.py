@@ -80,9 +80,8 @@ def _terms_to_powers() -> Array:
 
 
 class SeriesAsPowers:
-    """Several Chebyshev series, each on its own interval mapped to [-1, 1], converted to sums of
-    powers, which take a fifth of the time: `coefficients` (k, n) of n series, k up to
-    CHEBYSHEV_DEGREE + 1.
+    """Several Chebyshev series of t in [-1, 1], converted to sums of powers, which take a fifth of
+    the time to evaluate: `coefficients` (k, n) of n series, k up to CHEBYSHEV_DEGREE + 1.
 
     >>> float(
     ...     SeriesAsPowers(np.array([[0.0], [0.0], [1.0]]))(np.array(0), np.array(0.3)).round(12)
@@ -101,10 +100,10 @@ class SeriesAsPowers:
         # `_series_to_parts()` takes the coefficients on [-1, 1] to those on each part.
         # Axes: part, Chebyshev term, series.
         series_on_parts = _series_to_parts()[..., : len(coefficients)] @ coefficients
-        sizes = np.abs(series_on_parts)
+        term_sizes = np.abs(series_on_parts)
 
-        # Terms that are above round-off on some part of some series.
-        is_needed = np.any(sizes > 5e-16 * np.max(sizes, axis=(0, 1)), axis=(0, 2))
+        # Orders whose term is above round-off on some part of some series.
+        is_needed = np.any(term_sizes > 5e-16 * np.max(term_sizes, axis=(0, 1)), axis=(0, 2))
         n_powers = int(np.max(np.flatnonzero(is_needed), initial=0)) + 1
 
         # Axes: part, power, series. `_terms_to_powers()` takes Chebyshev terms to powers.
@@ -120,8 +119,8 @@ class SeriesAsPowers:
         `number` is the index, 0 to n - 1, of the function that is evaluated at each place, in the
         shape of t.
         """
-        # In place, since this is the innermost loop of many integrals: first in units of parts from
-        # -1 on, then from the middle of the part, in [-1/2, 1/2].
+        # In place, since this is the innermost loop of many integrals: first the distance from -1
+        # in lengths of a part, then that from the middle of the part, in [-1/2, 1/2].
         place_in_part = (np.ravel(t) + 1) * (_PARTS_OF_PIECE / 2)
         # Number of the part, then the column of its powers: 8 parts (_PARTS_OF_PIECE) a function.
         column = np.clip(place_in_part.astype(np.intp), 0, _PARTS_OF_PIECE - 1)
@@ -185,9 +184,14 @@ class PiecewiseSeries:
 
     @cached_property
     def derivative(self) -> PiecewiseSeries:
-        """dF/dx piece by piece; loses about CHEBYSHEV_DEGREE^2 roundings."""
-        slope = chebyshev.chebder(self.coefficients) * (2 / np.diff(self.edges))
-        return PiecewiseSeries(self.edges, np.concatenate([slope, np.zeros((1, slope.shape[1]))]))
+        """dF/dx piece by piece; its round-off is about CHEBYSHEV_DEGREE^2 times that of F."""
+        derivative_coefficients = chebyshev.chebder(self.coefficients) * (2 / np.diff(self.edges))
+        return PiecewiseSeries(
+            self.edges,
+            np.concatenate(
+                [derivative_coefficients, np.zeros((1, derivative_coefficients.shape[1]))]
+            ),
+        )
 
 
 def clenshaw_values(coefficients: Array, number: NDArray[np.intp], t: Array) -> Array:
@@ -555,11 +559,10 @@ def _place_of_corner(function: Function, pieces: PiecewiseSeries, run: tuple[int
 
 
 def function_of_arrays(function: Any) -> Callable[[Array], Array]:
-    """Make a user's `function` of one variable take arrays: the returned function maps places x of
-    any shape to values of the same shape.
+    """Make a user's `function` of one variable take arrays: the returned function takes places x of
+    any shape, and returns the values there in the same shape.
 
-    The returned function calls `function` once with the array, or place by place where `function`
-    cannot take arrays.
+    It calls `function` once with the array, or place by place where `function` cannot take arrays.
     """
 
     def values_at(x: Array) -> Array:

@@ -58,7 +58,7 @@ _LARGEST_ROUNDOFF_OF_EXACT_HEIGHT = 1e-15
 _PLACE_SHARE_NEAR_ZERO = 2.0**-20
 # The polynomial in x^2 may end at the extent over 2^0 to 2^13; its lowest powers of x^2.
 _LARGEST_HALVING_OF_END = 13
-_LOWEST_POWERS = (1, 2, 3, 4)
+_LOWEST_EXPONENTS = (1, 2, 3, 4)
 # A fit that reaches farther out is preferred to one whose error is half as large.
 _RATIO_OF_ALIKE_ERRORS = 2.0
 # Round-off above the end of the polynomial in x^2 may be so many times that below.
@@ -187,8 +187,8 @@ class _Samples:
     polynomials
         (n, CHEBYSHEV_DEGREE + 1) Chebyshev polynomials T_k(place)
     coefficients_from_values
-        (n, CHEBYSHEV_DEGREE + 1) maps values at the places to least-squares coefficients: values @
-        coefficients_from_values
+        matrix (n, CHEBYSHEV_DEGREE + 1); the row of n values times it, values @
+        coefficients_from_values, is that of the least-squares coefficients
     """
 
     places: Array
@@ -200,8 +200,8 @@ class _Samples:
         at n places on [-1, 1]; and the standard deviation (...,) of the heights' round-off, from
         the residuals.
 
-        `coefficients_from_values` (n, CHEBYSHEV_DEGREE + 1) maps values to coefficients, and
-        `polynomials` of the same shape holds the Chebyshev polynomials at the places.
+        Heights times the matrix `coefficients_from_values` are coefficients, and `polynomials` of
+        the same shape (n, CHEBYSHEV_DEGREE + 1) holds the Chebyshev polynomials at the places.
         """
         coefficients = heights @ self.coefficients_from_values
         # Once more for the residuals: sums of many values lose more digits than one value has lost.
@@ -331,38 +331,41 @@ def _errors_of_loads(
     UnresolvedError
         Where the load has a relative error above 1e-7.
     """
-    edges = height_series.edges
-    half_lengths = np.diff(edges) / 2
+    interval_ends = height_series.edges
+    half_lengths = np.diff(interval_ends) / 2
     degree = np.arange(CHEBYSHEV_DEGREE + 1)
     # sqrt(a/2) over sqrt(half_length): the half-width a is taken at the end of each interval.
-    half_width_factor = np.sqrt(edges[1:] / (2 * half_lengths))
-    error_per_degree = coefficient_error * half_width_factor
+    half_width_factor = np.sqrt(interval_ends[1:] / (2 * half_lengths))
+    scaled_coefficient_error = coefficient_error * half_width_factor
     # `_LOAD_PER_DEGREE` and `_STIFFNESS_PER_DEGREE_CUBED` bound the integrals of T_k' and T_k''.
     # Errors of P/E*, and of dP/da/E* times half_length.
     load_error = (
-        error_per_degree * _LOAD_PER_DEGREE * np.sqrt(np.sum(is_significant * degree**2.0, axis=1))
+        scaled_coefficient_error
+        * _LOAD_PER_DEGREE
+        * np.sqrt(np.sum(is_significant * degree**2.0, axis=1))
     )
     stiffness_error = (
-        error_per_degree
+        scaled_coefficient_error
         * _STIFFNESS_PER_DEGREE_CUBED
         * np.sqrt(np.sum(is_significant * degree**6.0, axis=1))
     )
-    # Nine places on each interval show its steepest slope.
-    x = edges[:-1, None] + half_lengths[:, None] * np.linspace(0, 2, 9)
+    # The largest |h'| at nine places on each interval.
+    x = interval_ends[:-1, None] + half_lengths[:, None] * np.linspace(0, 2, 9)
     largest_slope_in_interval = np.max(np.abs(height_series.derivative(x)), axis=1)
     largest_slope_up_to_end = np.maximum.accumulate(largest_slope_in_interval)
     has_slope = largest_slope_up_to_end > 0
     # Lower bound of P/(E* a).
     # _LEAST_LOAD_PER_SLOPE: 0.5, of the largest slope up to a
     least_load = _LEAST_LOAD_PER_SLOPE * largest_slope_up_to_end[has_slope]
-    relative_load_error = load_error[has_slope] / edges[1:][has_slope] / least_load
+    relative_load_error = load_error[has_slope] / interval_ends[1:][has_slope] / least_load
 
     # _LARGEST_RELATIVE_LOAD_ERROR: 1e-7 of the load
     rough_intervals = np.flatnonzero(relative_load_error > _LARGEST_RELATIVE_LOAD_ERROR)
     if len(rough_intervals):
         first_rough_interval = int(np.flatnonzero(has_slope)[rough_intervals[0]])
         raise UnresolvedError(
-            float(edges[first_rough_interval]), float(edges[first_rough_interval + 1])
+            float(interval_ends[first_rough_interval]),
+            float(interval_ends[first_rough_interval + 1]),
         )
     relative_stiffness_error = stiffness_error[has_slope] / half_lengths[has_slope] / least_load
     return LoadErrors(
@@ -382,8 +385,8 @@ class _InnerPolynomial:
         largest x of the fit [length]
     slope_series
         m g + s g' as a Chebyshev series on 0 < s < 1 [length]
-    power
-        m - 1, the power of s before it
+    exponent
+        m - 1, of the power of s in front of it
     height_roundoff
         standard deviation of the heights' round-off [length]
     load_errors
@@ -392,14 +395,14 @@ class _InnerPolynomial:
 
     end: float
     slope_series: chebyshev.Chebyshev
-    power: int
+    exponent: int
     height_roundoff: float
     load_errors: LoadErrors
 
     def slope(self, x: Array) -> Array:
         """h'(x), any shape."""
         s = np.square(x / self.end)
-        return np.asarray(2 * x / self.end**2 * s**self.power * self.slope_series(s))
+        return np.asarray(2 * x / self.end**2 * s**self.exponent * self.slope_series(s))
 
 
 def _inner_polynomial(
@@ -441,7 +444,8 @@ def _polynomial_up_to(
     """Polynomial in x^2 fitted to a profile's height for 0 <= x <= `end`, at `n_samples` places;
     None where the height does not follow it, or round-off leaves no slope.
 
-    Its lowest power of x^2 is tried from 1 up to 4: a height that rises as x^4 has no x^2.
+    The exponent of its lowest power of x^2 is tried from 1 up to 4: a height that rises as x^4 has
+    no term x^2.
     `height_above_middle` is h(x) - h(0), from an array of x to an array of heights.
     """
     # Places on [-1, 1], that is 2 (x/end)^2 - 1.
@@ -449,9 +453,10 @@ def _polynomial_up_to(
     heights = height_above_middle(end * np.sqrt((1 + samples.places) / 2))
     if not np.all(np.isfinite(heights)):
         return None
-    # Chebyshev coefficients of the height in this place, and standard deviation of its round-off.
-    coefficients, roundoff_array = samples.series_and_roundoff(heights)
-    height_roundoff = float(roundoff_array)
+    # Chebyshev coefficients of the height over 2 (x/end)^2 - 1, and standard deviation of its
+    # round-off.
+    coefficients, roundoff_of_heights = samples.series_and_roundoff(heights)
+    height_roundoff = float(roundoff_of_heights)
     # The last coefficients must be explained by round-off: else the series is cut off too early.
     # _DEVIATIONS_OF_EXPLAINED_TERM: 6 standard deviations of a coefficient's round-off
     # `coefficient_roundoff_ratio`: round-off of a coefficient over that of a height
@@ -462,24 +467,24 @@ def _polynomial_up_to(
         return None
 
     # Degree of the last coefficient that exceeds its round-off.
-    last_degree = int(samples.last_significant_degree(coefficients, roundoff_array))
-    # _LOWEST_POWERS: 1 to 4
-    for lowest_power in _LOWEST_POWERS:
+    last_degree = int(samples.last_significant_degree(coefficients, roundoff_of_heights))
+    # _LOWEST_EXPONENTS: 1 to 4, of x^2
+    for lowest_exponent in _LOWEST_EXPONENTS:
         # Without the first powers the same degree takes fewer coefficients.
-        n_coefficients = max(last_degree - lowest_power, 0) + 1
-        polynomial = _polynomial_of_lowest_power(
-            samples, heights, end, lowest_power, n_coefficients, height_roundoff
+        n_coefficients = max(last_degree - lowest_exponent, 0) + 1
+        polynomial = _polynomial_of_lowest_exponent(
+            samples, heights, end, lowest_exponent, n_coefficients, height_roundoff
         )
         if polynomial is not None:
             return polynomial
     return None
 
 
-def _polynomial_of_lowest_power(
+def _polynomial_of_lowest_exponent(
     samples: _Samples,
     heights: Array,
     end: float,
-    lowest_power: int,
+    lowest_exponent: int,
     n_coefficients: int,
     height_roundoff: float,
 ) -> _InnerPolynomial | None:
@@ -497,8 +502,8 @@ def _polynomial_of_lowest_power(
         (n,) h - h(0) at the places [length]
     end
         largest x of the fit [length]
-    lowest_power
-        m, the lowest power of x^2
+    lowest_exponent
+        m, the exponent of the lowest power of x^2
     n_coefficients
         number of Chebyshev coefficients of g
     height_roundoff
@@ -506,9 +511,9 @@ def _polynomial_of_lowest_power(
     """
     s = (1 + samples.places) / 2
     g_coefficients, coefficients_per_height = _refined_least_squares(
-        s[:, None] ** lowest_power * samples.polynomials[:, :n_coefficients], heights
+        s[:, None] ** lowest_exponent * samples.polynomials[:, :n_coefficients], heights
     )
-    terms_of_b = _slope_terms(lowest_power, n_coefficients)
+    terms_of_b = _slope_terms(lowest_exponent, n_coefficients)
     # B and its derivative dB/ds at s = 0 and s = 1 are linear in g: a column for each coefficient.
     s_of_ends = np.array([0.0, 1.0])
     b_at_ends = np.stack([term(s_of_ends) for term in terms_of_b], axis=1)
@@ -534,11 +539,11 @@ def _polynomial_of_lowest_power(
     load_error = float(np.max(b_errors / b_sizes)) / _LEAST_LOAD_PER_SLOPE
     # a dP/da is P and an integral of x h'', which is (2 m - 1) h' + (2 x/end^2) s^(m-1) 2 s dB/ds.
     rate_error = float(np.max(2 * s_of_ends * b_rate_errors / b_sizes)) / _LEAST_LOAD_PER_SLOPE
-    stiffness_error = 2 * lowest_power * load_error + rate_error
+    stiffness_error = 2 * lowest_exponent * load_error + rate_error
     return _InnerPolynomial(
         end,
         slope_series,
-        lowest_power - 1,
+        lowest_exponent - 1,
         height_roundoff,
         LoadErrors(load_error, stiffness_error),
     )
@@ -560,10 +565,12 @@ def _refined_least_squares(equations: Array, right_side: Array) -> tuple[Array, 
     return solution, inverse_of_triangle
 
 
-def _slope_terms(lowest_power: int, n_coefficients: int) -> list[chebyshev.Chebyshev]:
+def _slope_terms(lowest_exponent: int, n_coefficients: int) -> list[chebyshev.Chebyshev]:
     """The terms m T_j + s T_j' of B = m g + s g', one for each Chebyshev polynomial T_j(s) of g on
-    0 <= s <= 1: the slope of a profile h = s^m g(s) is a multiple of B. m is `lowest_power`.
+    0 <= s <= 1: the slope of a profile h = s^m g(s) is a multiple of B. m is `lowest_exponent`.
     """
     s_series = chebyshev.Chebyshev([0.5, 0.5], domain=[0.0, 1.0])
     polynomials = [chebyshev.Chebyshev(row, domain=[0.0, 1.0]) for row in np.eye(n_coefficients)]
-    return [lowest_power * polynomial + s_series * polynomial.deriv() for polynomial in polynomials]
+    return [
+        lowest_exponent * polynomial + s_series * polynomial.deriv() for polynomial in polynomials
+    ]

@@ -233,9 +233,9 @@ def layout_in_words(path: Path, table: TextTable) -> list[tuple[str, str]]:
     """Describe for the user how numbers were found in a text file, as (what, how): rows, separator,
     decimal sign, encoding, lines that were left out.
 
-    The file lies at `path`. `table` holds the number of each row's line, and separator, decimal
-    sign and encoding in words. It holds the number of lines above the headings too, and, in words,
-    the lines that are no rows.
+    The file lies at `path`. Of the `table` are taken the number of each row's line, separator,
+    decimal sign and encoding in words, the number of lines above the headings, and the lines that
+    are no rows, in words.
     """
     layout = [
         (
@@ -777,9 +777,10 @@ def means_of_neighbours(values: Array, n_rows_per_mean: int) -> Array:
     """
     if n_rows_per_mean == 1:
         return values
-    starts = np.arange(0, len(values), n_rows_per_mean)
+    first_rows_of_means = np.arange(0, len(values), n_rows_per_mean)
     return np.asarray(
-        np.add.reduceat(values, starts, axis=0) / np.diff(starts, append=len(values))[:, None]
+        np.add.reduceat(values, first_rows_of_means, axis=0)
+        / np.diff(first_rows_of_means, append=len(values))[:, None]
     )
 
 
@@ -824,9 +825,9 @@ def rows_within_tolerance(loads: Array, tolerance: Array) -> Rows:
     """Row numbers (m,) of a load path that are enough to follow it: straight lines in the P-Q plane
     between these rows pass all others in their order, within a tolerance of each load.
 
-    From each kept row the next one is as far away as a line allows, found by doubled, then halved
-    numbers of rows. A line that is near two neighbouring points is near the straight path between
-    them, since distance is convex.
+    The next kept row is as far from the last one as a line within the tolerance allows. The number
+    of rows between is doubled until no such line fits, then found by bisection. A line that is near
+    two neighbouring points is near the straight path between them, since distance is convex.
 
     Parameters
     ----------
@@ -884,7 +885,7 @@ def rows_within_tolerance(loads: Array, tolerance: Array) -> Rows:
             first_row, first_row + 2 * n_rows_that_fit
         ):
             n_rows_that_fit *= 2
-        # A line over so many rows does not fit, or was not tried: halve the range between.
+        # A line over n_rows_too_many does not fit, or goes beyond the last row: bisection.
         n_rows_too_many = min(2 * n_rows_that_fit, last_row - first_row + 1)
         while n_rows_too_many - n_rows_that_fit > 1:
             n_rows_tried = (n_rows_that_fit + n_rows_too_many) // 2

@@ -280,10 +280,10 @@ class ContactSolution:
         """
         if self.steady_from is not None:
             return 0.0
-        last_works = self.cycle_dissipation[-2:]
-        if len(last_works) < 2 or not last_works[1] > 0:
+        last_friction_works = self.cycle_dissipation[-2:]
+        if len(last_friction_works) < 2 or not last_friction_works[1] > 0:
             return float("nan")
-        return float((last_works[1] - last_works[0]) / last_works[1])
+        return float((last_friction_works[1] - last_friction_works[0]) / last_friction_works[1])
 
     def __repr__(self) -> str:
         """Five lines of text on the solution: scene and engine, how the run ended, numbers of
@@ -364,10 +364,12 @@ class ContactSolution:
         """Content of the NetCDF file of the solution: its arrays with dimensions, units and
         descriptions, and attributes.
 
-        Attributes are single numbers, and JSON texts of the scene, of the `record` of the run and
-        of the `work`. The record holds convergence and messages, the work what was done, skipped,
-        and how long it took. `steady_from`, the index of the first steady cycle, is -1 where none
-        is.
+        Attributes are single numbers, and JSON texts of the scene and of two parts of the solution:
+
+        - `record`: convergence of the run, its messages, and stated errors;
+        - `work`, the effort of the run (not friction work): counts, what was skipped, seconds.
+
+        `steady_from`, the index of the first steady cycle, is -1 where none is.
         """
         record_entries = {
             "converged": self.record.converged,

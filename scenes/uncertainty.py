@@ -417,7 +417,7 @@ class _Friction(Protocol):
 
 
 class HasInputs(Protocol):
-    """What of a scene is asked here; `Scene` itself imports this module."""
+    """The attributes of a `Scene` that are used here. `Scene` itself imports this module."""
 
     @property
     def friction(self) -> _Friction: ...
@@ -738,8 +738,8 @@ def _changed_ellipse(
     and the phase lag of Q behind P increased by `added_lag` [degrees].
 
     Under displacement control, the approach and the relative tangential displacement U stand in the
-    place of P and Q; they are None where the loads are given. A lag beyond 180 degrees is taken
-    back between -180 and 180.
+    place of P and Q; they are None where the loads are given. A lag beyond 180 degrees becomes the
+    same angle between -180 and 180.
     """
     entries: dict[str, Any] = {}
     if load.approach is not None:
