@@ -97,9 +97,9 @@ def _standardised_residuals(x: Array, heights: Array) -> Array:
     x_of_neighbours = x[neighbours]
     window_lengths = x_of_neighbours[:, -1] - x_of_neighbours[:, 0]
     is_distinct = (np.min(np.diff(x_of_neighbours, axis=1), axis=1) > 0) & (window_lengths > 0)
-    scales = np.where(window_lengths > 0, window_lengths, 1.0)
+    nonzero_window_lengths = np.where(window_lengths > 0, window_lengths, 1.0)
     # Of the neighbours from the row, over the length of its window: the row itself is the origin.
-    distances = (x_of_neighbours - x[:, None]) / scales[:, None]
+    distances = (x_of_neighbours - x[:, None]) / nonzero_window_lengths[:, None]
     lagrange_weights = np.ones_like(distances)
     for i in range(_N_NEIGHBOURS):
         for j in range(_N_NEIGHBOURS):

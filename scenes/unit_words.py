@@ -240,12 +240,14 @@ def _si_size(unit: str, kind: str) -> tuple[float, bool] | None:
     numerator = _unit_symbol(numerator)
     denominator = _unit_symbol(denominator)
     is_per_length = bool(slash)
-    # _UNITS_OF_FILES: for each kind, the SI sizes of its units by their symbols
-    sizes = _UNITS_OF_FILES[kind]
-    lengths = _UNITS_OF_FILES["length"]
-    if numerator not in sizes or (is_per_length and denominator not in lengths):
+    # _UNITS_OF_FILES: for each kind of unit, symbol -> size in SI units
+    sizes_by_symbol = _UNITS_OF_FILES[kind]
+    length_sizes_by_symbol = _UNITS_OF_FILES["length"]
+    if numerator not in sizes_by_symbol or (
+        is_per_length and denominator not in length_sizes_by_symbol
+    ):
         return None
-    return sizes[numerator] / lengths.get(denominator, 1.0), is_per_length
+    return sizes_by_symbol[numerator] / length_sizes_by_symbol.get(denominator, 1.0), is_per_length
 
 
 def _unit_symbol(word: str) -> str:
@@ -294,15 +296,15 @@ def unit_factor(unit: str, kind: Kind, units: str) -> tuple[float, bool]:
     ((1000.0, False), (1.0, True), (0.001, False))
     """
     # Size in SI units, and whether it is a force per length.
-    size_and_form = _si_size(unit, kind)
-    if size_and_form is None:
+    size_and_is_per_length = _si_size(unit, kind)
+    if size_and_is_per_length is None:
         quantity = "force, or of force per length," if kind == "load" else kind
         # _UNITS_OF_FILES: for each kind, its units
         raise ValueError(
             f"{unit!r} is no unit of {quantity} that is known; known are"
             f" {', '.join(_UNITS_OF_FILES[kind]) or 'none'}"
         )
-    si_size, per_length = size_and_form
+    si_size, per_length = size_and_is_per_length
     if kind in ("time", "angle"):
         return si_size, False
 

@@ -1020,21 +1020,22 @@ def _add_punches(
     """
     x_of_points = x[point_numbers, None]
     y_of_points = y[point_numbers, None]
-    # The root is that of -0 i on the face: from inside the lower body.
-    squared_root = np.empty(distance_to_punch.shape, dtype=complex)
-    squared_root.real = (
+    # z^2 - a^2. Its imaginary part is -0 on the face, not 0: the root there is the limit from
+    # inside the lower body.
+    difference_of_squares = np.empty(distance_to_punch.shape, dtype=complex)
+    difference_of_squares.real = (
         -distance_to_punch * (2 * x_of_points + distance_to_punch) - y_of_points * y_of_points
     )
-    squared_root.imag = 2 * x_of_points * -np.abs(y_of_points)
+    difference_of_squares.imag = 2 * x_of_points * -np.abs(y_of_points)
     # 1/sqrt(z^2 - a^2), (m, nodes); the sum over the nodes with the loads of the punches.
-    kernel = 1 / np.sqrt(squared_root)
+    kernel = 1 / np.sqrt(difference_of_squares)
     potentials[:2, point_numbers] += np.einsum(
         "...mn,mn->...m" if punch_loads.ndim == 3 else "kn,mn->km", punch_loads, kernel
     )
     # Derivatives -z/(z^2 - a^2)^(3/2) inside the body; on the face they are left 0.
     numbers_in_body = np.flatnonzero(y_of_points[:, 0] != 0)
     if len(numbers_in_body):
-        kernel = kernel[numbers_in_body] / squared_root[numbers_in_body]
+        kernel = kernel[numbers_in_body] / difference_of_squares[numbers_in_body]
         loads_in_body = punch_loads[:, numbers_in_body] if punch_loads.ndim == 3 else punch_loads
         z = (x_of_points + 1j * y_of_points)[numbers_in_body, 0]
         potentials[2:, point_numbers[numbers_in_body]] -= z * np.einsum(

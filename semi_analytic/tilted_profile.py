@@ -604,8 +604,8 @@ class PiecewiseParabola(ConvexProfile):
         # curvature[0]: h''_0; jumps: J of each knot.
         distance_from_centre = x - m
         if self.is_parabola:
-            squared_root = np.maximum((c - x + m) * (c + x - m), 0.0)
-            return np.asarray(np.pi * self.curvature[0] * np.sqrt(squared_root))
+            difference_of_squares = np.maximum((c - x + m) * (c + x - m), 0.0)
+            return np.asarray(np.pi * self.curvature[0] * np.sqrt(difference_of_squares))
         # Angle theta_b of each knot, with sine and cosine, (..., knots); root: r.
         knot_angles = self.angles(m, c)
         root = np.sqrt(np.maximum((c - distance_from_centre) * (c + distance_from_centre), 0.0))[
