@@ -179,11 +179,11 @@ def findings_by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> F
     """
     stop_watch = StopWatch("history", "fields", "dissipation")
     # the friction history, the instants, and what is evaluated at them
-    path, time, n_rows_left_out = _path_and_instants(question, bulk_tilt_path)
-    request = _request_of(question, bulk_tilt_path, path, time)
+    followed_path, time, n_rows_left_out = _path_and_instants(question, bulk_tilt_path)
+    request = _request_of(question, bulk_tilt_path, followed_path, time)
     stop_watch.add_lap("history")
     # friction states, works of cycles, friction work per area W(x) at the different |x|
-    path_answer = answer_along_path(path, request)
+    path_answer = answer_along_path(followed_path, request)
     stop_watch.add_lap("dissipation")
     # values over time, fields at the points, and their errors
     answer_fields = _fields_of_answer(request, path_answer.snapshot)
@@ -191,8 +191,8 @@ def findings_by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> F
     # closed integral of Q dU of the last cycle, U the relative tangential displacement
     loop_work = _loop_work_of(path_answer.friction_work)
     errors = _relative_errors(request, path_answer, answer_fields, loop_work)
-    termination, message = _term_and_sentence_of_end(path)
-    permanent_stick = _permanent_stick(request.contact, path_answer, path.largest_load)
+    termination, message = _term_and_sentence_of_end(followed_path)
+    permanent_stick = _permanent_stick(request.contact, path_answer, followed_path.largest_load)
     works = _works_by_name(path_answer.friction_work, request, loop_work)
     stop_watch.add_lap("dissipation")
     return Findings(
@@ -202,21 +202,24 @@ def findings_by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> F
         | answer_fields.at_points
         | permanent_stick
         | works
-        | {"steady_from": path.steady_from},
+        | {"steady_from": followed_path.steady_from},
         termination=termination,
         message=message,
         notes=(
             *neglected_coupling(question.scene.material),
             *_neglected_loads(bulk_tilt_path),
-            *_notes_of_path(question, path, len(time), n_rows_left_out),
+            *_notes_of_path(question, followed_path, len(time), n_rows_left_out),
             *_notes_of_errors(errors),
         ),
         errors=errors,
         certificates=_admissibility_checks(request, path_answer, answer_fields.at_points),
         energy=path_answer.friction_work.increments_by_name,
-        counts={"points_evaluated": len(request.distance), "cycles_solved": len(path.cycles)}
+        counts={
+            "points_evaluated": len(request.distance),
+            "cycles_solved": len(followed_path.cycles),
+        }
         | path_answer.counts,
-        skipped=_skipped_work(question.scene, path, path_answer),
+        skipped=_skipped_work(question.scene, followed_path, path_answer),
         seconds=stop_watch.seconds,
     )
 
@@ -224,35 +227,38 @@ def findings_by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> F
 def _path_and_instants(
     question: Question, bulk_tilt_path: OneCurve | None
 ) -> tuple[LoadSeries | History, Array, int]:
-    """The followed load path of a question, its instants (n,), and how many rows of a long record
-    are left out of these.
+    """The followed load path of a question, its instants (n,), and how many rows of a long
+    measurement are left out of these.
 
     Where the question has no times, theory chooses the instants. They are those of the last cycle
-    alone where only that is wanted, and the path then covers this cycle alone. A long record gets
-    fewer instants where fields at points are wanted. `bulk_tilt_path` has the loads to follow with
-    bulk stress or tilt; None without these.
+    alone where only that is wanted, and the path then covers this cycle alone. A long measurement
+    gets fewer instants where fields at points are wanted. `bulk_tilt_path` has the loads to follow
+    with bulk stress or tilt; None without these.
 
     Raises
     ------
     InputError, InadmissibleLoadError
         For straight steps without times; for gross sliding or separation somewhere in the path.
     """
-    path = path_of_question(question, bulk_tilt_path)
+    followed_path = path_of_question(question, bulk_tilt_path)
     if question.time is not None:
-        return path, question.time, 0
+        return followed_path, question.time, 0
     wants_steady_cycle_alone = question.cycles == "steady"
-    time, n_rows_left_out = path.default_times(wants_steady_cycle_alone, question.wants_pointwise)
+    time, n_rows_left_out = followed_path.default_times(
+        wants_steady_cycle_alone, question.wants_pointwise
+    )
     if wants_steady_cycle_alone:
-        path = replace(path, covered=path.covered[-1:])
-    return path, time, n_rows_left_out
+        followed_path = replace(followed_path, covered=followed_path.covered[-1:])
+    return followed_path, time, n_rows_left_out
 
 
 def _works_by_name(
     friction_work: WorkOfPath, request: Request, loop_work: float
 ) -> dict[str, float | Array]:
-    """Friction work of the last cycle and of each cycle, the closed integral of Q dU of the last
-    one, and the work per area W(x), by their names in a solution [energy per thickness, W(x) per
-    area].
+    """Friction work of the last cycle and of each cycle, closed integral of Q dU of the last one,
+    and work per area W(x), by their names in a solution.
+
+    Works are in [energy per thickness], W(x) in [energy per area].
 
     W(x) is given at the m points of a request. `density` of the friction work is W(x) at the
     different |x|, `distance_index` (m,) of the request the index of each point among these. U is
@@ -308,18 +314,18 @@ def _path_of(scene: Scene, time: Array | None) -> LoadSeries | History:
 def _request_of(
     question: Question,
     bulk_tilt_path: OneCurve | None,
-    path: LoadSeries | History,
+    followed_path: LoadSeries | History,
     time: Array,
 ) -> Request:
-    """What is to be evaluated along a followed `path`: contact, fields, instants `time` (n,) and
+    """What is to be evaluated along a followed load path: contact, fields, instants `time` (n,) and
     points x [length].
 
     The question holds scene, fields and points; `wants_pointwise` tells whether a field at points
     and instants is among them. A question without points gets them across the contact at the
-    largest P. On a long record with no field that needs points it gets x = 0 alone. A symmetric
-    contact is evaluated at the different |x| only, the `distance` (k,); `distance_index` is that of
-    each point. `largest_load` of the path is its largest P. `bulk_tilt_path` has the tilted
-    contact; None without bulk stress and tilt.
+    largest P. On a long measurement with no field that needs points it gets x = 0 alone. A
+    symmetric contact is evaluated at the different |x| only, the `distance` (k,); `distance_index`
+    is that of each point. `largest_load` of the path is its largest P. `bulk_tilt_path` has the
+    tilted contact; None without bulk stress and tilt.
     """
     scene = question.scene
     if bulk_tilt_path is not None:
@@ -330,8 +336,8 @@ def _request_of(
     if x is None:
         needs_points = question.wants_pointwise or question.wants("dissipation_density")
         x = (
-            _points_of(contact, path.largest_load)
-            if needs_points or not path.is_long_measurement
+            _points_of(contact, followed_path.largest_load)
+            if needs_points or not followed_path.is_long_measurement
             else np.zeros(1)
         )
     if bulk_tilt_path is None:
@@ -380,9 +386,9 @@ def memory_at(scene: Scene, time: Array) -> tuple[SymmetricContact, Snapshot]:
         the contact splits.
     """
     contact = contact_of(scene.profile, scene.material)
-    path = _path_of(scene, time)
-    if isinstance(path, History):
-        return contact, path.snapshot(time)
+    followed_path = _path_of(scene, time)
+    if isinstance(followed_path, History):
+        return contact, followed_path.snapshot(time)
     # A load series stores memory curves only where a field needs them: shear does, at whichever
     # point.
     middle_point, middle_index = distances_and_indices(np.zeros(1))
@@ -391,7 +397,7 @@ def memory_at(scene: Scene, time: Array) -> tuple[SymmetricContact, Snapshot]:
     request = Request(
         contact, modulus, time, middle_point, middle_point, middle_index, frozenset({"shear"})
     )
-    return contact, answer_along_path(path, request).snapshot
+    return contact, answer_along_path(followed_path, request).snapshot
 
 
 # --------------------------------------------------------------- states at instants, work of cycles
@@ -529,8 +535,10 @@ class _InstantsOnPath(NamedTuple):
         return bool(np.all((self.share_of_step == 1) | is_start_of_path))
 
     def within(self, first_step: int, n_steps: int) -> tuple[Indices, Array, Array]:
-        """The instants within `n_steps` load steps from number `first_step` on: number of the step,
-        counted from that one, share of the step that is over, tolerance of that share; (k,) each.
+        """The instants within `n_steps` load steps from number `first_step` on, (k,) each: number
+        of the step, counted from `first_step`; share of the step that is over; tolerance of that
+        share.
+
         `step`, `share_of_step` and `share_tolerance` are those of all instants, in the order of the
         path.
         """
@@ -655,9 +663,9 @@ class _SeriesSums:
         )
 
     def add_block_of_last_cycle(self, block: StepBlock) -> None:
-        """Take a block of load steps of the last cycle into what is found in that cycle alone.
+        """Update what is found in the last cycle alone by a block of its load steps.
 
-        That is the least load at the stick edge, and the closed integral of Q dU where it is
+        They are the least load at the stick edge, and the closed integral of Q dU where it is
         wanted; U is the relative tangential displacement.
         """
         self.update_least_stick_load(block)
@@ -749,8 +757,8 @@ class _SeriesSums:
         slipping_records: Records,
         work_per_integral: float,
     ) -> Array:
-        """Add the friction work of a block, and its error, to part `part_number` of the path; the
-        integral of each record, a portion of a load step with slip, is returned, (m,).
+        """Add the friction work of a block, and its error, to part `part_number` of the path.
+        Returns the integral of each record, (m,); a record is a portion of a load step with slip.
 
         Work is f A/pi = `work_per_integral` times int Lam dw, A = 2/E*. Here w = +-Q - f P, the
         sign that of slip. Lam is the integral of ln(a/c) over the loads from P_c to P, with a and c
@@ -764,8 +772,8 @@ class _SeriesSums:
         return integrals
 
     def roundoff_errors_of_parts(self) -> Array:
-        """Relative error by rounding of the friction work of each part of the path, (parts,); it
-        grows as the largest share (P - P_c)/P of a part falls, P_c the load at the stick edge.
+        """Relative error by round-off of the friction work of each part of the path, (parts,). It
+        grows as the largest share (P - P_c)/P of a part falls; P_c is the load at the stick edge.
         """
         return np.array(
             [
@@ -788,15 +796,15 @@ class _SeriesSums:
         return self.works[parts], relative_errors[parts]
 
     def update_slip_zone_share(self, block: StepBlock, part_number: int, part: PathPart) -> None:
-        """Raise the largest P - P_c over the largest P of a `part` of the path to that of a block
-        of it, where it is higher there; `part_number` is the number of the part.
+        """Update the largest P - P_c over the largest P of a `part` of the path by a block of it.
+        `part_number` is the number of the part; P_c is the load at the stick edge.
         """
         share_of_block = share_of_largest_load(block.largest_slip_zone_load, part)
         self.slip_zone_shares[part_number] = max(self.slip_zone_shares[part_number], share_of_block)
 
     def update_least_stick_load(self, block: StepBlock) -> None:
-        """Lower the least load P_c at the stick edge of the last cycle to that of a block of load
-        steps, where it is lower; slip zones carry P - P_c.
+        """Update the least load P_c at the stick edge of the last cycle by a block of its load
+        steps. The slip zones carry P - P_c.
         """
         records = block.records
         stick_loads = records.load_at_begin - records.slip_zone_load_at_begin
@@ -810,7 +818,7 @@ def _answer_of_series(series: LoadSeries, request: Request) -> PathAnswer:
     path of straight steps, a load `series`.
 
     The path was followed once to find its cycles. Now the parts of it that the answer needs, its
-    initial loading or cycles, are followed again. Work and states are gathered on the way. `times`
+    initial loading or cycles, are followed again, and their work and states are gathered. `times`
     of the series are those of all rows, the ends of steps. A request holds the normal contact, the
     instants `time`, which fields it wants, and `bulk_tilt_path`, None without bulk stress and tilt.
     """
@@ -932,10 +940,12 @@ def _follow_part(
 
 
 def _empty_loop_integral(series: LoadSeries, request: Request) -> LoopWorkOfSeries | None:
-    """The closed integral of Q dU of the last cycle, to which its blocks of load steps are to be
-    added; None where it is not asked for, the cycle is not steady or has no load. U is the relative
-    tangential displacement. `covered` are the cycles that the answer covers, `covered_parts` their
-    numbers among the parts of the path; `steady_from` is the first steady cycle, None without one.
+    """The closed integral of Q dU of the last cycle, without any block of its load steps yet; U is
+    the relative tangential displacement. None where the integral is not asked for, or the cycle is
+    not steady or has no load.
+
+    `covered` are the cycles that the answer covers, `covered_parts` their numbers among the parts
+    of the path; `steady_from` is the first steady cycle, None without one.
     """
     is_steady = series.steady_from is not None and series.covered[-1] >= series.steady_from
     if not (request.wants("loop_work") and is_steady):
@@ -975,9 +985,11 @@ def _increments_of_work(
 
 
 def _parts_needed(series: LoadSeries, step: Indices) -> list[int]:
-    """Numbers of the parts of a path, initial loading or cycles, to be followed: those that the
-    answer covers, and all from the part of the first to that of the last `step`, (n,) ascending.
-    `first_steps` are the numbers of the first step of each part.
+    """Numbers of the parts of a path, initial loading or cycles, to be followed. They are the parts
+    that the answer covers, and all from the part of the first instant to that of the last.
+
+    `step` (n,), ascending, are the load steps of the instants. `first_steps` are the numbers of the
+    first step of each part.
     """
     first_part, last_part = np.searchsorted(series.first_steps, step[[0, -1]], side="right") - 1
     return sorted({*series.covered_parts, *range(int(first_part), int(last_part) + 1)})
@@ -1016,8 +1028,8 @@ def _answer_of_history(history: History, request: Request) -> PathAnswer:
         spans=last_spans,
         counts={
             "spans": len(history.spans),
-            # `sticking_piece` leads to all pieces of the memory curve of a span, the tangential
-            # force carried up to each load
+            # `sticking_piece`: the piece of the memory curve of a span in which the stick edge is;
+            # it holds the pieces below. The curve is the tangential force carried up to each load.
             "pieces_alive": max(len(list(pieces(span.sticking_piece))) for span in history.spans),
             "slip_quadratures": n_slipping_spans,
             # 193 nodes of the rule for singular ends in each
@@ -1159,9 +1171,10 @@ def _works_of_cycles(history: History, request: Request) -> dict[int, _WorkOfCyc
 
 
 def _work_of_ellipse(ellipses: Ellipses, friction: float, request: Request) -> _WorkOfCycle:
-    """Friction work of a steady ellipse of P and Q, given as an array of one, and its relative
-    error by round-off; 0 where that is within what closed forms promise, 1e-12. `unit_compliance`
-    is A/pi, A = 2/E*; f is `friction`.
+    """Friction work of a steady ellipse of P and Q [energy per thickness], and its relative error
+    by round-off; 0 where that error is within what closed forms promise, 1e-12.
+
+    `ellipses` is an array of this one. `unit_compliance` is A/pi, A = 2/E*; f is `friction`.
     """
     roundoff_error = float(error_by_digits_of_loads(ellipses)[0])
     work_forward, work_reverse = works_over_time(ellipses, request.contact)  # times pi E*/(2 f^2)
@@ -1458,7 +1471,7 @@ def _state_of(
 
 def _require_finite(name: str, values: NDArray[Any], request: Request) -> None:
     """Raise NotFoundError, with place and instant, where a value (n, k) of the field `name` is not
-    finite; tractions may be infinite at x = 0, the tip of a sharp wedge. The request holds its
+    finite. Tractions may be infinite at x = 0, the tip of a sharp wedge. The request holds its
     instants `time` (n,) and the different |x|, `distance` (k,).
     """
     is_finite = np.isfinite(values)
@@ -1630,7 +1643,9 @@ def _kernel_sums(
 
 
 def _largest_piece_count(snapshot: Snapshot, instants: Indices) -> int:
-    """The largest number of pieces of the memory curves at some instants (k,)."""
+    """The largest number of pieces of the memory curves at some instants (k,). The snapshot stores
+    the piece in which the stick edge is; that piece holds all pieces below it.
+    """
     curves = [snapshot.sticking_pieces[number] for number in snapshot.piece_number[instants]]
     return max((len(list(pieces(curve))) for curve in curves), default=0)
 
@@ -1661,15 +1676,20 @@ def _neglected_loads(bulk_tilt_path: OneCurve | None) -> Iterator[str]:
 
 
 def _notes_of_path(
-    question: Question, path: LoadSeries | History, n_rows: int, n_rows_left_out: int
+    question: Question, followed_path: LoadSeries | History, n_rows: int, n_rows_left_out: int
 ) -> Iterator[str]:
-    """Sentences for the notes of an answer: that the last cycle of a periodic path is not steady,
-    where friction work was wanted; and that the answer to a measured record is given at `n_rows` of
-    its rows, without `n_rows_left_out`. The question tells which fields are wanted; `covered` are
-    the cycles of the answer, `steady_from` is the first steady one, None without one.
+    """Sentences for the notes of an answer. One where friction work was wanted and the last cycle
+    of a periodic path is not steady. One where the answer to a measurement is given at `n_rows` of
+    its rows only, without `n_rows_left_out`.
+
+    The question tells which fields are wanted; `covered` are the cycles of the answer,
+    `steady_from` is the first steady one, None without one.
     """
-    is_steady = path.steady_from is not None and path.covered[-1] >= path.steady_from
-    if question.wants("dissipation") and path.period is not None and not is_steady:
+    is_steady = (
+        followed_path.steady_from is not None
+        and followed_path.covered[-1] >= followed_path.steady_from
+    )
+    if question.wants("dissipation") and followed_path.period is not None and not is_steady:
         yield (
             "the last cycle is not steady: no closed integral of Q dU to compare the dissipation"
             " with"
@@ -1696,17 +1716,17 @@ def _notes_of_errors(errors: Mapping[str, float]) -> Iterator[str]:
             yield f"{name}: quadratures and rounding may have left {error_words}"
 
 
-def _term_and_sentence_of_end(path: LoadSeries | History) -> tuple[str, str]:
+def _term_and_sentence_of_end(followed_path: LoadSeries | History) -> tuple[str, str]:
     """How a followed path ended, as a term, "steady" or "end of path", and as a sentence."""
-    if path.period is None:
+    if followed_path.period is None:
         return "end of path", "the path was followed to its end"
-    if path.steady_from is None:
-        return "end of path", f"no steady cycle among the first {len(path.cycles)}"
-    return "steady", f"cycle {path.steady_from + 1} ends in the state it started from"
+    if followed_path.steady_from is None:
+        return "end of path", f"no steady cycle among the first {len(followed_path.cycles)}"
+    return "steady", f"cycle {followed_path.steady_from + 1} ends in the state it started from"
 
 
 def _skipped_work(
-    scene: Scene, path: LoadSeries | History, path_answer: PathAnswer
+    scene: Scene, followed_path: LoadSeries | History, path_answer: PathAnswer
 ) -> dict[str, tuple[int, str]]:
     """Work that was not needed and not done, by name, with its count and the reason: cycles that
     are copies of the steady one, and quadratures over times of full stick. `covered` has one entry
@@ -1715,11 +1735,11 @@ def _skipped_work(
     the number of cycles that it states. `n_skipped_in_stick` counts those quadratures.
     """
     skipped_work = {}
-    n_copies = max(scene.cycles, len(path.covered)) - len(path.cycles)
-    if path.repeats and path.steady_from is not None and n_copies > 0:
+    n_copies = max(scene.cycles, len(followed_path.covered)) - len(followed_path.cycles)
+    if followed_path.repeats and followed_path.steady_from is not None and n_copies > 0:
         skipped_work["cycles"] = (
             n_copies,
-            f"copies of cycle {path.steady_from + 1}, which is steady",
+            f"copies of cycle {followed_path.steady_from + 1}, which is steady",
         )
     if path_answer.n_skipped_in_stick:
         skipped_work["quadratures"] = (

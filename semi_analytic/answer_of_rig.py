@@ -148,10 +148,10 @@ class RiggedScene:
                 "load: P is never positive, so that the bodies never touch; it is a compression"
             )
         # Curvatures that the bodies add per load; normal_under_shear: N_Q, of the gap per Q.
-        curvatures = self.compliance.curvatures
+        curvatures_per_load = self.compliance.curvatures
         friction_limit = self.scene.friction.coefficient * actuator_motion.load_or_approach
         # The Q at the Coulomb limit that widens the contact.
-        widening_force = -np.sign(curvatures.normal_under_shear) * friction_limit
+        widening_force = -np.sign(curvatures_per_load.normal_under_shear) * friction_limit
         path_rows = PathRows(
             actuator_motion.time,
             actuator_motion.load_or_approach,
@@ -159,7 +159,7 @@ class RiggedScene:
             actuator_motion.end_rows,
             None,
         )
-        return punch_table_of(self.contact, self.modulus, path_rows, curvatures)
+        return punch_table_of(self.contact, self.modulus, path_rows, curvatures_per_load)
 
 
 def rigged_scene(scene: Scene, effects: BodyEffects | None) -> RiggedScene:
@@ -220,7 +220,7 @@ class _Slide(NamedTuple):
     begin: float  # time
     end: float
     distance: float  # signed, of the upper body over the lower along +x [length]
-    work: float  # f P times the way [energy / thickness]
+    work: float  # integral of f P over the distance [energy / thickness]
 
 
 def slides_of(driven_path: DrivenPath, row_range: slice) -> list[_Slide]:
@@ -469,8 +469,9 @@ class _Energy(NamedTuple):
 
 
 def _energy_of(followed: _FollowedRig) -> _Energy:
-    """Energy of the last cycle of a rig, or of all of a path that has no steady cycle: friction
-    work, closed integral of the loads over their displacements, and relative errors of both and Q.
+    """Energy of the last cycle of a rig, or of all of a path that has no steady cycle. It holds the
+    friction work, the closed integral of the loads over their displacements, and relative errors of
+    both and of Q.
 
     The work is the sum of the work by steps, of what tilt and bulk strain of the bodies add, and of
     what the terms of their effects beyond the curvatures, x^4, add [energy per thickness]. The
@@ -757,8 +758,8 @@ def _steady_in_both(fine_path: DrivenPath, coarse_path: DrivenPath) -> int | Non
 
 
 def _times_near_slide_ends(driven_path: DrivenPath) -> Array:
-    """Times (k,) around each end of gross sliding while P varies, which the path needs as further
-    rows: 33 of them over the last step with a slide and the step after it.
+    """Times (k,) around each end of gross sliding while P varies, at which the path needs further
+    rows. They are 33 over the last step with a slide and the step after it.
 
     Sliding ends where the actuator no longer moves faster than the elastic displacement at |Q| =
     f P. While P varies that instant lies inside of a step. Only the first 200 ends get rows.
@@ -795,8 +796,8 @@ def _times_in_all_cycles(scene: Scene, time: Array, n_cycles: int) -> Array:
 def _rows_of_answer(
     driven_path: DrivenPath, scene: Scene, steady_from: int | None
 ) -> tuple[slice, PathRows]:
-    """Rows, the ends of load steps, that the answer to a rig covers, as a slice; and P and Q at all
-    rows of the path up to the last of these.
+    """Rows, the ends of load steps, that the answer to a rig covers, as a slice. Second: P and Q at
+    all rows of the path up to the last of these.
 
     Covered is the first steady cycle, with the row at which it begins; the whole path where no
     cycle is steady.
@@ -977,8 +978,8 @@ def _notes_of_loads(followed: _FollowedRig, relative_error_of_load: float) -> It
 
 def _note_of_next_order(rig: RiggedScene, driven_path: DrivenPath, last_cycle: slice) -> str:
     """A sentence on the terms in x^4 of the finite bodies' effects, the next order after the
-    curvatures, x^2: whether the friction work has them, and how much they would change the largest
-    pressure and the half-width.
+    curvatures, x^2. It states whether the friction work has them, and how much they would change
+    the largest pressure and the half-width.
 
     `driven_path` holds the loads that were found along the path of the `rig`, `last_cycle` its rows
     of the last cycle. The two changes are those at the largest P of the path, without Q.

@@ -174,7 +174,7 @@ class GridAnswer:
         path_on_grids = self.path_on_grids
         scene = self.question.scene
         yield from neglected_coupling(scene.material)
-        yield self._note(steady_cycle)
+        yield self._note_of_grids(steady_cycle)
         # period: duration of a cycle, None for a path that does not repeat
         if scene.load.path().period is not None and path_on_grids.steady_from is None:
             unsteady_share = path_on_grids.unsteady_work / float(path_on_grids.works[-1])
@@ -207,7 +207,7 @@ class GridAnswer:
             errors["dissipation"] += abs(path_on_grids.loop_work / work_of_last_cycle - 1)
         return {name: error for name, error in errors.items() if name in self.question.fields}
 
-    def _note(self, steady_cycle: Findings | None) -> str:
+    def _note_of_grids(self, steady_cycle: Findings | None) -> str:
         """The sentence that an answer by grids carries: numbers of cells across the contact and of
         increments in a cycle, and how well the friction work W and the stick edges are known.
 
@@ -243,8 +243,8 @@ class GridAnswer:
         return widest_contact / self.path_on_grids.counts["cells"]
 
     def _rows(self) -> slice:
-        """The instants of the answer, among all that were followed, as a slice: those of the last
-        cycle where it alone is asked for, else all, as of a path that does not repeat.
+        """The instants of the answer, among all that were followed, as a slice. They are those of
+        the last cycle where it alone is asked for, else all, as of a path that does not repeat.
         """
         path = self.question.scene.load.path()
         if not self.question.wants_last_cycle_alone or path.period is None:
@@ -256,9 +256,9 @@ class GridAnswer:
         )
 
     def _values(self) -> dict[str, Any]:
-        """Loads (n,), edges (n, 2), fields (n, k) at n instants and k points, friction work and the
-        uncertainty of permanent stick as the grids give them, by the names of a ContactSolution;
-        NaN, and open, for what was not asked for.
+        """Loads (n,), edges (n, 2), fields (n, k), friction work and the uncertainty of permanent
+        stick as the grids give them, by their names in a solution. They are at n instants and k
+        points. A field that was not asked for is NaN, a state is open.
         """
         rows = self._rows()
         return {

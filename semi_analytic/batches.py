@@ -3,7 +3,7 @@ figures 7 and 10 need.
 
 Arguments are broadcast and taken block by block, so that memory beyond arguments and results is
 that of one block. Bad members get a reason. The others are sorted by profile: those that differ by
-units only share one contact, that of the same profile in units of its own; a profile of b, R1 and
+units only share one contact, that of the same profile in units of its own. A profile of b, R1 and
 R2, say, is that of 1, 1 and R2/R1 in the units b and E* b^2/R1.
 
 The maxima of W(x), in the letters and angles of `steady_ellipse`: where slip goes on at the least
@@ -100,7 +100,7 @@ _LEAST_FALL_SHARE = 1e-3
 
 def maxima_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
     """The two largest maxima over x of the friction work per area and cycle W(x), for each of m
-    steady load ellipses, (6, m); `contact` is the normal contact P(a) of the profile.
+    steady load ellipses, (6, m).
 
     The rows are:
 
@@ -117,7 +117,8 @@ def maxima_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
 
     W(x) is sampled with half of the quadrature nodes, between the half-widths at which its formula
     changes. A maximum is looked for about every sample above its neighbours. All ellipses have the
-    same `contact`; 256 are taken at a time. E* is the composite modulus, f the friction.
+    same `contact`, the normal contact P(a) of the profile; 256 are taken at a time. E* is the
+    composite modulus, f the friction.
     """
     n_ellipses = len(ellipses.mean_load)
     if n_ellipses > _ELLIPSES_AT_ONCE:
@@ -367,7 +368,7 @@ def _second_maximum(
     maxima: _LocalMaxima, sampled_density: Array, peaks: _Peaks
 ) -> tuple[Array, Array]:
     """Second largest maximum over x of the friction work per area W(x), times pi E*/(2 f^2), of
-    each load ellipse, and its |x|, (m,) each; NaN where there is one maximum only.
+    each load ellipse, and its |x|, (m,) each. NaN where there is one maximum only.
 
     It counts where W falls between it and the largest one by more than 1e-3 of the largest W, and
     by more than twice its error. `sampled_density` is W(x) at all samples of all ellipses, one
@@ -500,8 +501,8 @@ def _level_intervals(samples: _Samples, slip_zone_widths: Array) -> Indices:
 
 
 def _sample_points(ellipses: Ellipses, contact: SymmetricContact) -> Array:
-    """Places |x| at which the friction work per area W(x) of each load ellipse is sampled: (m, n),
-    ascending from the permanent stick edge to the largest contact, some of them equal.
+    """Places |x| at which the friction work per area W(x) of each load ellipse is sampled, (m, n).
+    They ascend from the permanent stick edge to the largest contact; some of them are equal.
 
     They lie at and between the half-widths at which the formula of W(x) changes. More lie next to
     the kinks of W(x), which are at the half-width of the least load and at corners of the profile.
@@ -591,9 +592,9 @@ def _narrowed_brackets(
     bracket_densities: Array,
     rise_tolerance: float,
 ) -> tuple[Array, Array]:
-    """Brackets of three places about each of n maxima of the friction work per area W(x), narrowed
-    until W may rise by the fraction `rise_tolerance` of itself at most: the places and W there, (3,
-    n) each.
+    """Brackets of three places about each of n maxima of the friction work per area W(x): the
+    places, and W there, (3, n) each. They are narrowed until W may rise by the fraction
+    `rise_tolerance` of itself at most.
 
     In each of at most 40 rounds three new places are tried, about the vertex of the parabola
     through the bracket. Where the last round did not halve the bracket they divide it evenly, at
@@ -664,8 +665,8 @@ def _bracket_about_highest(places: Array, densities: Array) -> tuple[Array, Arra
 
 def _next_trial_places(bracket: Array, vertex_place: Array) -> Array:
     """Three places (3, n) at which the friction work per area W(x) is evaluated next in the search
-    for a maximum over x: one at `vertex_place` (n,), the vertex of a parabola, and one on each side
-    of it.
+    for a maximum. One is at `vertex_place` (n,), the vertex of a parabola, and one on each side of
+    it.
 
     `bracket` (3, n) are the places about each maximum so far, ascending. The new ones keep away
     from its ends and from its middle place, where W is known.
@@ -709,9 +710,9 @@ class _Vertex(NamedTuple):
 
 
 def _vertex_of_parabola(x: Array, density: Array) -> _Vertex:
-    """Vertex of the parabola through three points (x, W(x)) about each of n maxima, x ascending,
-    (3, n) each, and the most that W can rise above the middle point; W(x) is the friction work per
-    area.
+    """Vertex of the parabola through three points (x, W(x)) about each of n maxima, and the most
+    that W can rise above the middle point. x, ascending, and W(x), the friction work per area, are
+    (3, n) each.
 
     The bound holds for a concave W: it stays below the chords of the points, extended. Where the
     parabola is convex the middle point stands for its vertex.
@@ -1006,9 +1007,10 @@ def _works_of_members(members: Members) -> Array:
     )
 
 
-def _works_with_effects(curvatures: Curvatures, members: Members) -> Array:
+def _works_with_effects(curvatures_per_load: Curvatures, members: Members) -> Array:
     """Friction work of one steady cycle of each member, times pi E*/(2 f^2), on finite bodies,
-    whose loads add `curvatures` to gap and faces; (5, m), with the rows of `_works_of_members`.
+    whose loads add `curvatures_per_load` to gap and faces. (5, m), with the rows of
+    `_works_of_members`.
 
     The work is that on half-planes, exact, plus the change by the curvatures. One quadrature rule
     gives the works with and without curvatures, so that its error nearly cancels in the change. A
@@ -1021,7 +1023,7 @@ def _works_with_effects(curvatures: Curvatures, members: Members) -> Array:
     work, forward_work, reverse_work, work_error, permanent_stick_load = rows_of_results
     for group in members.shape_groups():
         member_numbers = group.members
-        change = _change_by_curvatures(curvatures, members, group)
+        change = _change_by_curvatures(curvatures_per_load, members, group)
         # what the rule misses of the exact work on half-planes; four times that is allowed for the
         # change
         rule_error = np.abs(change.half_plane_work - work[member_numbers])
@@ -1034,8 +1036,9 @@ def _works_with_effects(curvatures: Curvatures, members: Members) -> Array:
 
 
 class _ChangeOfWorks(NamedTuple):
-    """What curvatures that the loads give to the faces change for k load ellipses, (k,) each; works
-    times pi E*/(2 f^2) [(force per thickness)^2], by one quadrature rule over the punches.
+    """What curvatures that the loads give to gap and faces change for k load ellipses, (k,) each.
+    Works are times pi E*/(2 f^2) [(force per thickness)^2], by one quadrature rule over the
+    punches.
 
     Attributes
     ----------
@@ -1054,7 +1057,7 @@ class _ChangeOfWorks(NamedTuple):
 
 
 def _change_by_curvatures(
-    curvatures: Curvatures, members: Members, group: ShapeGroup
+    curvatures_per_load: Curvatures, members: Members, group: ShapeGroup
 ) -> _ChangeOfWorks:
     """What curvatures change of the friction work of a group of members, whose profiles have one
     shape and one contact, in units of length and load.
@@ -1071,7 +1074,7 @@ def _change_by_curvatures(
     # Of profiles that vary the contact has E* = 1 in its own units, of one profile its own E*.
     contact_modulus = members.modulus if members.contact is not None else 1.0
     columns_of_curvatures = CurvatureColumns.from_curvatures(
-        curvatures, members.modulus / contact_modulus * squared_length_units
+        curvatures_per_load, members.modulus / contact_modulus * squared_length_units
     )
     columns_of_no_curvatures = CurvatureColumns.from_curvatures(Curvatures(), ones)
     # forward and reverse work of each ellipse, and half-width of permanent stick
@@ -1245,9 +1248,9 @@ def _works_on_table(ellipses: Ellipses, load_unit: Array) -> Array:
 
 @lru_cache(maxsize=32)
 def _kernel_table(first_octave: int, last_octave: int) -> LamTable:
-    """Table of the kernel Lam of the friction work on a flat and rounded face for loads from
-    2^first_octave to 2^(last_octave + 1), over E* b^2/R; Lam is the integral of ln(a/a(P_c)) over
-    the loads from P_c, that at the stick edge, to P.
+    """Table of the kernel Lam of the friction work on a flat and rounded face. Loads are over E*
+    b^2/R, from 2^first_octave to 2^(last_octave + 1). Lam is the integral of ln(a/a(P_c)) over the
+    loads from P_c to P; P_c is the load at the stick edge.
     """
     return LamTable(_contact_in_own_units("flat_rounded", ()), first_octave, last_octave)
 
@@ -1824,9 +1827,9 @@ def _contact_in_own_units(kind: str, ratios: tuple[float, ...]) -> SymmetricCont
 
 
 def _is_invalid_shape(kind: str, parameters: list[Array]) -> NDArray[np.bool_]:
-    """Whether the `parameters` (m,) of the profile of each member of a batch, in the fixed order of
-    its `kind`, are not admitted, (m,): numbers outside their range, or shapes under which the
-    contact would split. LARGEST_NUMBER is 1e100, _LEAST_PARAMETER 1e-100.
+    """Whether the profile of each member of a batch is not admitted, (m,): parameters outside their
+    range, or shapes under which the contact would split. `parameters` (m,) each are in the fixed
+    order of the `kind` of profile. LARGEST_NUMBER is 1e100, _LEAST_PARAMETER 1e-100.
     """
     least_values = (_LEAST_PARAMETER,) * len(parameters)
     if kind == "power_law":

@@ -577,8 +577,9 @@ class LoadSizes:
     def of_samples(
         cls, samples: Array, profile: ConvexProfile, compliance: float, friction: float
     ) -> LoadSizes:
-        """The bulk strain that makes an edge of contact slip and the tilt that lifts one, at the
-        largest P of a load path; and the round-off of bulk strain, tilt and Q along the path.
+        """Sizes of bulk strain, tilt and Q along a load path. They are the bulk strain that makes
+        an edge of contact slip and the tilt that lifts one, at the largest P, and the round-off of
+        each.
 
         `samples` (4, n) are P, Q, bulk strain and tilt along the path, NaN where the tilt is not
         known. `profile` is the gap h(x), `compliance` A = 2/E*, `friction` f. Round-off is 1e-11 of
@@ -992,7 +993,7 @@ class PathLoads:
 
     def turning_times(self, segment: LoadSegment) -> list[float]:
         """Times in a segment of the load path at which P, Q, bulk strain, tilt or moment turn, and
-        the end of the segment; one time for all that turn together, within 1e-6 of the duration.
+        the end of the segment. Of times within 1e-6 of the duration of the segment one is given.
         """
         # turning_points(c): times at which the weighted sum c of the two loads of a segment has a
         # maximum or minimum; NORMAL_LOAD, TANGENTIAL_LOAD: its first and its second load alone.
@@ -1060,7 +1061,8 @@ def _load_samples_of_segment(
     strain_per_stress: tuple[float, float],
 ) -> Array:
     """P, Q [force per thickness], bulk strain eps and tilt alpha [rad] at ascending instants of a
-    segment of the load path, (4, n): enough to test relations between them, with turning points.
+    segment of the load path, (4, n). With turning points they are enough to test relations between
+    the loads.
 
     Parameters
     ----------

@@ -222,8 +222,9 @@ class TiltAndStrainPart(NamedTuple):
         return self.second_order is not None or self.work_on_grids is not None
 
     def work(self, cycle: int) -> Estimate:
-        """Friction work that tilt and bulk strain of the finite bodies add in the cycle of index
-        `cycle`, from 0 or from the end if negative, with its uncertainty [energy per thickness].
+        """Friction work that tilt and bulk strain of the finite bodies add in a cycle, with its
+        uncertainty [energy per thickness]. `cycle` is the index of the cycle, from 0, or from the
+        end if negative.
 
         An index beyond the last known cycle takes that cycle. It is 0 where no work is known. The
         source is the second order in tilt and strain, else a numerical solution on grids.
@@ -395,7 +396,7 @@ class PathRows:
     @property
     def cycles(self) -> list[slice]:
         """Rows of each cycle as slices, from the one at which it begins to the one at which it
-        ends; all rows as a single slice for a path that does not repeat (`period` None).
+        ends. A path that does not repeat (`period` None) has all rows as a single slice.
         """
         if self.period is None:
             return [slice(0, len(self.time))]
@@ -454,8 +455,8 @@ class _HalfPlanePath:
 
     def rows(self, time: Array) -> PathRows:
         """Ends of the straight steps by which the load path is followed, with the loads P and Q
-        there: the instants `time` (n,) that lie within the path, its start, and the ends of the
-        cycles.
+        there. They are the instants `time` (n,) that lie within the path, its start, and the ends
+        of the cycles.
 
         Of two instants nearer than 1e-12 of the path's duration one is left out, never the end of
         a cycle. Where the bodies are pulled apart, P < 0, the load of the contact is 0.
@@ -814,8 +815,8 @@ class PathSeries:
     @cached_property
     def _logarithm_integrals(self) -> tuple[Array, Array]:
         """int ln(2 L/c) dP and int ln(2 L/c) dM over the flat punches of half-width c, (n,) each
-        [force per thickness]; times A/pi, A = 2/E*, displacements of half-planes with datum length
-        L.
+        [force per thickness]. Times A/pi, A = 2/E*, they are displacements of half-planes with
+        datum length L.
 
         P(c) and M(c) are the normal and the tangential force that punches up to c carry.
 
@@ -880,8 +881,8 @@ class PathSeries:
         return shear_signs
 
     def _excess_over_limit(self, row_numbers: Indices, n_places: int) -> tuple[Array, Array]:
-        """Largest excess of the shear of the memory curve over the Coulomb limit, max(|q| - f p),
-        at instants `row_numbers` (n,), and the sign of q there: (n,) each, the excess in [stress].
+        """Largest excess of the shear of the memory curve over the Coulomb limit, max(|q| - f p)
+        [stress], and the sign of q there, at instants `row_numbers`, (n,) each.
 
         The memory curve is the locked-in tangential force over the half-width of the flat punches.
         The maximum is over `n_places` places from the middle to the edge of the path's largest
@@ -914,9 +915,9 @@ class PathSeries:
         return {}
 
     def inner_slips(self, row_numbers: Indices) -> Iterator[tuple[int, InnerSlip]]:
-        """Extra slip inside the contact, each with the index of its instant in `row_numbers`: for
-        those of these instants at which the shear |q| of the memory curve exceeds the Coulomb limit
-        f p.
+        """Extra slip inside the contact, each with the index of its instant in `row_numbers`. It
+        exists at those of these instants at which the shear |q| of the memory curve exceeds the
+        Coulomb limit f p.
 
         The memory curve is the locked-in tangential force over the half-width of the flat punches.
         Extra slip that was computed before is taken from a cache.
@@ -1149,8 +1150,8 @@ class PointFields:
 
     def inner_slips(self, row_numbers: Indices) -> Iterator[tuple[int, SlipAtPoints]]:
         """Shear and slip that the extra slip adds at the k points, each with the index of its
-        instant in `row_numbers`: for those of these instants at which |q| of the memory curve
-        exceeds f p.
+        instant in `row_numbers`. It exists at those of these instants at which |q| of the memory
+        curve exceeds f p.
 
         The memory curve is the locked-in tangential force over the half-width of the flat punches.
         What was computed before for an instant is taken from a cache.
@@ -1512,7 +1513,8 @@ def _values_with_moved_edges(
     paths: _Paths, part_by_tilt_and_strain: TiltAndStrainPart, row_numbers: Indices
 ) -> dict[str, Array]:
     """Loads, displacements, half-widths (n,) and edges (n, 2) at the rows with these numbers, by
-    their names in a solution; contact and stick edges moved by tilt and bulk strain of the bodies.
+    their names in a solution. Tilt and bulk strain of the bodies move the edges of contact and
+    stick.
     """
     values_over_time = values_over_time_at(paths.question, paths.path_with_bodies, row_numbers)
     contact_centres, stick_centres = part_by_tilt_and_strain.centres(paths.rows.time)
@@ -1524,8 +1526,9 @@ def _values_with_moved_edges(
 def _permanent_stick_with_bodies(
     paths: _Paths, part_by_tilt_and_strain: TiltAndStrainPart
 ) -> float:
-    """Half-width of the permanent stick zone of the last cycle [length], which moves by tilt and
-    bulk strain of the bodies; NaN where no point sticks throughout.
+    """Half-width of the permanent stick zone of the last cycle [length]; NaN where no point sticks
+    throughout. Tilt and bulk strain of the bodies move the stick zone during the cycle, which may
+    narrow the permanent one.
     """
     _, stick_centres = part_by_tilt_and_strain.centres(paths.rows.time)
     return permanent_stick_half_width(
@@ -1945,10 +1948,18 @@ def _states_by_edge_zone(
 
 
 class _WorkOfAnswer(NamedTuple):
-    """Friction work of the cycles of the answer (c,) [energy per thickness], and of the last one
-    the work of the loads, closed-int Q dU + P d(approach), and W(x) (k,) [energy per area].
+    """Friction work of an answer. NaN where a value is not wanted or not known.
 
-    NaN where a value is not wanted or not known; relative errors by the names of the values.
+    Attributes
+    ----------
+    work_of_cycles
+        (c,) of the cycles of the answer [energy per thickness]
+    loop_work
+        work of the loads in the last cycle, closed-int Q dU + P d(approach) [energy per thickness]
+    density
+        (k,) W(x), friction work per area of the last cycle at the distances |x|
+    errors
+        relative, by the names of the values
     """
 
     work_of_cycles: Array
@@ -2453,8 +2464,8 @@ def _rows_and_places_compared(paths: _Paths) -> tuple[Indices, Array]:
 
 def _is_off_edges(path: PathSeries, row_numbers: Indices, places: Array) -> NDArray[np.bool_]:
     """Whether places (k,) [length] are further than 1 % of the contact half-width from the edges of
-    contact and of stick, at the rows of a path with these numbers: (n, k). Next to an edge
-    shear and slip are not smooth.
+    contact and of stick, (n, k). `row_numbers` (n,) are rows of the path. Next to an edge shear and
+    slip are not smooth.
     """
     half_width = path.half_width[row_numbers, None]
     stick_half_width = np.nan_to_num(path.stick_half_width[row_numbers, None])
@@ -2535,8 +2546,8 @@ def _termination_and_message(paths: _Paths) -> tuple[str, str]:
 
 
 def _notes_of(paths: _Paths, part_by_tilt_and_strain: TiltAndStrainPart) -> Iterator[str]:
-    """Sentences on what a reader of the answer must not miss: which effects of finite bodies are in
-    it, what is left out, and why the work of the loads is not compared with the friction work.
+    """Sentences for the notes of an answer: which effects of finite bodies are in it, what is left
+    out, and why the work of the loads is not compared with the friction work.
 
     Parameters
     ----------

@@ -94,9 +94,15 @@ class EllipseOfLoads:
 
 
 class CurvatureColumns(NamedTuple):
-    """Curvatures that finite bodies add to half-planes: N, N_Q of the gap per unit of P and of Q,
-    T, T_P of the faces per unit of Q and of P; a column (m, 1) each over m ellipses [1/(stress
-    length^2)].
+    """Curvatures that finite bodies add to half-planes per unit of load, a column (m, 1) each over
+    m ellipses [1/(stress length^2)].
+
+    Attributes
+    ----------
+    normal, normal_under_shear
+        N, N_Q of the gap per unit of P and of Q
+    tangential, tangential_under_pressure
+        T, T_P of the tangential displacement of the faces per unit of Q and of P
     """
 
     normal: Array
@@ -277,7 +283,7 @@ def _works_and_stick(
     modulus: float,
 ) -> Array:
     """Friction work of forward and of reverse slip, times pi/A = pi E*/2, and half-width of
-    permanent stick, (3, m), for all m ellipses at once; NaN where the contact is wider than the
+    permanent stick, (3, m), for all m ellipses at once. NaN where the contact is wider than the
     profile or than twice that of half-planes, or would split.
 
     The work is the integral of w(c) dc/c over the flat punches that slip. Their half-widths c lie

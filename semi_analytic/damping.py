@@ -26,14 +26,16 @@ from semi_analytic.elasticity import composite_modulus
 
 @dataclass(frozen=True, eq=False)
 class Hysteresis:
-    """The loop of the last cycle, per unit thickness.
+    """The loop of the tangential load Q over the displacement U of the last cycle, per unit
+    thickness.
 
     Attributes
     ----------
     dissipation
         W [energy per thickness]
     force_amplitude, shift_amplitude
-        Q1 [force per thickness], U1 [length]
+        Q1, half the range of Q [force per thickness]; U1, half the range of the tangential
+        displacement U [length]
     secant_stiffness
         Q1/U1 [stress]
     damping_ratio
