@@ -273,8 +273,8 @@ def _works_by_name(
 
 
 def path_of_question(question: Question, bulk_tilt_path: OneCurve | None) -> LoadSeries | History:
-    """The load path of a question, followed with its friction history: the path of the scene, or
-    straight steps between its loads at the times asked for where the question wants these.
+    """The load path of a question, followed with its friction history. It is the path of the scene,
+    or straight steps between its loads at the times asked for where the question wants these.
 
     With bulk stress or tilt `bulk_tilt_path` has the P and Q to follow, and the tilted contact;
     None without these. A path comes as a `LoadSeries` where it is all straight, else as a
@@ -299,8 +299,8 @@ def path_of_question(question: Question, bulk_tilt_path: OneCurve | None) -> Loa
 
 
 def _path_of(scene: Scene, time: Array | None) -> LoadSeries | History:
-    """The load path of a scene with its friction history: by straight steps where all its load
-    segments are straight, else by times of stick and of slip in one direction.
+    """The load path of a scene with its friction history. It is followed by straight steps where
+    all its load segments are straight, else by times of stick and of slip in one direction.
 
     A segment is curved where a weighted sum of P and Q may have a turning point inside of it.
     """
@@ -376,8 +376,8 @@ def _points_of(contact: Contact, largest_load: float) -> Array:
 
 
 def memory_at(scene: Scene, time: Array) -> tuple[SymmetricContact, Snapshot]:
-    """Normal contact of a scene, and its friction states at instants (n,) of the load path, with
-    the memory curve of each: the tangential force of the flat punches up to each normal load.
+    """Normal contact of a scene, and its friction states at instants (n,) of the load path, each
+    with its memory curve. That is the tangential force of the flat punches up to each normal load.
 
     Raises
     ------
@@ -650,7 +650,7 @@ class _SeriesSums:
         cls, series: LoadSeries, request: Request, wants_work_of_steps: bool
     ) -> _SeriesSums:
         """Sums over no block yet, for all parts of a load series and the different |x| of a
-        request, `distance`; `first_steps` of the series ends with the number of its steps.
+        request, `distance`. `first_steps` of the series ends with the number of its steps.
         """
         n_parts = len(series.parts)
         return cls(
@@ -1004,7 +1004,7 @@ class _WorkOfCycle(NamedTuple):
 
 def _answer_of_history(history: History, request: Request) -> PathAnswer:
     """Friction states at the instants of a request, and friction work of the cycles, along a curved
-    load path, from its spans: times of full stick, or of slip in one direction.
+    load path. The path is divided into spans: times of full stick, or of slip in one direction.
 
     `covered` are the solved cycles that the answer covers; W(x), the work per area, is that of the
     last one. The request holds the instants `time` and which fields are wanted.
@@ -1194,9 +1194,9 @@ def _work_of_spans(spans: Sequence[Span], request: Request) -> _WorkOfCycle:
 
 
 def _ellipse_of_segment(segment: LoadSegment, friction: float) -> Ellipses | None:
-    """The ellipse of P and Q that a segment of the load path describes, for the formulas of steady
-    ellipses, as an array of one; None where the segment is no ellipse: P = P0 + P1 cos t,
-    Q = Q0 + Q1 cos(t - phase).
+    """The ellipse P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase) that a segment of the load path
+    describes, for the formulas of steady ellipses, as an array of one. None where the segment is no
+    ellipse.
     """
     ellipse = segment.ellipse
     if ellipse is None:
@@ -1325,8 +1325,8 @@ def _values_with_bulk_and_tilt(
     snapshot: Snapshot,
     values_without_tilt: Mapping[str, Array],
 ) -> dict[str, Array]:
-    """What bulk stress and tilt add to the values over time, or change in them, by name: bulk
-    stresses, tilt, moments of pressure and of shear, half-width, Q and approach (n,), edges (n, 2).
+    """Values over time that bulk stress and tilt add or change, by name. They are bulk stresses,
+    tilt, moments of pressure and of shear, half-width, Q and approach (n,), and edges (n, 2).
 
     `values_without_tilt` are those of a contact centred at x = 0; its NaN half-widths are those of
     no stick zone. `snapshot` has the friction states: P as `load`, P - P_c of the slip zones, P_c
@@ -1376,8 +1376,8 @@ def _half_width(contact: Contact, load: Array) -> Array:
 def _fields_at_points(
     request: Request, snapshot: Snapshot, loads_and_edges: Mapping[str, Array]
 ) -> tuple[dict[str, NDArray[Any]], dict[str, float]]:
-    """Pressure, shear, slip and state of contact at the n instants and m points of a request,
-    (n, m) each, read-only; and the errors of shear and slip by integration along arcs.
+    """Pressure, shear, slip and state of contact at the n instants and m points of a request, (n,
+    m) each, read-only. Second: the errors of shear and slip by integration along arcs.
 
     An arc is a curved piece of the memory curve M(eta), the tangential force of the flat punches up
     to the load eta. A field that was not asked for is NaN, or open, and takes no memory. Fields are
@@ -1604,8 +1604,9 @@ def _loop_integral_of(request: Request, path_answer: PathAnswer, loop_work: floa
 def _kernel_sums(
     request: Request, snapshot: Snapshot, answer_fields: _AnswerFields
 ) -> SumsOfKernels:
-    """What the error estimate of pressure, shear and slip needs: points, half-widths at all
-    instants, loads at a sample of them, the largest slip, and how many terms the sums have at most.
+    """Numbers from which the errors of pressure, shear and slip are estimated. They are the points,
+    half-widths at all instants, loads at a sample of them, the largest slip, and how many terms the
+    sums have at most.
 
     The memory curve M(eta) is the tangential force of the flat punches up to the load eta. Each
     straight piece of it adds its slope times the difference of a kernel at both its ends. A kernel
@@ -1728,11 +1729,13 @@ def _term_and_sentence_of_end(followed_path: LoadSeries | History) -> tuple[str,
 def _skipped_work(
     scene: Scene, followed_path: LoadSeries | History, path_answer: PathAnswer
 ) -> dict[str, tuple[int, str]]:
-    """Work that was not needed and not done, by name, with its count and the reason: cycles that
-    are copies of the steady one, and quadratures over times of full stick. `covered` has one entry
-    for each whole cycle of the answer, `cycles` the solved ones; `steady_from` is the first steady
-    one, None without one. `repeats` tells that cycles after it are copies. `cycles` of the scene is
-    the number of cycles that it states. `n_skipped_in_stick` counts those quadratures.
+    """Work that was not needed and not done, by name, with its count and the reason. That are
+    cycles that are copies of the steady one, and quadratures over times of full stick.
+
+    `covered` has one entry for each whole cycle of the answer, `cycles` the solved ones;
+    `steady_from` is the first steady one, None without one. `repeats` is whether cycles after it
+    are copies. `cycles` of the scene is the number of cycles that it states. `n_skipped_in_stick`
+    counts those quadratures.
     """
     skipped_work = {}
     n_copies = max(scene.cycles, len(followed_path.covered)) - len(followed_path.cycles)

@@ -407,7 +407,7 @@ def _density_of_last_cycle(
     question: Question, followed: _FollowedRig, fields: FieldsByDistance
 ) -> Array:
     """Friction work per area W(x) of the last cycle of a rig at the m points of the answer, (m,)
-    [energy per area]; NaN where the question does not want it.
+    [energy per area]. NaN where the question does not want it.
     """
     if not question.wants("dissipation_density"):
         return np.full(len(fields.distance_index), np.nan)
@@ -638,7 +638,8 @@ def _part_by_tilt_and_strain_on_grids(
     rig: RiggedScene, driven_path: DrivenPath, last_cycle: slice, reason: str
 ) -> TiltAndStrainPart:
     """Friction work that tilt and bulk strain of the finite bodies add in the last cycle of a rig
-    [energy per thickness]: a numerical solution on grids under the loads that were found.
+    [energy per thickness]. It comes from a numerical solution on grids under the loads that were
+    found.
 
     Used where the second order in tilt and strain does not hold. Where the contact slides as a
     whole, or grids cannot solve the loads, the work is left out, and `left_out` states why.
@@ -904,8 +905,9 @@ def _message(steady_from: int | None, scene: Scene) -> str:
 
 # ---------------------------------------------------------------------------------------- the words
 def _notes(followed: _FollowedRig, cycle_energy: _Energy) -> Iterator[str]:
-    """Sentences for the notes of the answer to a rig: where displacements are prescribed, which
-    effects are left out, how much of the motion the spring takes, gross sliding and separation.
+    """Sentences for the notes of the answer to a rig. They state where displacements are
+    prescribed, which effects are left out, how much of the motion the spring takes, gross sliding
+    and separation.
 
     `cycle_energy` has the relative errors by the name of the value, and what tilt and bulk strain
     of the bodies add to the friction work.

@@ -208,8 +208,9 @@ class GridAnswer:
         return {name: error for name, error in errors.items() if name in self.question.fields}
 
     def _note_of_grids(self, steady_cycle: Findings | None) -> str:
-        """The sentence that an answer by grids carries: numbers of cells across the contact and of
-        increments in a cycle, and how well the friction work W and the stick edges are known.
+        """The sentence that an answer by grids carries. It states the numbers of cells across the
+        contact and of increments in a cycle, and how well the friction work W and the stick edges
+        are known.
 
         With `steady_cycle`, the answer for that cycle by a method without grids, it states that W
         does not come from grids.

@@ -329,7 +329,7 @@ def _relative_roundoff(ellipses: Ellipses) -> Array:
     """Relative round-off of the largest friction work per area W(x) of each load ellipse, (m,).
 
     It is 1e-12, and more where the load P - P_c carried by the slip zones is small beside the
-    largest P = P0 + P1; P_c is the load at the stick edge. `slip_zone_load_scale` is the largest P
+    largest P = P0 + P1. P_c is the load at the stick edge. `slip_zone_load_scale` is the largest P
     - P_c of an ellipse to a factor of two.
     """
     slip_load = ellipses.slip_zone_load_scale
@@ -572,7 +572,7 @@ def _places_beside_kinks(
     kink_half_widths: Array, stick_edge: Array, largest_half_width: Array
 ) -> tuple[Array, Array]:
     """Places inside and outside each kink of the friction work per area W(x), in four distances
-    from it, (4, k, m) each: for k kinks of each of m load ellipses.
+    from it. (4, k, m) each, for k kinks of each of m load ellipses.
 
     The distances are fractions of the smaller part of the slip zone, from 0.03 to 0.00003 of it.
     The kinks are at `kink_half_widths` (k, m), in the slip zone from the edge of permanent stick to
@@ -1211,7 +1211,8 @@ def _maxima_of_members(members: Members) -> Array:
 
 def _works_on_table(ellipses: Ellipses, load_unit: Array) -> Array:
     """Friction work of forward and of reverse slip times pi E*/(2 f^2) [(force per thickness)^2],
-    and the error of their sum, (3, m), of steady load ellipses on flat and rounded faces.
+    and the error of their sum, (3, m). They are those of steady load ellipses on flat and rounded
+    faces.
 
     The kernel of the work, the integral of ln(a/a(P_c)) over the loads from P_c, that at the stick
     edge, to P, is read from tables. They hold loads over `load_unit` = E* b^2/R (m,), b half-length

@@ -80,7 +80,8 @@ class OneCurve:
 
     def values_over_time(self, time: Array, load: Array) -> dict[str, Array]:
         """Bulk stress of both bodies, tilt [rad], moment of the pressure, contact edges (n, 2) and
-        normal approach [length] at instants (n,) of a load path with bulk stress and tilt, by name.
+        normal approach [length], by name. They are at instants (n,) of a load path with bulk stress
+        and tilt.
 
         `load` (n,) is P there. Either the tilt or the moment is prescribed; the other follows from
         the contact. Bulk stress and tilt are 0 if not prescribed.
@@ -135,8 +136,9 @@ def strain_per_stress_of(materials: Materials) -> tuple[float, float]:
 
 def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
     """Contact and loads of a path with bulk strain eps and tilt alpha whose frictional state is one
-    memory curve: the tangential force, or the bulk strain, locked in up to each normal load. None
-    where it takes more than one curve.
+    memory curve. None where it takes more than one curve.
+
+    A memory curve is the tangential force, or the bulk strain, locked in up to each normal load.
 
     One curve is enough where alpha = alpha_0 + kappa P and eps = eps_0 + kappa Q with one kappa,
     and contact intervals are nested. At constant P large bulk strain has one curve as well, and so
@@ -449,7 +451,8 @@ class _AffineRelation(NamedTuple):
         cls, samples: Array, load_in_curve: Array, load_sizes: LoadSizes
     ) -> _AffineRelation:
         """The slope kappa of alpha = alpha_0 + kappa P and eps = eps_0 + kappa Q [1/(force per
-        thickness)], fitted to n samples of a load path, and whether both hold to round-off.
+        thickness)], fitted to n samples of a load path. Also whether both relations hold to
+        round-off.
 
         kappa is that of eps over Q where Q changes, else of alpha over P. A deviation from the
         lines that is round-off beside what moves an edge of contact, but above the round-off of the
@@ -1094,8 +1097,8 @@ def _load_samples_of_segment(
 
 
 def _times_of_samples(segment: LoadSegment, strain_per_stress: tuple[float, float]) -> Array:
-    """Ascending times (n,) in a segment of the load path at which its loads are sampled: both ends
-    and the middle of a straight one, 40 and more of a curved one.
+    """Ascending times (n,) in a segment of the load path at which its loads are sampled. They are
+    both ends and the middle of a straight segment, 40 and more times of a curved one.
 
     Turning points of P, Q and bulk strain are among them, so that the extreme loads and strains are
     sampled. The segment is straight if its bulk stresses, `bulk`, and its tilt and moment are, too.

@@ -500,7 +500,7 @@ class _HalfPlanePath:
 
     def first_rows(self, time: Array | None) -> PathRows:
         """First choice of the instants that cut the load path into straight steps, with P and Q
-        there: those at which half-plane theory was solved, and `time` if it is given.
+        there. They are those at which half-plane theory was solved, and `time` if it is given.
 
         Only two cycles are followed here; theory may have solved more. The instants of its last
         cycle, as a rule a steady one, are taken in both. A `time` after them is moved back by whole
@@ -1017,7 +1017,8 @@ class PointFields:
 
     def pressure(self, row_numbers: Indices) -> Array:
         """Contact pressure p at instants number `row_numbers` (n,), at the k points, (n, k)
-        [stress]: that of the profile plus that by the curvature which the bodies add to the gap.
+        [stress]. It is that of the profile plus that by the curvature which the bodies add to the
+        gap.
         """
         # followed_path: friction memory, loads, edges of contact and stick at all instants.
         followed_path = self._followed_path
@@ -1928,7 +1929,7 @@ def _states_by_edge_zone(
     followed_path: FollowedPath, distance: Array, row_numbers: Indices
 ) -> NDArray[np.int8]:
     """State of each point at |x| = `distance` (k,) at the rows of a followed path with these
-    numbers, (n, k), by the slip zone at the edge of contact alone.
+    numbers, (n, k). It follows from the slip zone at the edge of contact alone.
 
     All points are taken as in contact. Within the stick edges they stick. Elsewhere they slip
     forward or in reverse as the edge does, or stick where the edge sticks. `direction` of the path

@@ -75,7 +75,7 @@ class EllipseOfLoads:
         self, *, normal_factor: Array, tangential_factor: Array, constant: Array
     ) -> _Sinusoid:
         """Weighted sum of the loads over the cycle, `normal_factor` P + `tangential_factor` Q +
-        `constant`, as a sinusoid of the phase angle; (m, k) for k factors for each of m ellipses.
+        `constant`, as a sinusoid of the phase angle. (m, k) for k factors for each of m ellipses.
         """
         # Components along cos t and sin t; the constant part is the mean.
         tangential_part_amplitude = tangential_factor * self.tangential_amplitude
@@ -160,7 +160,7 @@ def cycle_of_punches(
     loads: EllipseOfLoads, curvatures: CurvatureColumns, profile_load: Array, parabola_load: Array
 ) -> CycleOfPunches:
     """Coulomb bounds of forward and of reverse slip of flat punches over a steady cycle, and the
-    normal load that is carried outside of each punch: (m, k), k punches under each of m ellipses.
+    normal load that is carried outside of each punch. (m, k): k punches under each of m ellipses.
 
         s B_s = s (Q - kt G) - f (P - eta - kn G),    s = +1 forward, -1 reverse
         kn = N P + N_Q Q,    kt = T Q + T_P P
@@ -402,8 +402,9 @@ def _edges_of_cycle(punches: _Punches) -> _EdgesOfCycle:
 
 
 def _works_of_forward_and_reverse_slip(punches: _Punches, edges: _EdgesOfCycle) -> Array:
-    """Friction work of forward and of reverse slip, times pi/A = pi E*/2, (2, m): the integral of
-    w(c) dc/c over the punches of half-width c from permanent stick to the largest contact.
+    """Friction work of forward and of reverse slip, times pi/A = pi E*/2, (2, m). It is the
+    integral of w(c) dc/c over the punches of half-width c from permanent stick to the largest
+    contact.
 
     w(c) is the work of a punch. Punches beyond the edge of the least contact open in a part of the
     cycle: w has a kink there, at which the range is divided. E* is the composite modulus, A = 2/E*.
