@@ -90,7 +90,7 @@ def answer_arrays(task: Task, problem: ContactProblem, run: PathRun) -> dict[str
     # n): open, stick or slip of the nodes at all instants, stored or not. `held_back` (2,): what
     # was added to the ends, as growing elements make the zones too small.
     surface_states = reported_states(problem, run.states, run.cycle_starts)
-    edges, permanent_stick, held_back = _edges_put_right(
+    edges, permanent_stick, held_back = _edges_corrected_for_growth(
         task, _edges_of_run(scene, problem, run, surface_states), x, series["normal_load"]
     )
     arrays = {
@@ -166,7 +166,7 @@ def _arrays_of_friction_work(
     }
 
 
-def _edges_put_right(
+def _edges_corrected_for_growth(
     task: Task,
     edges_and_permanent_stick: tuple[dict[str, Array], Edges],
     x: Array,
@@ -179,11 +179,11 @@ def _edges_put_right(
     Parameters
     ----------
     task
-        its scene, mesh settings, and scales, of which the half-width is the unit of length;
-        `spacing` is the distance of the nodes at the edges [length]
+        its scene and mesh settings; `scales.half_width` is the unit of length; `spacing` is the
+        distance of the nodes at the edges [length]
     edges_and_permanent_stick
-        edges of contact and stick at k instants by name, with their uncertainty, and ends of the
-        permanent stick zone, both over the half-width
+        both over the half-width. First a dictionary with edges of contact and stick at k instants,
+        and their uncertainty. Then the ends of the permanent stick zone
     x
         (n,) nodes in ascending order [length]
     normal_load
@@ -265,7 +265,8 @@ def _edges_of_run(
     problem
         the contact problem; its `interface.coupling` (slip by pressure) is None of like bodies
     run
-        contact states after all increments, and which k of them are stored in the solution
+        contact states after all increments, and which k of them are stored in the solution;
+        `contact_edges` and `stick_edges`: edges that the loads locate between two nodes, in batches
     surface_states
         (n_steps, n) open, stick or slip of the nodes after all increments
 
@@ -377,7 +378,7 @@ def _nodal_arrays(
     contact_states
         nodal forces and slip at the instants; scaled
     scales
-        what these are in: half-width, largest load P and modulus E*
+        units of the scaled values: contact half-width, largest load P and modulus E*
     """
     face_lengths = problem.interface.face_lengths * scales.half_width
     slip = np.stack([state.slip for state in contact_states])
@@ -395,11 +396,11 @@ def _nodal_arrays(
 
 
 def _loop_work(scene: Scene, run: PathRun) -> float:
-    """Closed integral of Q dU over the last revolution, with the work of bulk stress and tilt,
-    scaled; NaN where the path does not repeat or no revolution is steady.
+    """Closed integral of Q dU over the last load cycle, scaled; NaN where the path does not repeat
+    or no cycle is steady. Added is the work of shear in the slip that bulk stress causes.
 
     `run` holds that work of each increment ("loop_work"), and the index of the state at the start
-    of each revolution.
+    of each cycle.
     """
     if scene.load.path().period is None or run.steady_from is None:
         return float("nan")
@@ -614,11 +615,18 @@ def is_loaded_in_last_cycle(scene: Scene, time: Array, normal_load: Array) -> Ma
 
 
 def _permanent_stick(
-    scene: Scene, problem: ContactProblem, run: PathRun, surface_states: States, edges: Array
+    scene: Scene,
+    problem: ContactProblem,
+    run: PathRun,
+    surface_states: States,
+    stored_stick_edges: Array,
 ) -> Edges:
-    """Ends (2,) of the permanent stick zone, which sticks through the whole last cycle: by the slip
-    beyond it, or else the intersection of its stick zones, scaled; NaN if there is none. Ends that
-    slip or creep locates have an uncertainty, others NaN.
+    """Ends (2,) of the permanent stick zone, which sticks through the whole last cycle, scaled; NaN
+    if there is none.
+
+    An end is located by the slip of the nodes beyond it. Where slip does not locate it, it is the
+    end of the intersection of the stick zones at all instants of the cycle. Ends that slip or creep
+    locates have an uncertainty, others NaN.
 
     A path that does not repeat starts unloaded, where nothing touches, so that it has no such zone.
     Nodes that only creep belong to the zone too:
@@ -639,20 +647,20 @@ def _permanent_stick(
         contact states after all increments, and which k of them are stored in the solution
     surface_states
         (n_steps, n) open, stick or slip of the nodes after all increments
-    edges
+    stored_stick_edges
         (k, 2) stick edges of the stored instants, scaled
     """
-    no_edges = np.full(2, np.nan)
-    no_ends = Edges(no_edges, no_edges)
+    places_without_zone = np.full(2, np.nan)
+    ends_without_zone = Edges(places_without_zone, places_without_zone)
     time = np.array([state.time for state in run.states])
     normal_load = np.array([state.normal_load for state in run.states])
     is_in_cycle = is_loaded_in_last_cycle(scene, time, normal_load)
     if not is_in_cycle.any():  # no cycle, or the very first increment failed
-        return no_ends
+        return ends_without_zone
 
     x = problem.interface.x
-    common_zone = _common_stick_zone(scene, x, run, surface_states, edges, is_in_cycle)
-    permanent_zone = common_zone if common_zone[0] < common_zone[1] else no_edges
+    common_zone = _common_stick_zone(scene, x, run, surface_states, stored_stick_edges, is_in_cycle)
+    permanent_zone = common_zone if common_zone[0] < common_zone[1] else places_without_zone
 
     # Ends by the slip beyond the zone that creeps.
     creeping_edges, slip_ends = _creeping_and_slip_ends(scene, x, run, surface_states, is_in_cycle)
@@ -702,7 +710,7 @@ def _common_stick_zone(
     x: Array,
     run: PathRun,
     surface_states: States,
-    edges: Array,
+    stored_stick_edges: Array,
     is_in_cycle: Mask,
 ) -> Array:
     """Left and right end (2,) of the intersection of all stick zones of the last cycle, scaled; the
@@ -718,10 +726,10 @@ def _common_stick_zone(
     x
         (n,) places of the nodes
     run
-        which k of its instants are stored in the solution
+        `stored_indices` (k,) are the instants that are stored in the solution
     surface_states
         (n_steps, n) open, stick or slip of the nodes after all increments
-    edges
+    stored_stick_edges
         (k, 2) stick edges of the stored instants
     is_in_cycle
         (n_steps,) instants of the last cycle
@@ -735,7 +743,7 @@ def _common_stick_zone(
         stick_may_be_anywhere=scene.unsymmetric,
     )
     left_edges, right_edges = np.concatenate(
-        [edges[is_in_cycle[run.stored_indices]], zones_of_dropped]
+        [stored_stick_edges[is_in_cycle[run.stored_indices]], zones_of_dropped]
     ).T
     return np.array([left_edges.max(), right_edges.min()])
 
@@ -806,7 +814,7 @@ def _hold_permanent_stick(
     edges
         name -> edges of contact and stick, and their uncertainty, (k, 2) each; scaled
     permanent_edges
-        ends (2,) of the permanent stick zone (`places`), and their uncertainty
+        ends (2,) of the permanent stick zone (`places`), and their `uncertainty`
     zone
         the permanent stick zone by its nodes and by the loads: `places_by_load` (2,), NaN where no
         load locates an end; `turn_times`, instants at which slip turns at the left and right end
@@ -814,7 +822,7 @@ def _hold_permanent_stick(
         (k,) instants, and whether they are in the last cycle
     """
     stick_edges = edges["stick_edges"]
-    uncertainty = edges["stick_edge_uncertainty"]
+    uncertainty_of_stick_edges = edges["stick_edge_uncertainty"]
     is_located = np.isfinite(zone.places_by_load) & np.isfinite(permanent_edges.uncertainty)
     # left edges, of which the outermost is the smallest x, then right ones
     for column, outermost_place in enumerate((np.fmin, np.fmax)):
@@ -822,7 +830,7 @@ def _hold_permanent_stick(
             has_slip_zone = stick_edges[:, column] != edges["contact_edges"][:, column]
             is_turn = is_in_cycle & has_slip_zone & np.isin(time, zone.turn_times[column])
             stick_edges[is_turn, column] = permanent_edges.places[column]
-            uncertainty[is_turn, column] = permanent_edges.uncertainty[column]
+            uncertainty_of_stick_edges[is_turn, column] = permanent_edges.uncertainty[column]
         has_stick_zone = is_in_cycle & np.isfinite(stick_edges[:, column])
         stick_edges[has_stick_zone, column] = outermost_place(
             stick_edges[has_stick_zone, column], permanent_edges.places[column]
@@ -935,19 +943,19 @@ class PenaltyAudit:
         """
         if np.isinf(self.normal_stiffness) and np.isinf(self.tangential_stiffness):
             return None
-        stiffness = (
+        stiffness_text = (
             f"{self.normal_stiffness:.3g} normal and {self.tangential_stiffness:.3g} tangential"
             " [stress/length]"
         )
-        overlap = (
+        overlap_text = (
             f"{self.penetration:.2g} [length], {self.penetration_share:.1e} of the profile's rise"
             " over the contact"
         )
-        slip = f"{self.elastic_slip:.2g}, {self.elastic_slip_share:.1e} of the largest slip"
+        slip_text = f"{self.elastic_slip:.2g}, {self.elastic_slip_share:.1e} of the largest slip"
         return (
-            f"penalty layer, stiffness {stiffness}: the faces overlap by up to {overlap}; elastic"
-            f" slip up to {slip}; nodes that stick through the whole cycle creep by up to"
-            f" {self.creep:.2g}, {self.creep_share:.1e} of it"
+            f"penalty layer, stiffness {stiffness_text}: the faces overlap by up to"
+            f" {overlap_text}; elastic slip up to {slip_text}; nodes that stick through the whole"
+            f" cycle creep by up to {self.creep:.2g}, {self.creep_share:.1e} of it"
         )
 
 
@@ -1092,10 +1100,11 @@ def record_of(
     energies = {name: run.values_of_increments(name) for name in energy_names}
 
     checks = _checks_of_increments(run)
-    # Energy balance: external work = change of elastic energy + work at the interface.
+    # Energy balance: external work = change of elastic energy + work at the interface. Its
+    # imbalance is over the largest sum of external work since the start of the path.
     imbalance = np.abs(energies["external"] - energies["elastic"] - energies["interface"])
-    largest_work = np.max(np.abs(np.cumsum(energies["external"])), initial=1e-300)
-    checks["energy_balance"] = imbalance / largest_work
+    largest_accumulated_work = np.max(np.abs(np.cumsum(energies["external"])), initial=1e-300)
+    checks["energy_balance"] = imbalance / largest_accumulated_work
     work_unit = scales.load**2 / scales.modulus
     return Record(
         converged=run.failure is None,
@@ -1116,6 +1125,9 @@ def record_of(
 def _at_stored_instants(run: PathRun, reduction: np.ufunc, values: ArrayLike) -> Array:
     """(n_stored,) sum (`reduction` np.add) or maximum (np.maximum) of the values of the increments
     of a run since the stored instant before; 0 of the first one, the unloaded state. Read-only.
+
+    `values` has an entry for each increment; `run.stored_indices` are the indices of the stored
+    states.
     """
     values_at_instants = np.asarray(values)
     if len(values_at_instants):

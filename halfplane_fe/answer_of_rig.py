@@ -164,8 +164,8 @@ def _notes_of_slides(scene: Scene, friction: float, run: PathRun, scales: Scales
     if not slides:
         yield f"gross sliding: none in {span_text}"
     else:
-        slide_distance = sum(abs(slide.distance) for slide in slides) * displacement_unit
-        work = sum(slide.work for slide in slides) * scales.load * displacement_unit
+        total_distance = sum(abs(slide.distance) for slide in slides) * displacement_unit
+        friction_work = sum(slide.work for slide in slides) * scales.load * displacement_unit
         slides_in_words = "; ".join(
             _slide_in_words(slide, displacement_unit, length_unit)
             for slide in slides[:_MOST_SLIDES_NAMED]
@@ -176,9 +176,10 @@ def _notes_of_slides(scene: Scene, friction: float, run: PathRun, scales: Scales
             else ""
         )
         yield (
-            f"gross sliding: in {span_text} the bodies slide as a whole by {slide_distance:.6g}"
-            f" {length_unit}, which takes {work:.6g} {force_unit}·{length_unit}/{length_unit} of"
-            f" the dissipation: {slides_in_words}{rest_text}"
+            f"gross sliding: in {span_text} the bodies slide as a whole by {total_distance:.6g}"
+            f" {length_unit}, which takes {friction_work:.6g}"
+            f" {force_unit}·{length_unit}/{length_unit} of the dissipation: {slides_in_words}"
+            f"{rest_text}"
         )
 
     # Before it: up to two spells.

@@ -93,9 +93,9 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
         whether errors are of low order (linear elements, penalty layer), and whether kinks of
         pressure and slip bound the step error (records of like bodies)
     run
-        friction work of the nodes in each cycle, index of the state at the start of each, bounds of
-        each increment by name, and by cycle the work that edges of contact and stick add since they
-        move from node to node (`edge_excess_by_cycle`)
+        friction work of the nodes in each cycle, and index of the state at the start of each;
+        bounds of each increment by name. `edge_excess_by_cycle`: friction work that the mesh adds
+        in each cycle, since edges of contact and stick move from node to node
     """
     scene = task.scene
     if not needs_shear(scene):
@@ -139,8 +139,10 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
         step_uncertainty = _BENT * run.values_of_increments("kink_work")[first_increment:].sum()
     else:
         # _OF_BOUND: share of the bound that counts where edges are located
-        share = _OF_BOUND if edges_are_known else 1.0
-        step_uncertainty = share * run.values_of_increments("step_error")[first_increment:].sum()
+        share_of_bound = _OF_BOUND if edges_are_known else 1.0
+        step_uncertainty = (
+            share_of_bound * run.values_of_increments("step_error")[first_increment:].sum()
+        )
 
     # The part of the mesh is found over A f^2 P^2, and added in the unit of the run.
     return float(step_uncertainty) + friction_unit * uncertainty(
@@ -258,22 +260,26 @@ def _shares_of_turns(scene: Scene, arrays: Mapping[str, Any]) -> Array:
     return np.mean(shares, axis=0)
 
 
-def _is_out_of_phase(arrays: Mapping[str, Any], cycle: Indices) -> bool:
-    """Whether bulk stress or tilt varies in the steps of a cycle, and the path of all loads is no
-    straight line: its second singular value is more than round-off.
+def _is_out_of_phase(arrays: Mapping[str, Any], rows_of_cycle: Indices) -> bool:
+    """Whether bulk stress or tilt varies in a load cycle, and the path of all loads is no straight
+    line: its second singular value is more than round-off.
 
-    `arrays` has the loads by name, (n_steps,) each; `cycle` are the steps of the cycle.
+    `arrays` has the loads by name, (n_steps,) each; `rows_of_cycle` are the steps of the cycle.
     """
     # _IMPOSED: names of both bulk stresses and tilt
-    varying_names = [name for name in _IMPOSED if name in arrays and np.ptp(arrays[name][cycle])]
+    varying_names = [
+        name for name in _IMPOSED if name in arrays and np.ptp(arrays[name][rows_of_cycle])
+    ]
     if not varying_names:
         return False
     names = ("normal_load", "tangential_load", *varying_names)
-    loads = np.stack([arrays[name][cycle] / np.max(np.abs(arrays[name])) for name in names])
+    loads = np.stack([arrays[name][rows_of_cycle] / np.max(np.abs(arrays[name])) for name in names])
     loads_from_mean = loads - loads.mean(axis=1, keepdims=True)
-    largest_value, second_value, *_ = np.linalg.svd(loads_from_mean, compute_uv=False)
+    largest_singular_value, second_singular_value, *_ = np.linalg.svd(
+        loads_from_mean, compute_uv=False
+    )
     # _IN_PHASE: least share of a second direction that is not round-off
-    return bool(second_value > _IN_PHASE * largest_value)
+    return bool(second_singular_value > _IN_PHASE * largest_singular_value)
 
 
 def value_uncertainties(
@@ -312,7 +318,7 @@ def value_uncertainties(
     values_of_cycle = _values_beside_coarse_run(task, problem, run)
     estimates = _displacement_uncertainties(task, values_of_cycle, arrays)
     estimates["largest_slip"] = 0.0
-    estimates |= _norms_of_tractions(task, arrays)
+    estimates |= _traction_uncertainties(task, arrays)
 
     # Largest slip and largest friction work per area; 0 without shear.
     estimates["largest_dissipation_density"] = 0.0
@@ -364,7 +370,7 @@ def _density_uncertainty(
         fields and series of the solution by name, in the scene's units
     """
     density_error = density_uncertainty(arrays["x"], arrays["dissipation_density"])
-    change_from_coarse_run = _from_coarse_run(values_of_cycle, task.scales.values)
+    change_from_coarse_run = _density_change_from_coarse_run(values_of_cycle, task.scales.values)
     if not task.has_errors_of_low_order:
         refinement = task.scales.element / task.element
         # DENSITY_RULE: uncertainty from a difference of two meshes, with an error of order 1
@@ -385,12 +391,12 @@ def _half_width_uncertainty(scene: Scene, arrays: Mapping[str, Any]) -> float:
     """
     step_of_largest_contact = int(np.argmax(arrays["contact_half_width"]))
     edge_uncertainty = arrays["contact_edge_uncertainty"][step_of_largest_contact]
-    share = _OF_BOTH_EDGES if scene.bodies.half_planes else _OF_BOTH_EDGES_OF_BODIES
-    return share * float(np.mean(edge_uncertainty))
+    share_of_mean = _OF_BOTH_EDGES if scene.bodies.half_planes else _OF_BOTH_EDGES_OF_BODIES
+    return share_of_mean * float(np.mean(edge_uncertainty))
 
 
 def _displacement_uncertainties(
-    task: Task, values: RunValues, arrays: Mapping[str, Any]
+    task: Task, values_of_fine_run: RunValues, arrays: Mapping[str, Any]
 ) -> dict[str, float]:
     """Uncertainties of tangential displacement and normal approach by the mesh [length], by the
     names of both; NaN where there is no coarse run to compare with.
@@ -402,9 +408,10 @@ def _displacement_uncertainties(
     ----------
     task
         the scene, size of the elements at the edges over the half-width, and scales with that of
-        the coarse run (`scales.element`), its values, and E*
-    values
-        displacements of the fine run at the instants of a cycle
+        the coarse run (`scales.element`), its values
+        (`scales.values`), and E*
+    values_of_fine_run
+        displacements of the fine run at the instants of the load cycle that is compared
     arrays
         fields and series of the solution by name, in the scene's units
     """
@@ -413,7 +420,9 @@ def _displacement_uncertainties(
     meshes = Meshes(
         refinement=scales.element / task.element, has_low_order=task.has_errors_of_low_order
     )
-    estimates = displacement_uncertainties(values, scales.values, meshes, needs_shear(task.scene))
+    estimates = displacement_uncertainties(
+        values_of_fine_run, scales.values, meshes, needs_shear(task.scene)
+    )
     # (n_instants,) of the quadratic elements at the contact edges: two node distances
     element_sizes = 2 * _spacing_at_edges(arrays["x"], arrays["contact_edges"])
     for name, load in (
@@ -465,7 +474,7 @@ def _scaled_work(task: Task, arrays: Mapping[str, Any]) -> float:
     return float(arrays["dissipation"]) / (task.friction_unit * task.work_unit)
 
 
-def _norms_of_tractions(task: Task, arrays: Mapping[str, Any]) -> dict[str, float]:
+def _traction_uncertainties(task: Task, arrays: Mapping[str, Any]) -> dict[str, float]:
     """Relative uncertainties of pressure and shear in the L2 norm over x, at the worst instant of
     the last load cycle: "pressure" over the norm of p, "shear" over that of f p. Where the path
     does not repeat, all its instants under load count.
@@ -529,7 +538,7 @@ def _under_load(scene: Scene, arrays: Mapping[str, Any]) -> Mask:
     return np.asarray(arrays["normal_load"] > 0)
 
 
-def _from_coarse_run(values: RunValues, coarse_values: RunValues | None) -> float:
+def _density_change_from_coarse_run(values: RunValues, coarse_values: RunValues | None) -> float:
     """Difference of the largest friction work per area, W(x), from that of the coarse run [energy /
     area]; NaN without a coarse run, or where the values of both are not of comparable load cycles.
     """

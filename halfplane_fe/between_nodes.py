@@ -374,15 +374,15 @@ class EdgesByLoad(NamedTuple):
 
     @classmethod
     def nowhere(cls, n_instants: int) -> EdgesByLoad:
-        """A record of k instants at which no load locates an edge: -1 for nodes, NaN for places and
-        their uncertainty.
+        """Edges of k instants at none of which a load locates an edge: -1 for nodes, NaN for places
+        and their uncertainty.
         """
         shape = (n_instants, 2)
         return cls(np.full(shape, -1), np.full(shape, np.nan), np.full(shape, np.nan))
 
     @classmethod
     def joined(cls, parts: Sequence[EdgesByLoad]) -> EdgesByLoad:
-        """Edges at consecutive instants, from several records of such instants."""
+        """Edges at consecutive instants, from several objects with some of these instants."""
         return cls(*(np.concatenate(values) for values in zip(*parts, strict=True)))
 
     def at(self, rows: Indices | slice) -> EdgesByLoad:
@@ -403,7 +403,7 @@ class EdgesByLoad(NamedTuple):
 
     def put(self, row: int, last_node: int, edge: Edge, unevenness: Array, share: float) -> None:
         """Store the place and the uncertainty of an edge at one instant, in the arrays of this
-        record.
+        object.
 
         Parameters
         ----------
@@ -442,7 +442,7 @@ def contact_by_load(problem: ContactProblem, states: Sequence[InterfaceState]) -
         if not state.normal_load > 0:
             continue
         for side in (-1, 1):  # left and right of x = 0
-            nodes_inwards = _inwards(problem, state, side)  # closed ones, the outermost first
+            nodes_inwards = _closed_nodes_inwards(problem, state, side)  # the outermost first
             if len(nodes_inwards) < _CLOSED:
                 continue
             last_closed_node = int(nodes_inwards[0])
@@ -501,23 +501,27 @@ def stick_by_load(
     ):
         for side in (-1, 1):  # left and right of x = 0
             # last node that sticks, and number of nodes that the edge has passed since slip began
-            last_stuck_node, n_nodes_passed = _behind_slip_zone(problem, state, travel, side)
+            last_stuck_node, n_nodes_passed = _last_stuck_and_nodes_passed(
+                problem, state, travel, side
+            )
             if not n_nodes_passed:
                 passed_nodes[side] = PassedNodes()
                 continue
             if not _is_quadratic(problem, last_stuck_node + side):
                 continue
-            edge, unevenness = _placed_by_load(problem, state, travel, side, last_stuck_node)
+            edge, unevenness = _stick_edge_and_unevenness(
+                problem, state, travel, side, last_stuck_node
+            )
             # `is_moved`: a finite load takes it to the next node
             if edge.is_moved and _comes_to_limit(problem, state_before, state, edge):
-                share, passed_nodes[side] = _share_of_stick_edge(
+                share, passed_nodes[side] = _uncertainty_share_of_stick_edge(
                     problem, state, edge, unevenness, passed_nodes[side], n_nodes_passed
                 )
                 edges.put(row, last_stuck_node, edge, unevenness, share)
     return edges
 
 
-def _share_of_stick_edge(
+def _uncertainty_share_of_stick_edge(
     problem: ContactProblem,
     state: InterfaceState,
     edge: Edge,
@@ -547,26 +551,26 @@ def _share_of_stick_edge(
         edge, edge.next_node, unevenness
     )
     share_by_late_start = _share_by_late_start(unevenness[:-1])
-    passed = passed_before.followed_by(edge.next_node, n_nodes_passed).with_share(
+    passed_now = passed_before.followed_by(edge.next_node, n_nodes_passed).with_share(
         max(min(share_by_unevenness, 1.0), share_by_late_start)
     )
     # The uncertainty that the edge had as it met the sliding node fades linearly, to 0 where it
     # meets the next one; not where it has passed several nodes unseen.
     fading = 1 - edge.fraction_passed()
-    share_of_start = max(
+    share_left = max(
         share_by_late_start * fading,
-        passed.share_left * (1.0 if passed.has_passed_several else fading),
+        passed_now.share_left * (1.0 if passed_now.has_passed_several else fading),
     )
     # _BY_FEW_NODES: fitted share where slip began a single node away
-    share_by_begin = _BY_FEW_NODES / passed.n_nodes_since_jump(n_nodes_passed) ** 2
+    share_by_few_nodes = _BY_FEW_NODES / passed_now.n_nodes_since_jump(n_nodes_passed) ** 2
     share = share_at_nodes + math.hypot(
         share_by_middle,
-        share_by_begin,
+        share_by_few_nodes,
         # _BY_LEVERAGE: fitted share
         _BY_LEVERAGE * _leverage(problem, state, edge),
-        max(share_by_unevenness, share_of_start),
+        max(share_by_unevenness, share_left),
     )
-    return share, passed
+    return share, passed_now
 
 
 def _leverage(problem: ContactProblem, state: InterfaceState, edge: Edge) -> float:
@@ -588,7 +592,7 @@ def _leverage(problem: ContactProblem, state: InterfaceState, edge: Edge) -> flo
     edge
         of stick; `side` is 1 on the right of x = 0, -1 on the left
     """
-    last_closed_node = int(_inwards(problem, state, edge.side)[0])
+    last_closed_node = int(_closed_nodes_inwards(problem, state, edge.side)[0])
     if not 2 <= last_closed_node < len(state.gap) - 2:
         return 0.0
     rates_by_load = nodal_values(problem.rates(state.node_states, len(state.loads))[0])  # cached
@@ -597,8 +601,8 @@ def _leverage(problem: ContactProblem, state: InterfaceState, edge: Edge) -> flo
         return 0.0
     load_of_contact = contact_edge.load_between / contact_edge.spacing
     load_of_stick = edge.load_between / edge.spacing
-    share_of_way = abs(edge.place / contact_edge.place)
-    return problem.friction * load_of_contact / load_of_stick * share_of_way
+    ratio_of_places = abs(edge.place / contact_edge.place)
+    return problem.friction * load_of_contact / load_of_stick * ratio_of_places
 
 
 class PassedNodes(NamedTuple):
@@ -626,11 +630,12 @@ class PassedNodes(NamedTuple):
     has_passed_several: bool = False
 
     def followed_by(self, last_stuck_node: int, n_nodes_passed: int) -> PassedNodes:
-        """This record at the next instant, at which the edge moves towards the node
-        `last_stuck_node`; `n_nodes_passed` it has passed since slip began.
+        """The uncertainty at the next instant, at which the edge moves towards the node
+        `last_stuck_node`; `n_nodes_passed` is the number that it has passed since slip began.
 
-        Of how uncertain it was a part is left where it goes from one node to the next. All of it is
-        left where it passes several nodes in one increment, which no instant shows.
+        Where the edge goes from one node to the next, a part of its earlier uncertainty is left.
+        Where it passes several nodes in one increment, all of it is left: no instant shows how it
+        passed them.
         """
         if last_stuck_node == self.last_stuck_node:
             return self
@@ -647,8 +652,8 @@ class PassedNodes(NamedTuple):
         return PassedNodes(last_stuck_node, landing_node, 0.0, share_left, has_passed_several)
 
     def with_share(self, share: float) -> PassedNodes:
-        """This record at an instant at which the edge is uncertain by a `share` of the distance of
-        two nodes.
+        """The same with the uncertainty of a further instant, at which the edge is uncertain by a
+        `share` of the distance of two nodes.
         """
         return self._replace(largest_share=max(self.largest_share, share))
 
@@ -674,25 +679,25 @@ def _is_quadratic(problem: ContactProblem, node: int) -> bool:
 
 
 def _comes_to_limit(
-    problem: ContactProblem, before: InterfaceState, after: InterfaceState, edge: Edge
+    problem: ContactProblem, state_before: InterfaceState, state_after: InterfaceState, edge: Edge
 ) -> bool:
     """Whether the edge of stick goes inwards: the shear of the last node that sticks has come
-    nearer to the Coulomb limit from the contact state `before` to the state `after`.
+    nearer to the Coulomb limit from one contact state (`state_before`) to the next.
 
     `edge` is that of stick: its `node` slides, its `next_node` is the last one that sticks. The
     distance from the limit is f p - s q, s the sense of slip.
     """
-    sense = int(slip_sign(after.node_states[edge.node]))
+    sense = int(slip_sign(state_after.node_states[edge.node]))
     distance_before, distance_after = (
         force_to_limit(
             state.pressure[edge.next_node], state.shear[edge.next_node], sense, problem.friction
         )
-        for state in (before, after)
+        for state in (state_before, state_after)
     )
     return bool(distance_after < distance_before)
 
 
-def _inwards(problem: ContactProblem, state: InterfaceState, side: int) -> Indices:
+def _closed_nodes_inwards(problem: ContactProblem, state: InterfaceState, side: int) -> Indices:
     """Numbers of the nodes that touch on one side of x = 0 (1 right, -1 left), from the outermost
     one inwards.
     """
@@ -700,7 +705,7 @@ def _inwards(problem: ContactProblem, state: InterfaceState, side: int) -> Indic
     return np.flatnonzero(is_on_side)[::-side]
 
 
-def _behind_slip_zone(
+def _last_stuck_and_nodes_passed(
     problem: ContactProblem, state: InterfaceState, travel: Array, side: int
 ) -> tuple[int, int]:
     """The last node that sticks behind the outermost slip zone on one side of x = 0, and how many
@@ -720,7 +725,7 @@ def _behind_slip_zone(
     side
         1 on the right of x = 0, -1 on the left
     """
-    nodes_inwards = _inwards(problem, state, side)  # those that touch, the outermost first
+    nodes_inwards = _closed_nodes_inwards(problem, state, side)  # the outermost first
     is_sliding = slip_sign(state.node_states[nodes_inwards]) != 0
     if not is_sliding.any():
         return -1, 0
@@ -740,7 +745,7 @@ def _behind_slip_zone(
     return int(nodes_inwards[first_stuck_position]), first_stuck_position - farthest_position
 
 
-def _placed_by_load(
+def _stick_edge_and_unevenness(
     problem: ContactProblem, state: InterfaceState, travel: Array, side: int, last_stuck: int
 ) -> tuple[Edge, Array]:
     """The stick edge that slip takes inwards to the node `last_stuck`, and how unevenly a load
@@ -1073,20 +1078,20 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
 
     slip = np.stack([state.slip for state in states])
     sticks_all_along = _sticks_all_along(states, slip)
-    stick_zone = np.flatnonzero(sticks_all_along)
+    nodes_of_stick_zone = np.flatnonzero(sticks_all_along)
     # _ZONE: three nodes, fewest of a zone
-    if len(stick_zone) < _ZONE or np.diff(stick_zone).max() > 1:
+    if len(nodes_of_stick_zone) < _ZONE or np.diff(nodes_of_stick_zone).max() > 1:
         return no_excess
 
     # Excess work at the edges of stick and of contact, on the right and on the left.
     stick_edges: dict[int, _StickEdgeAtTurns] = {}  # by the side, 1 or -1
     works_at_contact_edges: list[_ExcessWork] = []
     for side in (1, -1):
-        stick_edge = _at_stick_edge(problem, states, slip, sticks_all_along, side)
+        stick_edge = _stick_edge_at_turns(problem, states, slip, sticks_all_along, side)
         if stick_edge is None:
             continue
         stick_edges[side] = stick_edge
-        work_at_contact_edge = _at_contact_edge(problem, states, slip, side)
+        work_at_contact_edge = _excess_at_contact_edge(problem, states, slip, side)
         if work_at_contact_edge is not None:
             works_at_contact_edges.append(work_at_contact_edge)
 
@@ -1103,7 +1108,7 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
         rms=rms_of_all,
         edges=len(works_at_edges),
         is_unplaced=not works_at_edges,
-        stick_zone=_stick_zone(problem, sticks_all_along, stick_edges),
+        stick_zone=_permanent_stick_zone(problem, sticks_all_along, stick_edges),
     )
 
 
@@ -1119,7 +1124,7 @@ def _sticks_all_along(states: Sequence[InterfaceState], slip: Array) -> Mask:
     return np.asarray(is_closed.all(axis=0) & (slip_range <= _STUCK * largest_range))
 
 
-def _stick_zone(
+def _permanent_stick_zone(
     problem: ContactProblem, is_always_stuck: Mask, stick_edges: Mapping[int, _StickEdgeAtTurns]
 ) -> StickZone:
     """Left and right end of the permanent stick zone of a load cycle, scaled: places of each when
@@ -1171,8 +1176,18 @@ class _ExcessWork(NamedTuple):
 
 
 class _StickEdgeAtTurns(NamedTuple):
-    """An edge of permanent stick at the turning points of slip: the excess work by its place, that
-    place, how far it may be from the true one by the mesh, and the instants at the turning points.
+    """An edge of permanent stick at the turning points of slip; scaled.
+
+    Attributes
+    ----------
+    excess
+        friction work of the cycle in excess of the true one, because the edge is between two nodes
+    place
+        x of the edge, the mean of both turning points
+    uncertainty
+        how far this may be from the true place, by the mesh
+    turn_times
+        instants at the turning points
     """
 
     excess: _ExcessWork
@@ -1196,7 +1211,7 @@ class _StickEdgeAtTurns(NamedTuple):
         return cls(excess, place, uncertainty, turn_times)
 
 
-def _at_stick_edge(
+def _stick_edge_at_turns(
     problem: ContactProblem,
     states: Sequence[InterfaceState],
     slip: Array,
@@ -1362,8 +1377,16 @@ class _TurnsOfNode(NamedTuple):
 
 
 class _EdgeAtTurn(NamedTuple):
-    """An edge of stick located by the load between two nodes, its corrected place, and how far this
-    may be from the true one by the mesh; scaled.
+    """An edge of stick at one turning point of slip; scaled.
+
+    Attributes
+    ----------
+    edge
+        located by the load between two nodes
+    place
+        its x, corrected beyond mid-side nodes
+    uncertainty
+        how far this may be from the true place, by the mesh
     """
 
     edge: Edge
@@ -1470,7 +1493,7 @@ def _excess_at_turn(
     return _ExcessWork(-work_of_unit_excess * excess_at_place, abs(work_of_unit_excess) * _RMS)
 
 
-def _at_contact_edge(
+def _excess_at_contact_edge(
     problem: ContactProblem, states: Sequence[InterfaceState], slip: Array, side: int
 ) -> _ExcessWork | None:
     """Excess friction work of a load cycle by the place of the contact edge between two nodes, on
@@ -1621,7 +1644,10 @@ def _load_to(distance: float, rate: float) -> float:
 
 
 def _change_of_rates(
-    rates: Callable[[States], Array], state: States, nodes: tuple[int, ...], earlier_label: int
+    rates: Callable[[States], Array],
+    node_states: States,
+    nodes: tuple[int, ...],
+    earlier_state: int,
 ) -> Array:
     """Change (n,) of the derivatives of a nodal quantity by the load, when a node touches or starts
     to slide.
@@ -1632,22 +1658,22 @@ def _change_of_rates(
     ----------
     rates
         function from the states of the nodes (n,) to the derivatives (n,)
-    state
+    node_states
         (n,) open, stick or slip of the nodes, after the change
     nodes
         the node that changed, and if there is one, the other that did so with it
-    earlier_label
+    earlier_state
         state of these nodes before the change: open or stick
     """
     node, *second_node = nodes
     changes = []
     # the second node changes before the first one, or after it
     for nodes_not_changed_yet in {(), tuple(second_node)}:
-        state_after = state.copy()
-        state_after[list(nodes_not_changed_yet)] = earlier_label
-        state_before = state_after.copy()
-        state_before[node] = earlier_label
-        changes.append(rates(state_after) - rates(state_before))
+        states_after = node_states.copy()
+        states_after[list(nodes_not_changed_yet)] = earlier_state
+        states_before = states_after.copy()
+        states_before[node] = earlier_state
+        changes.append(rates(states_after) - rates(states_before))
     return np.asarray(sum(changes) / len(changes))
 
 

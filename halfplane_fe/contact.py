@@ -180,15 +180,16 @@ class _ChangeByStates(NamedTuple):
     ----------
     start_state
         state of the contact before the increment
-    states
-        new ones of the nodes, as bytes
-    values
-        (3 + 4 n,), or 0 where nothing changes
+    new_node_states
+        open, stick or slip of the n nodes after the change, as bytes
+    change_of_values
+        (3 + 4 n,) of approach, shift and tilt, then slip, p, q and gap of the nodes; the number 0
+        where nothing changes
     """
 
     start_state: InterfaceState
-    states: bytes
-    values: Array | float
+    new_node_states: bytes
+    change_of_values: Array | float
 
 
 class _Outcome(NamedTuple):
@@ -199,7 +200,7 @@ class _Outcome(NamedTuple):
     state
         of the contact after the increment; None where the states of the nodes did not converge
     iterations
-        number of them, of the active set, or of turns between pressure and shear
+        number of iterations of the active set, or of turns between pressure and shear
     n_changing
         number of nodes that still changed their state at the end
     """
@@ -210,8 +211,7 @@ class _Outcome(NamedTuple):
 
 
 class _PressureOfTurn(NamedTuple):
-    """Solution of the contact without friction at known shear, in one turn between pressure and
-    shear; n nodes, scaled.
+    """Pressure at known shear, as one turn between pressure and shear begins; n nodes, scaled.
 
     Attributes
     ----------
@@ -478,11 +478,15 @@ class ContactProblem:
         """Equilibrium of the contact under new loads, one increment after a known state: every node
         is open, sticks, or slips by Coulomb's law.
 
-        By default three methods are tried one after the other: active set (semismooth Newton) from
-        the expected states of the nodes, active set from those before the increment, then, with
-        shear or a given moment, pressure and shear by turns. Where `method` is the penalty or the
-        augmented Lagrangian, the return mapping (trial tractions are mapped back into the Coulomb
-        limit) alone is tried.
+        By default three methods are tried one after the other:
+
+        - active set (semismooth Newton) from the expected states of the nodes;
+        - active set from their states before the increment;
+        - with shear or a given moment: pressure at known shear, then shear at known pressure, by
+          turns.
+
+        Where `method` is the penalty or the augmented Lagrangian, the return mapping alone is
+        tried. It projects trial tractions onto p >= 0 and |q| <= f p.
 
         Parameters
         ----------
@@ -498,8 +502,8 @@ class ContactProblem:
         Returns
         -------
         state, iterations
-            The new state, and the number of iterations: sets of node states, turns between pressure
-            and shear, or Newton steps.
+            The new state, and the number of iterations. Counted are sets of node states and turns
+            between pressure and shear, or Newton steps of the return mapping.
 
         Raises
         ------
@@ -542,8 +546,10 @@ class ContactProblem:
             )
             iterations += more_iterations
         if state is None and (self.has_shear or self.has_given_moment):
-            state, turns, n_changing = self._alternate_pressure_and_shear(start_state, time, loads)
-            iterations += turns
+            state, n_turns, n_changing = self._alternate_pressure_and_shear(
+                start_state, time, loads
+            )
+            iterations += n_turns
 
         self.work_counts["contact iterations"] += iterations
         if state is None:
@@ -570,7 +576,7 @@ class ContactProblem:
         self, start_state: InterfaceState, time: float, loads: tuple[float, ...]
     ) -> tuple[InterfaceState, int]:
         """Equilibrium of the contact one increment after `start_state`, and its Newton steps, by
-        return mapping: trial tractions are mapped back into the Coulomb limit.
+        return mapping: trial tractions are projected onto p >= 0 and |q| <= f p.
 
         It serves the penalty method and the augmented Lagrangian. `time` and `loads` (P and Q, or
         also both bulk stresses, and the tilt or the moment) are those at the end of the increment,
@@ -748,9 +754,9 @@ class ContactProblem:
         if (
             latest_change is not None
             and latest_change.start_state is start_state
-            and latest_change.states == states_key
+            and latest_change.new_node_states == states_key
         ):
-            return latest_change.values
+            return latest_change.change_of_values
 
         # What the new equations of the nodes miss in `start_state`: p or gap, and q - (+-f) p, if
         # that is more than round-off, 1e-15 in scaled variables.
@@ -766,16 +772,16 @@ class ContactProblem:
 
         # Change of the values that removes it: the last row of the solutions, after one row for
         # each load, which are rates that the cache may lack.
-        value_changes: Array | float = 0.0
+        change_of_values: Array | float = 0.0
         if len(equation_numbers):
-            solution_vectors = self._systems.value_derivatives(
+            rates_and_change = self._systems.value_derivatives(
                 node_states, len(start_state.loads), equation_numbers, -residual[equation_numbers]
             )
-            value_changes = solution_vectors[-1]
+            change_of_values = rates_and_change[-1]
             if states_key not in self._rates:
-                self._store_rates(node_states, solution_vectors[:-1].copy())
-        self._latest_change = _ChangeByStates(start_state, states_key, value_changes)
-        return value_changes
+                self._store_rates(node_states, rates_and_change[:-1].copy())
+        self._latest_change = _ChangeByStates(start_state, states_key, change_of_values)
+        return change_of_values
 
     def _solve_by_active_set(
         self,
@@ -830,8 +836,8 @@ class ContactProblem:
         self, start_state: InterfaceState, time: float, loads: tuple[float, ...]
     ) -> _Outcome:
         """One increment from `start_state` to `time` and `loads`, by turns: pressure at known
-        shear, then shear at known pressure. It serves where the active-set method goes round in
-        circles.
+        shear, then shear at known pressure. It serves where the active-set method returns to sets
+        of node states that it had before.
 
         Both problems are convex, and coupling times friction is small, so that the turns converge.
         Each turn gives states of the nodes. As soon as the solution of all equations for these

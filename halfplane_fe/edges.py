@@ -126,7 +126,7 @@ class StickEdges(NamedTuple):
     places
         (k, 2) left and right; NaN where nothing sticks [length]
     misfit
-        (k, 2) of the fit of each, `_Line.misfit`; 0 where it is not fitted [length]
+        (k, 2) of the fit of each, `_FittedLines.misfit`; 0 where it is not fitted [length]
     by_states
         (k, 2) the same ends by the states of the nodes alone
     """
@@ -221,12 +221,13 @@ def contact_edges(x: Array, pressure: Array, gap: Array, is_closed: Mask, modulu
     edges = np.empty((len(is_closed), 2))
     # Each side is read outwards: the left one (column 0, sign -1) reflected, so that its x grow.
     for side in _sides(x):
-        p, g, is_in_contact = side.outwards(pressure, gap, is_closed)
-        last_node = _last(is_in_contact)  # (k,) outermost node that touches
+        side_pressure, side_gap, is_in_contact = side.outwards(pressure, gap, is_closed)
+        last_node = _outermost_in_contact(is_in_contact)  # (k,) outermost node that touches
         next_node = np.minimum(last_node + 1, len(x) - 1)
         distance = side.x[next_node] - side.x[last_node]
-        pressure_of_last_node = _pick(p, last_node)  # (k,), of each instant at its own node
-        gap_of_next_node = _pick(g, next_node)
+        # (k,), of each instant at its own node
+        pressure_of_last_node = _value_at_node(side_pressure, last_node)
+        gap_of_next_node = _value_at_node(side_gap, next_node)
 
         # t, by the real root of the cubic
         has_form = (distance > 0) & (pressure_of_last_node > 0) & (gap_of_next_node > 0)
@@ -261,14 +262,16 @@ def _contact_uncertainty(answer: NodalAnswer, contact: Array) -> Array:
     # Each side is read outwards: the left one (column 0, sign -1) reflected, so that its x grow.
     for side in _sides(answer.x):
         side_pressure, is_in_contact = side.outwards(answer.pressure[rows], answer.is_closed[rows])
-        last_node = _last(is_in_contact)  # outermost node that touches
-        edge = side.sign * contact[rows, side.column]
+        last_node = _outermost_in_contact(is_in_contact)  # outermost node that touches
+        edge_by_form = side.sign * contact[rows, side.column]
         # no zero counts as farther away than the innermost of the five nodes
         farthest_zero = side.x[last_node - _EXTRAPOLATED]
-        zero_place = _line_through_squares(side.x, side_pressure, last_node, _EXTRAPOLATED).zero
+        zero_place = _lines_through_squares(side.x, side_pressure, last_node, _EXTRAPOLATED).zero
         zero_place = np.where(np.isnan(zero_place), farthest_zero, zero_place)
-        distance_to_zero = np.minimum(np.abs(zero_place - edge), np.abs(farthest_zero - edge))
-        spacing = _spacing(side.x, last_node)  # the larger distance from a neighbour
+        distance_to_zero = np.minimum(
+            np.abs(zero_place - edge_by_form), np.abs(farthest_zero - edge_by_form)
+        )
+        spacing = _larger_spacing(side.x, last_node)  # the larger distance from a neighbour
         # _SHARE, _BY_ZERO: fitted factors
         uncertainty[rows, side.column] = _SHARE * spacing + _BY_ZERO * distance_to_zero
     return uncertainty
@@ -310,7 +313,9 @@ def stick_edges(
     for side in _sides(x):
         is_stuck, is_in_contact = side.outwards(is_sticking, is_closed)
         # (k, n) closed nodes on this side of the middle of the contact, or of the sticking nodes
-        nodes_of_side = _half(side, is_in_contact, is_stuck if stick_may_be_anywhere else None)
+        nodes_of_side = _closed_nodes_of_side(
+            side, is_in_contact, is_stuck if stick_may_be_anywhere else None
+        )
         # last node of the stick zone, and numbers of nodes of that zone and of the side, (k,)
         last_node, n_sticking_nodes, n_nodes_of_side = _last_sticking(is_stuck, nodes_of_side)
         a_side_has_no_stick |= (n_sticking_nodes == 0) & (n_nodes_of_side > 0)
@@ -353,7 +358,9 @@ def fitted_stick_edges(answer: NodalAnswer, contact: Array, friction: float) -> 
     for side in _sides(answer.x):
         # Instants with a slip zone on this side, and more than seven nodes of the stick zone.
         is_stuck, is_in_contact = side.outwards(answer.is_stuck, answer.is_closed)
-        is_in_half = _half(side, is_in_contact, is_stuck if answer.stick_may_be_anywhere else None)
+        is_in_half = _closed_nodes_of_side(
+            side, is_in_contact, is_stuck if answer.stick_may_be_anywhere else None
+        )
         last_node, n_sticking_nodes, n_nodes_in_half = _last_sticking(is_stuck, is_in_half)
         has_slip_zone = np.isfinite(edges[:, side.column]) & (n_sticking_nodes < n_nodes_in_half)
         # _FITTED: numbers of nodes of two fits, seven and four
@@ -363,7 +370,7 @@ def fitted_stick_edges(answer: NodalAnswer, contact: Array, friction: float) -> 
 
         # f p - s q, s the sense of slip beyond the edge; its square falls to zero there.
         pressure, shear = side.outwards(answer.pressure[rows], answer.shear[rows])
-        sense_beyond_edge = np.sign(_pick(shear, last_node[rows] + 1))[:, None]
+        sense_beyond_edge = np.sign(_value_at_node(shear, last_node[rows] + 1))[:, None]
         force_to_coulomb_limit = force_to_limit(pressure, shear, sense_beyond_edge, friction)
         fit = _fitted_stick_edge(side.x, force_to_coulomb_limit, last_node[rows])
         # nothing sticks beyond the contact: a fit gone wrong
@@ -470,7 +477,7 @@ def _spacing_around(x: Array, edges: Array) -> Array:
     next_node = np.clip(np.searchsorted(x, edges), 1, len(x) - 1)  # NaN comes last
     previous_node = next_node - 1
     before_is_nearer = np.abs(x[previous_node] - edges) <= np.abs(x[next_node] - edges)
-    return _spacing(x, np.where(before_is_nearer, previous_node, next_node))
+    return _larger_spacing(x, np.where(before_is_nearer, previous_node, next_node))
 
 
 def _nodes_beyond_edges(answer: NodalAnswer, edges: Array) -> Indices:
@@ -483,7 +490,9 @@ def _nodes_beyond_edges(answer: NodalAnswer, edges: Array) -> Indices:
     # Each side is read outwards: the left one (column 0, sign -1) reflected, so that its x grow.
     for side in _sides(answer.x):
         is_in_contact, is_stuck = side.outwards(answer.is_closed, answer.is_stuck)
-        is_in_half = _half(side, is_in_contact, is_stuck if answer.stick_may_be_anywhere else None)
+        is_in_half = _closed_nodes_of_side(
+            side, is_in_contact, is_stuck if answer.stick_may_be_anywhere else None
+        )
         is_beyond_edge = side.x > side.sign * edges[:, [side.column]]
         n_nodes_beyond_edge[:, side.column] = np.count_nonzero(is_in_half & is_beyond_edge, axis=1)
     return n_nodes_beyond_edge
@@ -517,8 +526,8 @@ def held_back_by_growth(
         (..., 2) distance of the nodes around each edge [length]
     """
     outwards = np.array([-1.0, 1.0])
-    way_by_stiffness = _LOAD_LACKED * np.sign(places) * contact.way_by_load(np.abs(places))
-    return np.asarray(growth**3 * (way_by_stiffness + outwards * _NODES_LACKED * spacing))
+    distance_by_stiffness = _LOAD_LACKED * np.sign(places) * contact.way_by_load(np.abs(places))
+    return np.asarray(growth**3 * (distance_by_stiffness + outwards * _NODES_LACKED * spacing))
 
 
 def uncertainty_by_growth(growth: float, spacing: Array) -> Array:
@@ -713,17 +722,17 @@ def _sides(x: Array) -> tuple[_Side, _Side]:
     return _Side(0, -1.0, -x[::-1]), _Side(1, 1.0, x)
 
 
-def _pick(rows: NDArray, index: Indices) -> NDArray:
+def _value_at_node(rows: NDArray, index: Indices) -> NDArray:
     """Of each of k rows (k, n) the value at its own node, (k,); `index` (k,) are the nodes."""
     return rows[np.arange(len(rows)), index]
 
 
-def _last(in_contact: Mask) -> Indices:
+def _outermost_in_contact(in_contact: Mask) -> Indices:
     """Outermost node of each row that is in contact, (k,); `in_contact` (k, n), read outwards."""
     return np.asarray(in_contact.shape[1] - 1 - np.argmax(in_contact[:, ::-1], axis=1))
 
 
-def _half(side: _Side, is_closed: Mask, is_stuck: Mask | None = None) -> Mask:
+def _closed_nodes_of_side(side: _Side, is_closed: Mask, is_stuck: Mask | None = None) -> Mask:
     """Closed nodes on one side of the middle of the contact, outwards of it, a mask (k, n); one in
     the middle belongs to the right side.
 
@@ -739,7 +748,7 @@ def _half(side: _Side, is_closed: Mask, is_stuck: Mask | None = None) -> Mask:
     """
     is_right = side.sign > 0
     first_x = side.x[np.argmax(is_closed, axis=1)]  # of the first and the last closed node
-    last_x = side.x[_last(is_closed)]
+    last_x = side.x[_outermost_in_contact(is_closed)]
     middle = ((first_x + last_x) / 2)[:, None]
     if is_stuck is not None:
         sticks_in_contact = is_stuck & is_closed
@@ -769,64 +778,70 @@ def _last_sticking(is_stuck: Mask, is_in_half: Mask) -> tuple[Indices, Indices, 
     )
     last_node: Indices = is_in_half.shape[1] - 1 - np.argmin(n_misplaced[:, ::-1], axis=1)
     n_sticking_nodes: Indices = np.where(
-        _pick(n_misplaced, last_node) <= 0, _pick(n_nodes_up_to_node, last_node), 0
+        _value_at_node(n_misplaced, last_node) <= 0,
+        _value_at_node(n_nodes_up_to_node, last_node),
+        0,
     )
     return last_node, n_sticking_nodes, n_nodes_up_to_node[:, -1].astype(np.int64)
 
 
-def _spacing(x: Array, node: Indices) -> Array:
+def _larger_spacing(x: Array, node: Indices) -> Array:
     """The larger distance of nodes from their neighbours; x (n,) ascending, `node` of any shape."""
     distances = np.concatenate([[0.0], np.diff(x), [0.0]])
     return np.maximum(distances[node], distances[node + 1])
 
 
-class _Line(NamedTuple):
-    """Straight lines through the squares of values.
+class _FittedLines(NamedTuple):
+    """Zeros and misfits of straight lines that were fitted to the squares of nodal values, one line
+    for each of k instants.
 
     Attributes
     ----------
     zero
-        (k,) places x where they are zero, NaN unless they fall [length]
+        (k,) place x at which each line is zero; NaN where it does not fall outwards [length]
     misfit
-        (k,) root mean square by which the squares stand off, over the slope [length]
+        (k,) root mean square distance of the squares from each line, over its slope [length]
     """
 
     zero: Array
     misfit: Array
 
 
-def _line_through_squares(x_out: Array, values: Array, last_node: Indices, count: int) -> _Line:
+def _lines_through_squares(
+    outward_x: Array, values: Array, last_node: Indices, count: int
+) -> _FittedLines:
     """Straight lines fitted to the squares of `values` (k, n) at `count` nodes before the last, one
-    for each of k rows: where they are zero, and how far the squares stand off them (root mean
-    square, over the slope), both as lengths; NaN where a line does not fall.
+    for each of k instants: the place where each is zero, and its misfit, both as lengths. The
+    misfit is the root mean square distance of the squares from the line, over its slope. Both are
+    NaN where a line does not fall outwards.
 
-    `x_out` (n,) are the nodes, read outwards, `last_node` (k,) the last one of each row.
+    `outward_x` (n,) are the nodes, read outwards, `last_node` (k,) the last one at each instant.
     """
     nodes = last_node[:, None] - np.arange(1, count + 1)
-    distance = x_out[nodes] - x_out[last_node][:, None]
+    distance = outward_x[nodes] - outward_x[last_node][:, None]
     squares = np.take_along_axis(values, nodes, axis=1) ** 2
     mean_distance = distance.mean(axis=1, keepdims=True)
     mean_square = squares.mean(axis=1, keepdims=True)
     distance_from_mean = distance - mean_distance
     slope = (distance_from_mean * squares).sum(axis=1) / (distance_from_mean**2).sum(axis=1)
     falling_slope = np.where(slope < 0, slope, np.nan)
-    zero_point = x_out[last_node] + mean_distance[:, 0] - mean_square[:, 0] / falling_slope
+    zero_point = outward_x[last_node] + mean_distance[:, 0] - mean_square[:, 0] / falling_slope
     residual = squares - mean_square - slope[:, None] * distance_from_mean
     misfit = np.sqrt(np.mean(residual**2, axis=1)) / -falling_slope
-    return _Line(zero_point, misfit)
+    return _FittedLines(zero_point, misfit)
 
 
 class _StickFit(NamedTuple):
-    """Edges of the stick zone on one side from the shear inside it.
+    """Edges of the stick zone on one side at k instants, from the shear inside it.
 
     Attributes
     ----------
     edge, misfit
         (k,) zero of the straight line, and its misfit [length]
     agrees
-        (k,) whether it is one: False where the squares do not fall towards the edge, where a line
-        through four of the nodes has another zero (an older stick edge is near), or where the zero
-        is not near the last node
+        (k,) whether this zero counts as an edge. It does not where the squares do not fall towards
+        the edge, or where the zero is not near the last node. Nor does it where a line through four
+        of the nodes has another zero: an older stick edge is near
     """
 
     edge: Array
@@ -834,29 +849,29 @@ class _StickFit(NamedTuple):
     agrees: Mask
 
 
-def _fitted_stick_edge(x_out: Array, to_limit: Array, last_node: Indices) -> _StickFit:
+def _fitted_stick_edge(outward_x: Array, stress_to_limit: Array, last_node: Indices) -> _StickFit:
     """Edge of the stick zone on one side at k instants: the zero of a straight line through the
     squares of f p -+ q at seven nodes, since this falls to zero as the square root of the distance.
 
-    Returned too are how far the squares stand off the line, as a length, and whether the line is
-    accepted: one through four of these nodes has a zero within a tenth of an element, and the zero
-    is no farther than an element from the last node.
+    Returned too are the misfit of the line, as a length, and whether its zero is accepted. Two
+    conditions hold then. A line through four of these nodes has its zero within a tenth of an
+    element. The zero is no farther than an element from the last node.
 
     Parameters
     ----------
-    x_out
+    outward_x
         (n,) nodes, read outwards: of the left side x with the opposite sign
-    to_limit
+    stress_to_limit
         (k, n) what the shear in the sense of the slip beyond the edge lacks of f p [stress]
     last_node
         (k,) last node of the stick zone by its states, at least seven nodes before it
     """
     # distance of two nodes: an element of order 2
-    element_size = x_out[last_node] - x_out[last_node - 2]
+    element_size = outward_x[last_node] - outward_x[last_node - 2]
     # _FITTED: numbers of nodes of two fits, seven and four
     line, line_of_fewer = (
-        _line_through_squares(x_out, to_limit, last_node, count) for count in _FITTED
+        _lines_through_squares(outward_x, stress_to_limit, last_node, count) for count in _FITTED
     )
     agrees = np.abs(line.zero - line_of_fewer.zero) <= _AGREE * element_size
-    is_near = np.abs(line.zero - x_out[last_node]) <= element_size
+    is_near = np.abs(line.zero - outward_x[last_node]) <= element_size
     return _StickFit(line.zero, line.misfit, agrees & is_near)

@@ -873,11 +873,14 @@ def _tension_response_and_error(
     elimination: _Elimination, loads: _SubspaceLoads, compliance: Array
 ) -> tuple[Array, float]:
     """Displacement (k,) of the contact by a unit of tension on the ends of a body, and the relative
-    error of the `compliance` (k, k): the largest of four tests.
+    error of the `compliance` (k, k): the largest of four relative errors.
 
-    Residuals of the mesh's equations under a random load on the contact, and under tension;
-    displacement by the compliance against that of the mesh; reciprocity of both loads (Betti). As
-    in the compliance, the work of the half-plane's tractions on the arc is subtracted.
+    - Residual of the mesh's equations under random forces on the contact.
+    - Residual of these equations under tension on the ends.
+    - Displacement by the compliance against that of the mesh, under the random forces.
+    - Reciprocity of both loads: each does the same work in the displacement by the other (Betti).
+
+    As in the compliance, the half-plane's tractions on the arc count: their work is subtracted.
 
     Parameters
     ----------
@@ -898,11 +901,11 @@ def _tension_response_and_error(
     test_loads[n_inner:, 0] = np.concatenate([loads.arc_loads @ random_forces, random_forces])
     test_loads[:, 1] = loads.tension_on_ends
     test_solutions = elimination.displacements(test_loads)
-    displacement, displacement_by_stress = (
+    displacement_by_random_forces, displacement_by_stress = (
         loads.arc_loads.T @ test_solutions[n_inner : n_inner + n_arc]
         + test_solutions[n_inner + n_arc :]
     ).T
-    displacement = displacement - loads.tractions_on_arc @ (
+    displacement_by_random_forces = displacement_by_random_forces - loads.tractions_on_arc @ (
         loads.displacements_on_arc @ random_forces
     )
 
@@ -910,20 +913,20 @@ def _tension_response_and_error(
     largest_loads = np.maximum(np.abs(test_loads).max(axis=0), 1e-300)
     residual_forces = elimination.stiffness @ test_solutions - test_loads
     residuals = np.abs(residual_forces).max(axis=0) / largest_loads
-    error_of_compliance = np.abs(compliance @ random_forces - displacement).max()
+    error_of_compliance = np.abs(compliance @ random_forces - displacement_by_random_forces).max()
 
     # Betti's theorem: the load does the work in the displacement by tension that the tension does
     # in its own.
     error_of_work = np.abs(
         random_forces @ displacement_by_stress - test_loads[:, 1] @ test_solutions[:, 0]
     )
-    largest_work = max(
+    scale_of_work = max(
         np.linalg.norm(random_forces) * np.linalg.norm(displacement_by_stress), 1e-300
     )
     errors = [
         *residuals,
-        error_of_compliance / np.abs(displacement).max(),
-        error_of_work / largest_work,
+        error_of_compliance / np.abs(displacement_by_random_forces).max(),
+        error_of_work / scale_of_work,
     ]
     return displacement_by_stress, float(np.max(errors))
 
@@ -1260,7 +1263,7 @@ def displacement_fields(
         finite-element basis of the displacement
     displacements
         (basis.N, k) values in this basis [length]
-    mean_stress
+    mixed_pressure
         (n_corners, k) r at the corners of the elements, added to every normal stress; zero for
         plain elements [stress]
     """
@@ -1287,11 +1290,11 @@ def displacement_fields(
             system, balancing_loads, forces_on_contact, displacements
         )
 
-    mean_stress = np.zeros((system.mesh.nvertices, forces.shape[-1]))
+    mixed_pressure = np.zeros((system.mesh.nvertices, forces.shape[-1]))
     if len(pressures_over_g):
         shear_modulus = split_lame(condensed_body.material, condensed_body.order).shear_modulus
-        mean_stress[:] = shear_modulus * pressures_over_g
-    return system.basis, displacements, mean_stress
+        mixed_pressure[:] = shear_modulus * pressures_over_g
+    return system.basis, displacements, mixed_pressure
 
 
 def _solved_unknowns(system: System, nodal_forces: Array) -> Array:

@@ -621,17 +621,19 @@ def _work_by_curve(
 
 def _work_with_onsets(problem: ContactProblem, increments: _Increments) -> _FrictionWork:
     """Friction work of k increments of a contact `problem` in which nodes start to slide: onsets of
-    slip. Returned are that of each node, its part by kinks, and the middle of the first and last
-    onset.
+    slip. Returned are the friction work of each node, the part of it by kinks, and the middle of
+    the first and last onset.
 
-    At an onset p and s have a kink, and all nodes that slide already go faster from there on. With
-    the mean p of the increment W is too large, by 1e-4 of a cycle. So the increment is cut at its
-    first onset and at its last one. Up to the first the states before hold, from the last one on
-    those after, and both have known rates. With one onset, or two, that is all.
+    At an onset p and s have a kink, and all nodes that slide already slide faster from there on.
+    With the mean p of the increment W is too large, by 1e-4 of a cycle. So the increment is cut at
+    its first onset and at its last one. Up to the first onset the node states before the increment
+    hold, from the last one on those after it. Both have known rates. With one onset, or two, that
+    is all.
 
-    In between, a share z of the increment, m nodes start one after the other in much the same
-    distances: m - 2 kinks, each with an area u (1 - u) z^2/2 over the chord, u the share of z up to
-    it. With rates ' per increment, those of slip growing alike,
+    Between the first and the last onset, a share z of the increment, m nodes start one after the
+    other at nearly equal intervals. That makes m - 2 kinks, each with an area u (1 - u) z^2/2 over
+    the chord, u the share of z up to it. With rates ' per increment, the rates of slip growing by
+    equal amounts,
 
         int p ds - (mean p) ds = [(m - 2)/(m - 1)] (z^2/12) (p'_before s'_after - p'_after
         s'_before).
@@ -732,9 +734,11 @@ def _first_and_last_onset(
     _, p_change_before, q_change_before, _ = changes_before
     slip_change_after, _, _, _ = changes_after
     with np.errstate(divide="ignore", invalid="ignore"):
-        force = force_to_limit(increments.p_at_start, increments.q_at_start, sense, friction)
-        force_change = force_to_limit(p_change_before, q_change_before, sense, friction)
-        onset_by_force = force / -force_change
+        force_to_coulomb_limit = force_to_limit(
+            increments.p_at_start, increments.q_at_start, sense, friction
+        )
+        change_of_force_to_limit = force_to_limit(p_change_before, q_change_before, sense, friction)
+        onset_by_force = force_to_coulomb_limit / -change_of_force_to_limit
         onset_by_slip = 1 - increments.slip_change / slip_change_after
     onset_by_force = np.where(onset_by_force >= 0, onset_by_force, 1.0)
     # What slid the other way turns round somewhere.
