@@ -284,9 +284,9 @@ class PunchSuperposition:
         ... )  # h = 0.6^2/2 at the edge of contact
         0.18
         """
-        distance = np.abs(as_floats(x))
+        distance_from_middle = np.abs(as_floats(x))
         # 0: the exponent of eta in the integrand
-        integral, _ = self._arccosh_integral_and_error(0, distance, as_floats(load))
+        integral, _ = self._arccosh_integral_and_error(0, distance_from_middle, as_floats(load))
         return np.maximum(integral, 0.0)
 
     def slip_integral_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
@@ -294,9 +294,9 @@ class PunchSuperposition:
         eta < min(P, P_x) [(force per thickness)^2]. a(eta) is the contact half-width under the load
         eta, P_x the load at which the edge of contact reaches x.
         """
-        distance = np.abs(as_floats(x))
+        distance_from_middle = np.abs(as_floats(x))
         # 1: the exponent of eta in the integrand
-        moment, _ = self._arccosh_integral_and_error(1, distance, as_floats(load))
+        moment, _ = self._arccosh_integral_and_error(1, distance_from_middle, as_floats(load))
         return np.maximum(moment, 0.0)
 
     def log_datum_ratio(self, load: ArrayLike) -> Array:
@@ -400,10 +400,10 @@ class PunchSuperposition:
         advance
             a(eta) - a(0) [length]
         """
-        distance, load_difference, punch_advance = np.broadcast_arrays(
+        distance_from_middle, load_difference, punch_advance = np.broadcast_arrays(
             np.abs(as_floats(x)), as_floats(excess), as_floats(advance)
         )
-        advance_to_x = np.minimum(distance - self.least_half_width, punch_advance)
+        advance_to_x = np.minimum(distance_from_middle - self.least_half_width, punch_advance)
         # a^2 - x^2, without cancellation
         difference_of_squares = self._difference_of_squares(
             advance_to_x, punch_advance, load_difference
@@ -512,9 +512,9 @@ class PunchSuperposition:
         root_length = np.sqrt(np.maximum(end_advance - corner_advance, 0.0)) - begin_root
         nodes_in_root = begin_root[:, None] + root_length[:, None] * unit_nodes
         advance = corner_advance[:, None] + nodes_in_root * nodes_in_root
-        weight = root_length[:, None] * weights_of_unit_range * nodes_in_root
-        half_rise_of_load = np.sum(weight * self.law.stiffness(advance), axis=1)
-        half_rise_of_square = np.sum(weight * 2 * (advance + self.least_half_width), axis=1)
+        weights = root_length[:, None] * weights_of_unit_range * nodes_in_root
+        half_rise_of_load = np.sum(weights * self.law.stiffness(advance), axis=1)
+        half_rise_of_square = np.sum(weights * 2 * (advance + self.least_half_width), axis=1)
         return half_rise_of_load, half_rise_of_square
 
     # --- the kernel of the friction work
@@ -1065,10 +1065,10 @@ class PunchSuperposition:
         With `load_power` 1 it is int_0^a P^2/(2 alpha) d alpha [(force per thickness)^2].
         """
         # the integral does not depend on a point: one point, 0, for all
-        value, error = self._integral_and_error(
+        integral, error = self._integral_and_error(
             "logarithm", load_power, np.zeros(1), advance.reshape(-1, 1)
         )
-        return value.reshape(advance.shape), error.reshape(advance.shape)
+        return integral.reshape(advance.shape), error.reshape(advance.shape)
 
 
 @dataclass(frozen=True, eq=False)

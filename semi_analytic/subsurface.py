@@ -427,9 +427,9 @@ def _answers_with_tractions(
         block_count = math.ceil(len(missing_times) / _INSTANTS_AT_ONCE)
         for times_at_once in np.array_split(missing_times, block_count):
             # The points are placed by the edges of contact, which follow from the loads alone.
-            edges = _contact_edges_at(scene, times_at_once)
-            order_by_length = np.argsort(edges[:, 1] - edges[:, 0])
-            places = _places_for_tractions(edges[order_by_length])
+            contact_edges = _contact_edges_at(scene, times_at_once)
+            order_by_length = np.argsort(contact_edges[:, 1] - contact_edges[:, 0])
+            places = _places_for_tractions(contact_edges[order_by_length])
             answer = solve(scene, x=places, time=times_at_once, fields=("pressure", "shear"))
             answers |= {time: (answer, row) for row, time in enumerate(times_at_once.tolist())}
     return [answers[time] for time in times.tolist()]
@@ -630,13 +630,13 @@ def _edge_tensions_of_answer(
     tension_of_slip_zones = np.array(
         [
             _tension_of_narrow_slip_zone(
-                np.abs(answer.x[points_in_contact] - edge),
+                np.abs(answer.x[points_in_contact] - contact_edge),
                 friction_ratio[points_in_contact],
                 cell_width,
-                np.abs(places - edge),
+                np.abs(places - contact_edge),
                 np.abs(tension_of_sliding[edge_number]),
             )
-            for edge_number, edge in enumerate(answer.contact_edges[row].tolist())
+            for edge_number, contact_edge in enumerate(answer.contact_edges[row].tolist())
         ]
     )
     uncertainty = np.sqrt(
@@ -878,12 +878,12 @@ def _potentials(
         (n,) places [length]
     """
     potentials = np.zeros((4, len(x)), dtype=complex)
-    distance = np.abs(x)
+    distance_from_middle = np.abs(x)
     for lower_load, upper_load, slope in curve_parts:
         begin_half_width = float(contact.half_width(lower_load))
         end_half_width = float(contact.half_width(upper_load))
         for panel_ends in _panels_between(contact, begin_half_width, end_half_width):
-            _add_panel_of_punches(potentials, contact, slope, panel_ends, distance, y)
+            _add_panel_of_punches(potentials, contact, slope, panel_ends, distance_from_middle, y)
     potentials[:2, x < 0] = -potentials[:2, x < 0].conj()
     potentials[2:, x < 0] = potentials[2:, x < 0].conj()
     return potentials
@@ -896,9 +896,9 @@ def _panels_between(
     are divided [length]: cut where the profile has a corner (`corner_half_widths`).
     """
     inner_corners = (
-        place
-        for place in contact.corner_half_widths
-        if least_half_width < place < largest_half_width
+        corner_half_width
+        for corner_half_width in contact.corner_half_widths
+        if least_half_width < corner_half_width < largest_half_width
     )
     for first_half_width, last_half_width in pairwise(
         [least_half_width, *inner_corners, largest_half_width]
@@ -1028,16 +1028,18 @@ def _add_punches(
     )
     difference_of_squares.imag = 2 * x_of_points * -np.abs(y_of_points)
     # 1/sqrt(z^2 - a^2), (m, nodes); the sum over the nodes with the loads of the punches.
-    kernel = 1 / np.sqrt(difference_of_squares)
+    inverse_root = 1 / np.sqrt(difference_of_squares)
     potentials[:2, point_numbers] += np.einsum(
-        "...mn,mn->...m" if punch_loads.ndim == 3 else "kn,mn->km", punch_loads, kernel
+        "...mn,mn->...m" if punch_loads.ndim == 3 else "kn,mn->km", punch_loads, inverse_root
     )
     # Derivatives -z/(z^2 - a^2)^(3/2) inside the body; on the face they are left 0.
     numbers_in_body = np.flatnonzero(y_of_points[:, 0] != 0)
     if len(numbers_in_body):
-        kernel = kernel[numbers_in_body] / difference_of_squares[numbers_in_body]
+        inverse_root_cubed = inverse_root[numbers_in_body] / difference_of_squares[numbers_in_body]
         loads_in_body = punch_loads[:, numbers_in_body] if punch_loads.ndim == 3 else punch_loads
         z = (x_of_points + 1j * y_of_points)[numbers_in_body, 0]
         potentials[2:, point_numbers[numbers_in_body]] -= z * np.einsum(
-            "...mn,mn->...m" if punch_loads.ndim == 3 else "kn,mn->km", loads_in_body, kernel
+            "...mn,mn->...m" if punch_loads.ndim == 3 else "kn,mn->km",
+            loads_in_body,
+            inverse_root_cubed,
         )

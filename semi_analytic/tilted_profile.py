@@ -483,12 +483,14 @@ class PiecewiseParabola(ConvexProfile):
 
         A knot is a place where the curvature of the profile jumps.
         """
-        distance = self.knots - m[..., None]
+        distance_from_centre = self.knots - m[..., None]
         half_width = np.asarray(c)[..., None]
-        ratio = np.where(
-            half_width > 0, distance / np.where(half_width > 0, half_width, 1.0), np.sign(distance)
+        unclipped_cosine = np.where(
+            half_width > 0,
+            distance_from_centre / np.where(half_width > 0, half_width, 1.0),
+            np.sign(distance_from_centre),
         )
-        cosine = np.clip(ratio, -1.0, 1.0)
+        cosine = np.clip(unclipped_cosine, -1.0, 1.0)
         return Angles(np.arccos(cosine), np.sqrt((1 - cosine) * (1 + cosine)), cosine)
 
     @cached_property
@@ -546,14 +548,14 @@ class PiecewiseParabola(ConvexProfile):
         number_of_parabola = np.searchsorted(self.knots, m)
         knot_before = np.maximum(number_of_parabola - 1, 0)
         curvature = self.curvature[number_of_parabola]
-        distance = self.knots - m[..., None]
+        distance_from_centre = self.knots - m[..., None]
         half_width = np.where(c > 0, c, 1.0)[..., None]
         # 1 - cos(theta): depth of the knot inside the nearer end, over c; exact next to the end
-        relative_depth = np.clip(1 - np.abs(distance) / half_width, 0.0, 1.0)
+        relative_depth = np.clip(1 - np.abs(distance_from_centre) / half_width, 0.0, 1.0)
         theta = 2 * np.arcsin(np.sqrt(relative_depth / 2))
         sine = np.sqrt(relative_depth * (2 - relative_depth))
         # sin(theta) - theta cos(theta) and theta - sin(theta) cos(theta).
-        side = np.where(distance >= 0, 1.0, -1.0)
+        side = np.where(distance_from_centre >= 0, 1.0, -1.0)
         mean_functions, load_functions = _mean_and_load_functions(theta, sine, 1 - relative_depth)
         slope_at_middle = self.slopes[knot_before] + curvature * (m - self.knots[knot_before])
         return Balance(
@@ -608,13 +610,13 @@ class PiecewiseParabola(ConvexProfile):
             return np.asarray(np.pi * self.curvature[0] * np.sqrt(difference_of_squares))
         # Angle theta_b of each knot, with sine and cosine, (..., knots); root: r.
         knot_angles = self.angles(m, c)
-        root = np.sqrt(np.maximum((c - distance_from_centre) * (c + distance_from_centre), 0.0))[
-            ..., None
-        ]
+        root_of_squares = np.sqrt(
+            np.maximum((c - distance_from_centre) * (c + distance_from_centre), 0.0)
+        )[..., None]
         half_width = np.where(c > 0, c, 1.0)[..., None]
         distance_to_knot = self.knots - x[..., None]
         # s_+ and s_- as sum and difference of two products of half angles, both times one factor
-        sine_of_point = root / half_width * (1 + knot_angles.cosine)
+        sine_of_point = root_of_squares / half_width * (1 + knot_angles.cosine)
         sine_of_knot = knot_angles.sine * (1 + distance_from_centre[..., None] / half_width)
         with np.errstate(divide="ignore", invalid="ignore"):
             logarithm = np.log(
@@ -623,9 +625,9 @@ class PiecewiseParabola(ConvexProfile):
         # Knots whose term vanishes, or is not finite.
         is_zero_term = (distance_to_knot == 0) | (knot_angles.sine == 0) | ~np.isfinite(logarithm)
         logarithm = np.where(is_zero_term, 0.0, logarithm)
-        terms_of_knots = root * knot_angles.theta - distance_to_knot * logarithm
-        pressure = terms_of_knots @ self.jumps + np.pi * self.curvature[0] * root[..., 0]
-        return np.where(root[..., 0] > 0, pressure, 0.0)
+        terms_of_knots = root_of_squares * knot_angles.theta - distance_to_knot * logarithm
+        pressure = terms_of_knots @ self.jumps + np.pi * self.curvature[0] * root_of_squares[..., 0]
+        return np.where(root_of_squares[..., 0] > 0, pressure, 0.0)
 
     def _gap(self, x: Array, m: Array, c: Array) -> Array:
         """Gap at x outside contacts of centre m and half-length c with the profile h, arrays that
@@ -644,17 +646,19 @@ class PiecewiseParabola(ConvexProfile):
         t = x - m
         # Of each knot; curvature[0]: h''_0; jumps: J of each knot.
         theta, sine, cosine = self.angles(m, c)
-        distance = np.maximum(np.abs(t), c)
-        r = np.sqrt((distance - c) * (distance + c))
+        distance_from_centre = np.maximum(np.abs(t), c)
+        r = np.sqrt((distance_from_centre - c) * (distance_from_centre + c))
         u = np.where(c > 0, np.arcsinh(r / np.where(c > 0, c, 1.0)), 0.0)
-        parabola_term = distance * r - c * c * u  # F
-        side = np.sign(t)[..., None]
+        parabola_term = distance_from_centre * r - c * c * u  # F
+        side_of_contact = np.sign(t)[..., None]
 
         # phi/2 as the angle of a right triangle; leg_ratio = tanh(u/2)
         zeros = np.zeros(t.shape)
-        leg_ratio = np.divide(r, distance + c, out=zeros, where=distance + c > 0)[..., None]
-        opposite_leg = np.where(side > 0, sine, leg_ratio * sine)
-        adjacent_leg = np.where(side > 0, leg_ratio, 1.0) * (1 + cosine)
+        leg_ratio = np.divide(
+            r, distance_from_centre + c, out=zeros, where=distance_from_centre + c > 0
+        )[..., None]
+        opposite_leg = np.where(side_of_contact > 0, sine, leg_ratio * sine)
+        adjacent_leg = np.where(side_of_contact > 0, leg_ratio, 1.0) * (1 + cosine)
         phi = 2 * np.arctan2(opposite_leg, adjacent_leg)
         phi = np.where(cosine >= 1, 0.0, phi)
         phi = np.where(cosine <= -1, np.pi, phi)
@@ -665,10 +669,10 @@ class PiecewiseParabola(ConvexProfile):
         terms_of_knots = terms_of_knots - distance_from_knot * distance_from_knot * phi / (
             2 * np.pi
         )
-        factor_of_sine = r[..., None] - side * c_cosine * u[..., None]
-        terms_of_knots += (theta * parabola_term[..., None] - side * c_sine * factor_of_sine) / (
-            2 * np.pi
-        )
+        factor_of_sine = r[..., None] - side_of_contact * c_cosine * u[..., None]
+        terms_of_knots += (
+            theta * parabola_term[..., None] - side_of_contact * c_sine * factor_of_sine
+        ) / (2 * np.pi)
         gap = terms_of_knots @ self.jumps + self.curvature[0] / 2 * parabola_term
         return np.where(np.abs(t) > c, gap, 0.0)
 
@@ -937,9 +941,9 @@ class CurvedProfile(ConvexProfile):
             h'' cos(theta) d theta [1/length]
         """
         # xi: quadrature nodes x of the contact, their distances x - m, and weights of the sum 1.
-        xi, distance_from_centre, weight = self._nodes_of_contact(m, c)
-        weighted_slope = weight * self.gradient(xi)
-        weighted_curvature = np.pi * weight * self.second_derivative(xi)
+        xi, distance_from_centre, weights = self._nodes_of_contact(m, c)
+        weighted_slope = weights * self.gradient(xi)
+        weighted_curvature = np.pi * weights * self.second_derivative(xi)
         cosine = distance_from_centre / np.where(c > 0, c, 1.0)[..., None]
         return Balance(
             mean_slope=np.sum(weighted_slope, axis=-1),
@@ -964,7 +968,7 @@ class CurvedProfile(ConvexProfile):
         # Nodes of the contact; their weights have the sum 1. gradient: h', second_derivative: h''.
         xi, _, weights = self._nodes_of_contact(m, c)
         place_column = np.asarray(x)[..., None]
-        root = np.sqrt(np.maximum((c - x + m) * (c + x - m), 0.0))
+        root_of_squares = np.sqrt(np.maximum((c - x + m) * (c + x - m), 0.0))
         distance_to_node = xi - place_column
         distances_to_knots = np.abs(place_column - self.knots)
         distance_to_next_knot = np.min(distances_to_knots, axis=-1, initial=np.inf, keepdims=True)
@@ -982,7 +986,7 @@ class CurvedProfile(ConvexProfile):
         slope_rise = self.gradient(xi) - self.gradient(place_column)
         quotient = slope_rise / np.where(distance_to_node == 0, np.inf, distance_to_node)
         quotient[near_pairs] = self.second_derivative(places_between_pairs)
-        return np.asarray(np.pi * root * np.sum(weights * quotient, axis=-1))
+        return np.asarray(np.pi * root_of_squares * np.sum(weights * quotient, axis=-1))
 
     def _gap(self, x: Array, m: Array, c: Array) -> Array:
         """Gap at x outside contacts of centre m and half-length c, arrays that broadcast [length];
@@ -995,9 +999,9 @@ class CurvedProfile(ConvexProfile):
         """
         # Nodes of the contact; their weights have the sum 1. height: h, gradient: h'.
         xi, distance_from_middle, weights = self._nodes_of_contact(m, c)
-        distance = np.maximum(np.abs(x - m), c)
-        root = np.sqrt((distance - c) * (distance + c))
-        u = np.where(c > 0, np.arcsinh(root / np.where(c > 0, c, 1.0)), 0.0)
+        distance_from_centre = np.maximum(np.abs(x - m), c)
+        root_of_squares = np.sqrt((distance_from_centre - c) * (distance_from_centre + c))
+        u = np.where(c > 0, np.arcsinh(root_of_squares / np.where(c > 0, c, 1.0)), 0.0)
         place_column = np.asarray(x)[..., None]
         distance_to_node = place_column - xi
         slope = self.gradient(xi)
@@ -1008,7 +1012,7 @@ class CurvedProfile(ConvexProfile):
             out=np.zeros(distance_to_node.shape),
             where=distance_to_node != 0,
         )
-        signed_root = (np.sign(x - m) * root)[..., None]
+        signed_root = (np.sign(x - m) * root_of_squares)[..., None]
         values_at_nodes = (
             signed_root * (chord - slope) - u[..., None] * distance_from_middle * slope
         )
@@ -1037,13 +1041,13 @@ class CurvedProfile(ConvexProfile):
         """
         del tilt
         # xi: quadrature nodes of the contact, with t = xi - m and weights of the sum 1.
-        xi, distance_from_centre, weight = self._nodes_of_contact(m, c)
+        xi, distance_from_centre, weights = self._nodes_of_contact(m, c)
         lever = (
             m[..., None] * distance_from_centre
             + distance_from_centre * distance_from_centre
             - c[..., None] ** 2 / 2
         )
-        return np.asarray(np.pi * np.sum(weight * self.gradient(xi) * lever, axis=-1))
+        return np.asarray(np.pi * np.sum(weights * self.gradient(xi) * lever, axis=-1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -1538,8 +1542,8 @@ class TiltedProfile:
             # A = 2/E*. No step moves a contact by more than about a third of it.
             # _compliance: A.
             longest_step = self._compliance * load / (4 * half_width)
-            step = 2 * self._compliance * moment_excess / (np.pi * half_width**2)
-            new_tilt = tilt + np.clip(step, -longest_step, longest_step)
+            newton_step = 2 * self._compliance * moment_excess / (np.pi * half_width**2)
+            new_tilt = tilt + np.clip(newton_step, -longest_step, longest_step)
             is_in_bracket = (new_tilt >= least_tilt) & (new_tilt <= largest_tilt)
             new_tilt = np.where(is_in_bracket, new_tilt, (least_tilt + largest_tilt) / 2)
             tilt_change = np.abs(new_tilt - tilt)
@@ -1614,9 +1618,9 @@ class TiltedProfile:
         """
         x, load = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(load, dtype=float))
         # self.load(x): load at which the contact reaches x, infinite if it never does.
-        eta, weight = self._nodes_over_load(np.zeros(load.shape), np.minimum(load, self.load(x)))
-        kernel = self.arccosh_ratio(x[..., None], 0.0, eta)
-        return np.asarray(np.sum(weight * eta * kernel, axis=-1))
+        eta, weights = self._nodes_over_load(np.zeros(load.shape), np.minimum(load, self.load(x)))
+        slip_kernel = self.arccosh_ratio(x[..., None], 0.0, eta)
+        return np.asarray(np.sum(weights * eta * slip_kernel, axis=-1))
 
     def arccosh_ratio(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
         """The kernel of slip: pi/A times the slip s at points x outside, by a unit of the
@@ -1632,9 +1636,12 @@ class TiltedProfile:
         del excess
         m, c = self.centre_and_half_width(advance)
         t = np.asarray(x, dtype=float) - m
-        root = np.sqrt(np.maximum((np.abs(t) - c) * (np.abs(t) + c), 0.0))
-        arccosh = np.arcsinh(root / np.where(c > 0, c, np.inf))
-        return self.tangential_fraction * arccosh - self.pressure_skewness * np.sign(t) * root
+        root_of_squares = np.sqrt(np.maximum((np.abs(t) - c) * (np.abs(t) + c), 0.0))
+        arccosh = np.arcsinh(root_of_squares / np.where(c > 0, c, np.inf))
+        return (
+            self.tangential_fraction * arccosh
+            - self.pressure_skewness * np.sign(t) * root_of_squares
+        )
 
     def inverse_root(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
         """The kernel of shear: pi times the traction at points x by a unit of tangential load on
