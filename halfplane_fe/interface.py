@@ -400,7 +400,7 @@ def _tangential_with_normal_mesh_error(interface: Interface, distances_in_spacin
         np.abs(distances_in_spacings),
     )
     symmetric_difference = (smooth_difference + smooth_difference.T) / 2
-    tangential_compliance = np.where(
+    corrected_compliance = np.where(
         is_in_band,
         interface.normal_compliance - symmetric_difference,
         interface.tangential_compliance,
@@ -409,15 +409,15 @@ def _tangential_with_normal_mesh_error(interface: Interface, distances_in_spacin
     # Sum 0 of each row of the change.
     is_in_wide_band = np.abs(distances_in_spacings) <= 2 * _SPACINGS_WITH_MESH_ERROR
     weights = interface.face_lengths
-    row_sums = (tangential_compliance - interface.tangential_compliance) @ weights
+    row_sums = (corrected_compliance - interface.tangential_compliance) @ weights
     # The symmetric matrix v_i + v_j on the wide band has these row sums; v are the corrections.
     node_corrections = solve(
         np.diag(is_in_wide_band @ weights) + is_in_wide_band * weights, row_sums
     )
-    tangential_compliance -= np.where(
+    corrected_compliance -= np.where(
         is_in_wide_band, np.add.outer(node_corrections, node_corrections), 0.0
     )
-    return np.asarray(tangential_compliance)
+    return np.asarray(corrected_compliance)
 
 
 def least_depth(scene: Scene) -> float:
@@ -711,14 +711,16 @@ def initial_gap(scene: Scene, interface: Interface) -> Array:
     """
     if not scene.bodies.faces_are_true:
         return np.asarray(scene.profile.height(interface.x))
-    x, smallest_gap = interface.nearest_x_and_gap  # negative where the faces overlap
+    # negative where the faces overlap
+    x_of_smallest_gap, smallest_gap = interface.nearest_x_and_gap
     overlap = -smallest_gap
     # admitted: a hundredth of the largest gap, or 1e-9 of the width of the side that may touch
     overlap_by_meshing = _ADMITTED_OVERLAP * float(interface.gap.max())
     overlap_by_rounding = _ROUNDING * float(np.ptp(interface.x))
     if overlap > max(overlap_by_meshing, overlap_by_rounding):
         raise InputError(
-            f"bodies: initial penetration: the faces overlap by {overlap:.6g} at x = {x:.6g}"
+            f"bodies: initial penetration: the faces overlap by {overlap:.6g} at x ="
+            f" {x_of_smallest_gap:.6g}"
         )
     return interface.gap
 

@@ -498,11 +498,11 @@ class KernelPair:
         `coupling` (slip by pressure) is None where it is zero.
         """
         # (n, n) each, by the kernels of the fine mesh
-        added_normal_compliance, added_tangential_compliance, coupling = self.added_compliances(
-            half_planes.x, "fine"
+        added_normal_compliance, added_tangential_compliance, total_coupling = (
+            self.added_compliances(half_planes.x, "fine")
         )
         if half_planes.coupling is not None:
-            coupling = coupling + half_planes.coupling
+            total_coupling = total_coupling + half_planes.coupling
         interface_along_axes = replace(
             half_planes,
             normal_compliance=read_only_copy(
@@ -511,7 +511,7 @@ class KernelPair:
             tangential_compliance=read_only_copy(
                 half_planes.tangential_compliance + added_tangential_compliance
             ),
-            coupling=read_only_copy(coupling) if coupling.any() else None,
+            coupling=read_only_copy(total_coupling) if total_coupling.any() else None,
         )
         if self.faces[0].is_flat and self.faces[1].is_flat:
             return interface_along_axes
@@ -611,19 +611,19 @@ def _on_middle_line(
     if coupling_along_axes is None:
         coupling_along_axes = np.zeros_like(compliance_x)
     # weight_xy[i, j] is n_x at node i times n_y at node j
-    normal_compliance = (
+    compliance_along_normal = (
         weight_yy * compliance_y
         + weight_xx * compliance_x
         + weight_xy * coupling_along_axes
         + weight_yx * coupling_along_axes.T
     )
-    tangential_compliance = (
+    compliance_along_tangent = (
         weight_yy * compliance_x
         + weight_xx * compliance_y
         - weight_yx * coupling_along_axes
         - weight_xy * coupling_along_axes.T
     )
-    coupling = (
+    coupling_on_line = (
         weight_yy * coupling_along_axes
         - weight_xx * coupling_along_axes.T
         + weight_yx * compliance_x
@@ -634,9 +634,9 @@ def _on_middle_line(
         face_lengths=read_only_copy(interface_along_axes.face_lengths / n_y),
         face_normals=read_only_copy(np.stack([n_x, n_y])),
         gap=read_only_copy((lower_face.depth(x) + upper_face.depth(x)) * n_y),
-        normal_compliance=read_only_copy(normal_compliance),
-        tangential_compliance=read_only_copy(tangential_compliance),
-        coupling=read_only_copy(coupling) if coupling.any() else None,
+        normal_compliance=read_only_copy(compliance_along_normal),
+        tangential_compliance=read_only_copy(compliance_along_tangent),
+        coupling=read_only_copy(coupling_on_line) if coupling_on_line.any() else None,
     )
 
 

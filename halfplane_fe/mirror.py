@@ -90,10 +90,12 @@ def half_interface(faces: Interface) -> Interface:
     parity_of_shear = -1.0 if is_coupled else 1.0
     # `_folded` reduces a matrix to the nodes at x >= 0, by the parity (1 even, -1 odd) of its rows
     # and of its columns in x
-    tangential_compliance = _folded(faces.tangential_compliance, parity_of_shear, parity_of_shear)
+    folded_tangential_compliance = _folded(
+        faces.tangential_compliance, parity_of_shear, parity_of_shear
+    )
     if is_coupled:
         # An odd q is zero at x = 0: its row and column are zero, and any positive number serves.
-        tangential_compliance[0, 0] = faces.tangential_compliance.diagonal().max()
+        folded_tangential_compliance[0, 0] = faces.tangential_compliance.diagonal().max()
     return replace(
         faces,
         x=read_only_copy(faces.x[right_half]),
@@ -102,7 +104,7 @@ def half_interface(faces: Interface) -> Interface:
         gap=read_only_copy(faces.gap[right_half]),
         gap_and_slip_per_stress_and_tilt=None,
         normal_compliance=read_only_copy(_folded(faces.normal_compliance, 1.0, 1.0)),
-        tangential_compliance=read_only_copy(tangential_compliance),
+        tangential_compliance=read_only_copy(folded_tangential_compliance),
         coupling=read_only_copy(_folded(faces.coupling, -1.0, 1.0))
         if faces.coupling is not None
         else None,
@@ -186,11 +188,17 @@ def _states_at_all_nodes(
     def at_all_nodes(state: InterfaceState) -> InterfaceState:
         """One contact state at all nodes."""
         n_values = len(index_in_half) if state.is_complete else 3 + len(images.node_of_half)
-        values = state.values[index_in_half[:n_values]] * factors[:n_values]
-        values.flags.writeable = False
-        node_states = state.node_states[images.node_of_half]
-        node_states = np.where(images.shear_sign < 0, states_of_image[node_states], node_states)
-        return replace(state, values=values, node_states=read_only_copy(node_states, np.int8))
+        values_at_all_nodes = state.values[index_in_half[:n_values]] * factors[:n_values]
+        values_at_all_nodes.flags.writeable = False
+        states_at_all_nodes = state.node_states[images.node_of_half]
+        states_at_all_nodes = np.where(
+            images.shear_sign < 0, states_of_image[states_at_all_nodes], states_at_all_nodes
+        )
+        return replace(
+            state,
+            values=values_at_all_nodes,
+            node_states=read_only_copy(states_at_all_nodes, np.int8),
+        )
 
     return [at_all_nodes(state) for state in contact_states]
 

@@ -117,20 +117,20 @@ def mortar(lower_face: Face, upper_face: Face) -> Mortar:
     >>> (coupled.upper[0, :, 1] @ linear).round(12).tolist()
     [0.0, 0.5, 1.0]
     """
-    x, weights = _points_of_refinement(lower_face, upper_face)
-    lower_at_points = _face_at_points(lower_face, x)
-    upper_at_points = _face_at_points(upper_face, x)
-    line = _line_half_way(lower_at_points, upper_at_points, weights)
+    x_of_points, weights_along_x = _points_of_refinement(lower_face, upper_face)
+    lower_at_points = _face_at_points(lower_face, x_of_points)
+    upper_at_points = _face_at_points(upper_face, x_of_points)
+    line = _line_half_way(lower_at_points, upper_at_points, weights_along_x)
     duals = _DualFunctions.of_face(lower_face, lower_at_points, line.weights)
-    dual_integrals = duals.integrals_with(np.ones_like(x))
+    dual_integrals = duals.integrals_with(np.ones_like(x_of_points))
     normal_integrals = [duals.integrals_with(component) for component in line.unit_normal]
     directions = np.stack([line.unit_normal, line.unit_tangent])
-    nearest_point = np.unravel_index(np.argmin(line.distance), x.shape)
+    nearest_point = np.unravel_index(np.argmin(line.distance), x_of_points.shape)
     return Mortar(
         face_lengths=dual_integrals,
         face_normals=np.stack(normal_integrals) / dual_integrals,
         gap=duals.integrals_with(line.distance) / dual_integrals,
-        nearest_x_and_gap=(float(x[nearest_point]), float(line.distance[nearest_point])),
+        nearest_x_and_gap=(float(x_of_points[nearest_point]), float(line.distance[nearest_point])),
         lower=duals.mean_displacement(lower_at_points, len(lower_face.x), directions),
         upper=duals.mean_displacement(upper_at_points, len(upper_face.x), directions),
     )
@@ -180,19 +180,19 @@ class _LineHalfWay(NamedTuple):
 
 
 def _line_half_way(
-    lower_at_points: _FaceAtPoints, upper_at_points: _FaceAtPoints, weights: Array
+    lower_at_points: _FaceAtPoints, upper_at_points: _FaceAtPoints, weights_along_x: Array
 ) -> _LineHalfWay:
     """Line half-way between two contact faces: normal, tangent, and distance of the faces at points
     that lie above each other.
 
     `lower_at_points` and `upper_at_points` hold height y and slope dy/dx (s, m) of the faces at
-    these points, `weights` (s, m) the weights of the points in integrals over x [length].
+    these points, `weights_along_x` (s, m) the weights of the points in integrals over x [length].
     """
-    slope = (lower_at_points.slope + upper_at_points.slope) / 2
-    length_factor = np.sqrt(1 + slope**2)  # length along the line over that along x
-    unit_normal = np.stack([-slope, np.ones_like(slope)]) / length_factor
+    mean_slope = (lower_at_points.slope + upper_at_points.slope) / 2
+    length_factor = np.sqrt(1 + mean_slope**2)  # length along the line over that along x
+    unit_normal = np.stack([-mean_slope, np.ones_like(mean_slope)]) / length_factor
     return _LineHalfWay(
-        weights=weights * length_factor,
+        weights=weights_along_x * length_factor,
         unit_normal=unit_normal,
         unit_tangent=np.stack([unit_normal[1], -unit_normal[0]]),
         distance=(upper_at_points.y - lower_at_points.y) * unit_normal[1],
@@ -345,6 +345,6 @@ def _face_at_points(face: Face, x: Array) -> _FaceAtPoints:
                 slope_before * (x - x_of_nodes[:, k]) + shape_functions[:, j]
             ) / distance
             shape_functions[:, j] *= (x - x_of_nodes[:, k]) / distance
-    y = np.einsum("sk,skm->sm", face.y[nodes], shape_functions)
-    slope = np.einsum("sk,skm->sm", face.y[nodes], slopes_of_functions)
-    return _FaceAtPoints(nodes, shape_functions, y, slope)
+    y_at_points = np.einsum("sk,skm->sm", face.y[nodes], shape_functions)
+    slope_at_points = np.einsum("sk,skm->sm", face.y[nodes], slopes_of_functions)
+    return _FaceAtPoints(nodes, shape_functions, y_at_points, slope_at_points)

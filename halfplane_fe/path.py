@@ -169,12 +169,12 @@ def turning_points_of_combination(
         rate_of_p, rate_of_q = segment.rates(t)
         return np.asarray(normal_weight * rate_of_p + tangential_weight * rate_of_q)
 
-    rates = rate(times)
-    largest_rate = np.abs(rates).max(initial=0.0)
-    rates[np.abs(rates) < 1e-12 * largest_rate] = 0.0
+    rates_at_samples = rate(times)
+    largest_rate = np.abs(rates_at_samples).max(initial=0.0)
+    rates_at_samples[np.abs(rates_at_samples) < 1e-12 * largest_rate] = 0.0
 
     # Instants at which the rate changes its sign.
-    sign_changes = np.flatnonzero(rates[:-1] * rates[1:] < 0)
+    sign_changes = np.flatnonzero(rates_at_samples[:-1] * rates_at_samples[1:] < 0)
 
     def scaled_rate(time: float) -> float:
         """Rate at an instant, over the largest rate along the segment."""
@@ -183,12 +183,16 @@ def turning_points_of_combination(
     instants = set()
     for k in sign_changes.tolist():
         # of the way between two samples at which a linear rate is zero
-        fraction = float(rates[k] / (rates[k] - rates[k + 1]))
+        fraction = float(rates_at_samples[k] / (rates_at_samples[k] - rates_at_samples[k + 1]))
         begin, end = times[k : k + 2].tolist()
-        instants.add(time_of_zero(scaled_rate, begin, end, fraction, rates[k] / largest_rate))
+        instants.add(
+            time_of_zero(scaled_rate, begin, end, fraction, rates_at_samples[k] / largest_rate)
+        )
 
     # Begins and ends of times without change.
-    is_end_of_constancy = (rates[1:-1] == 0) & ((rates[:-2] != 0) | (rates[2:] != 0))
+    is_end_of_constancy = (rates_at_samples[1:-1] == 0) & (
+        (rates_at_samples[:-2] != 0) | (rates_at_samples[2:] != 0)
+    )
     return instants | {float(times[k]) for k in 1 + np.flatnonzero(is_end_of_constancy)}
 
 

@@ -24,7 +24,7 @@ line is x = 0, as all bodies of scenes have, has near x = s = 0
 On a curved face the same solve holds, with the half-plane of the force below a horizontal line
 through the true place of it. t_F is not 0 on the face then, but bounded: -(F e_r) kappa/pi at the
 force on an arc of curvature kappa. The kernels count from Flamant's field on the flat face, so that
-what the slope m = dy/dx of the chord from s to x makes of it is added::
+the change of each of its terms by the slope m = dy/dx of the chord from s to x is added::
 
     ln r          + ln(1 + m^2)/2           x z/r^2       - m/(1 + m^2)
     z^2/r^2       + m^2/(1 + m^2)           theta         + arctan m
@@ -90,8 +90,8 @@ _LARGEST_DEGREE = 8
 # Elements on 0 <= x <= r, and growth of their size with the distance from there.
 _N_ELEMENTS = 16
 _SIZE_GROWTH = 0.1
-# The second mesh, by which the first one's error is judged: elements so many times as large, fitted
-# on a part of the face so many times as wide. The difference of the two also has the terms that the
+# The second mesh, by which the first one's error is judged: elements twice as large, fitted on
+# a part of the face 1.25 times as wide. The difference of the two also has the terms that the
 # polynomials lack.
 _FACTOR_OF_COARSE_MESH = 2.0
 _FACTOR_OF_WIDER_FACE = 1.25
@@ -169,11 +169,11 @@ def remainder_kernels(
     """
     # Finite-element system, and places of the contact nodes and of the forces.
     system = assemble(body, material)
-    x, y = body.mesh.p[:, system.node_of_dof[system.contact_dofs[0]]]
+    node_x, node_y = body.mesh.p[:, system.node_of_dof[system.contact_dofs[0]]]
     forces = _SurfaceForces(x_of_forces, np.zeros(len(x_of_forces)))
-    if y.any():
-        force_nodes = np.abs(x[:, None] - x_of_forces).argmin(axis=0)
-        forces = _SurfaceForces(x[force_nodes], y[force_nodes])
+    if node_y.any():
+        force_nodes = np.abs(node_x[:, None] - x_of_forces).argmin(axis=0)
+        forces = _SurfaceForces(node_x[force_nodes], node_y[force_nodes])
 
     # Displacements of the contact nodes along x and outwards: (n, 2, m), second axis force along x
     # and outwards.
@@ -182,7 +182,7 @@ def remainder_kernels(
         2, -1, 2, len(x_of_forces)
     )
     kernels = RemainderKernels(
-        x=x,
+        x=node_x,
         x_of_forces=forces.x,
         # a pull moves the face out as far as a push moves it in
         inward_displacement_by_pressure=displacement_outwards[:, 1],
@@ -191,7 +191,7 @@ def remainder_kernels(
         outward_displacement_by_shear=displacement_outwards[:, 0],
         unknowns=len(system.node_of_dof) - len(system.held_dofs),
     )
-    return _with_chord_slopes(kernels, y, forces.y, material) if y.any() else kernels
+    return _with_chord_slopes(kernels, node_y, forces.y, material) if node_y.any() else kernels
 
 
 def _remainder_displacements(system: System, forces: _SurfaceForces, datum_length: float) -> Array:
@@ -532,11 +532,15 @@ def face_series(kernels: RemainderKernels, degree: int = _LARGEST_DEGREE) -> Fac
     # Places over the half-length of the part of the face that is fitted, (n, m) each. Pairs (i, j)
     # below are exponents of x and s.
     half_length = float(np.abs(kernels.x).max())
-    x, s = np.meshgrid(kernels.x / half_length, kernels.x_of_forces / half_length, indexing="ij")
+    unit_x, unit_s = np.meshgrid(
+        kernels.x / half_length, kernels.x_of_forces / half_length, indexing="ij"
+    )
 
     # k_nn and k_tt: coefficients (n_terms, 2).
     even_pairs = [(i, j) for i, j in even_exponents(degree) if i <= j]
-    even_terms = np.stack([(x**i * s**j + x**j * s**i).ravel() for i, j in even_pairs], axis=1)
+    even_terms = np.stack(
+        [(unit_x**i * unit_s**j + unit_x**j * unit_s**i).ravel() for i, j in even_pairs], axis=1
+    )
     direct_kernels = np.stack(
         [kernels.inward_displacement_by_pressure.ravel(), kernels.x_displacement_by_shear.ravel()],
         axis=1,
@@ -550,8 +554,8 @@ def face_series(kernels: RemainderKernels, degree: int = _LARGEST_DEGREE) -> Fac
 
     # k_tn(x, s) and -k_nt(s, x), with x and s exchanged.
     odd_pairs = odd_exponents(degree)
-    terms_by_pressure = np.stack([(x**i * s**j).ravel() for i, j in odd_pairs], axis=1)
-    terms_by_shear = np.stack([(s**i * x**j).ravel() for i, j in odd_pairs], axis=1)
+    terms_by_pressure = np.stack([(unit_x**i * unit_s**j).ravel() for i, j in odd_pairs], axis=1)
+    terms_by_shear = np.stack([(unit_s**i * unit_x**j).ravel() for i, j in odd_pairs], axis=1)
     odd_terms = np.concatenate([terms_by_pressure, terms_by_shear])
     cross_kernels = np.concatenate(
         [kernels.x_displacement_by_pressure.ravel(), -kernels.outward_displacement_by_shear.ravel()]

@@ -1,6 +1,6 @@
 r"""Return mapping of tractions: penalty method, and augmented Lagrangian of Simo and Laursen.
 
-The faces carry what the contact law makes of a trial,
+The faces carry trial tractions, projected onto p >= 0 and |q| <= f p,
 
     (p, q) = project(l - e g,  m + e ds),
 
@@ -156,7 +156,7 @@ class ReturnMapping:
             Values (3 + 4 n,): approach, U and tilt, then slip, pressure, shear and gap of the n
             nodes; states of the nodes; number of Newton steps at all penalties tried.
         """
-        newton_steps = 0
+        total_newton_steps = 0
         for penalty_number, penalty_compliance in enumerate(self._penalty_compliances()):
             # linear systems of the contact with this penalty, and the two loops of the increment
             systems = self._systems_at_penalty(penalty_number, penalty_compliance)
@@ -165,12 +165,12 @@ class ReturnMapping:
                 has_converged = iteration.run_to_convergence(most_steps)
             except SingularSet:
                 has_converged = False
-            newton_steps += iteration.newton_steps
+            total_newton_steps += iteration.newton_steps
             self.work_counts["Newton steps"] += iteration.newton_steps
             self.work_counts["multiplier updates"] += iteration.multiplier_updates
             if has_converged:
                 values, node_states = iteration.values_and_states()
-                return Equilibrium(values, node_states, newton_steps)
+                return Equilibrium(values, node_states, total_newton_steps)
             self.work_counts["penalties softened"] += 1
         return None
 
@@ -574,12 +574,14 @@ class _Iteration:
         has_no_gap_or_pressure = np.abs(self._iterated_pressure) <= tolerance
         has_no_gap_or_pressure &= self._has_no_gap(tolerance)
         # _TOUCHING_PRESSURE: a positive number of the size of round-off, 1e-11
-        trial_pressure = np.where(
+        adjusted_trial_pressure = np.where(
             has_no_gap_or_pressure,
             np.where(was_open, 0.0, _TOUCHING_PRESSURE),
             projected_tractions.trial_pressure,
         )
-        _, _, node_states = project(trial_pressure, projected_tractions.trial_shear, friction)
+        _, _, node_states = project(
+            adjusted_trial_pressure, projected_tractions.trial_shear, friction
+        )
         if not self.problem.has_shear:
             return node_states
         shear_of_slip = (

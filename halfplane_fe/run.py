@@ -100,8 +100,8 @@ class Trend:
 
 
 def trend(values: Sequence[float]) -> Trend:
-    """How a quantity with one value a revolution goes on: steady, geometric or algebraic, with its
-    limit and the change to it (limit minus last value), from its last four values.
+    """Trend of a quantity with one value a revolution, from its last four values: steady, geometric
+    or algebraic, with its limit and the change to it (limit minus last value).
 
     With d_k the last difference, r its ratio to the one before, m the exponent of the decay k^-m:
 
@@ -184,9 +184,9 @@ class _Thinning:
     n_stored
         number of states that keep pressure, shear and gap
     stride
-        of the states between ends of stretches, each so many-th keeps them
+        n of the states between ends of stretches: every n-th of them keeps its values
     stride_of_ends
-        the same of the ends
+        n of the states at ends of stretches: every n-th of them keeps its values
     """
 
     end_number_of_state: dict[int, int] = field(default_factory=dict)
@@ -207,8 +207,8 @@ class _Thinning:
 
     def can_double_a_stride(self, n_states: int) -> bool:
         """Whether fewer states can keep their nodal forces, by doubling one of the two strides:
-        every so many-th state keeps them. False once a stride is `n_states` or more, for then only
-        the first state keeps them.
+        every n-th state, n a stride, keeps them. False once a stride is `n_states` or more: then
+        only the first state keeps them.
         """
         return max(self.stride, self.stride_of_ends) < n_states
 
@@ -409,41 +409,45 @@ class PathRun:
         """
         if not increments:
             return
-        states = [self.states[-1], *(increment.state for increment in increments)]
+        states_with_start = [self.states[-1], *(increment.state for increment in increments)]
 
-        enclosed_areas = _enclosed_areas(states, segment, load_units)
+        enclosed_areas = _enclosed_areas(states_with_start, segment, load_units)
 
         # Energies and admissibility checks by name, (k,) each.
         node_states = [increment.solved_states for increment in increments]
-        energies = vars(increment_energies(problem, states, node_states, enclosed_areas)).copy()
-        nodal_work = energies.pop("dissipation")  # (k, n) of k increments and n nodes
-        work_of_increments = {"dissipation": nodal_work.sum(axis=1)}
-        energies_and_checks = law_violations(problem, states) | energies | work_of_increments
+        energies = vars(
+            increment_energies(problem, states_with_start, node_states, enclosed_areas)
+        ).copy()
+        nodal_work_of_increments = energies.pop("dissipation")  # (k, n) of k increments and n nodes
+        work_of_increments = {"dissipation": nodal_work_of_increments.sum(axis=1)}
+        energies_and_checks = (
+            law_violations(problem, states_with_start) | energies | work_of_increments
+        )
 
-        slips_since_stop = _slips_since_stop(states, self.slip_since_stop)
+        slips_since_stop = _slips_since_stop(states_with_start, self.slip_since_stop)
 
         # Instants (k + 1,) at which all of the contact sticks, by the shear at its edges.
         x = problem.interface.x
-        sticks_in_full = shear_grows_within_cone(
-            states, problem.friction, is_half=bool(-x[0] < x[-1] / 2)
+        sticks_in_full_at_states = shear_grows_within_cone(
+            states_with_start, problem.friction, is_half=bool(-x[0] < x[-1] / 2)
         )
 
         # Edges of contact and stick are located between nodes by the load that moves them.
         # All attributes at once: Ctrl-C comes before or after it.
         passed_nodes = dict(self.passed_nodes)  # `stick_by_load` brings it up to date
         vars(self).update(
-            states=self.states + states[1:],
+            states=self.states + states_with_start[1:],
             increment_records=[*self.increment_records, energies_and_checks],
             iterations=self.iterations + [increment.iterations for increment in increments],
-            nodal_work=self.nodal_work + nodal_work.sum(axis=0),
-            contact_edges=[*self.contact_edges, contact_by_load(problem, states[1:])],
+            nodal_work=self.nodal_work + nodal_work_of_increments.sum(axis=0),
+            contact_edges=[*self.contact_edges, contact_by_load(problem, states_with_start[1:])],
             stick_edges=[
                 *self.stick_edges,
-                stick_by_load(problem, states, slips_since_stop, passed_nodes),
+                stick_by_load(problem, states_with_start, slips_since_stop, passed_nodes),
             ],
             passed_nodes=passed_nodes,
             slip_since_stop=slips_since_stop[-1],
-            sticks_in_full=[*self.sticks_in_full, sticks_in_full[1:]],
+            sticks_in_full=[*self.sticks_in_full, sticks_in_full_at_states[1:]],
         )
 
     def end_stretches(self, last_states: list[int]) -> None:
@@ -497,7 +501,7 @@ class PathRun:
 
         `_thinning` records which states keep them: `end_number_of_state` numbers the states at ends
         of stretches, by their index; `index_of_largest_load` is the state with the largest P;
-        `n_stored` states are complete. Every so many-th state is (a stride), every so many-th end
+        `n_stored` states are complete. Every n-th state is, n a stride; and every n-th end
         of a stretch too.
         """
         thinning = self._thinning

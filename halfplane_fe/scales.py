@@ -341,8 +341,8 @@ def _scales_at(scene: Scene, load_unit: float, work_counts: Counter[str]) -> Sca
     for enlargements_left in reversed(range(_MOST_ENLARGEMENTS + 1)):
         try:
             # The last revolutions of both runs are compared: with one alone, both are the first.
-            cycles = min(COARSE_CYCLES, scene.cycles)
-            problem, run = _coarse_run(pair, face_half_width, steps, cycles)
+            n_cycles = min(COARSE_CYCLES, scene.cycles)
+            problem, run = _coarse_run(pair, face_half_width, steps, n_cycles)
         except BesideTheFaces:  # the line of action of the loads misses the meshed faces
             if not enlargements_left or face_half_width == pair.largest_face_half_width:
                 raise
@@ -580,7 +580,7 @@ def _with_extreme_rows(scene: Scene) -> Scene:
     # Rows (n, 3) that count: with bulk stress or tilt all that are used, else those left after
     # means and reduction. And further columns (n,) by name.
     first_row, row_beyond = load_record.row_bounds()
-    rows = (
+    counted_rows = (
         load_record.rows.values[first_row:row_beyond]
         if load_record.has_bulk_or_tilt
         else load_record.kept_rows()
@@ -593,14 +593,20 @@ def _with_extreme_rows(scene: Scene) -> Scene:
 
     # Numbers of the extreme rows of each column.
     # _LEAST_LOAD_RATIO: 1e-6
-    safe_normal_load = np.maximum(rows[:, 1], _LEAST_LOAD_RATIO * rows[:, 1].max())  # P, not near 0
-    columns = [rows[:, 1], rows[:, 2], rows[:, 2] / safe_normal_load, *further_columns.values()]
-    row_numbers = {0, len(rows) - 1}
+    # P, not near 0
+    safe_normal_load = np.maximum(counted_rows[:, 1], _LEAST_LOAD_RATIO * counted_rows[:, 1].max())
+    columns = [
+        counted_rows[:, 1],
+        counted_rows[:, 2],
+        counted_rows[:, 2] / safe_normal_load,
+        *further_columns.values(),
+    ]
+    row_numbers = {0, len(counted_rows) - 1}
     for column in columns:
         row_numbers |= {int(np.argmin(column)), int(np.argmax(column))}
     sorted_numbers = sorted(row_numbers)
     short_record = TimeSeriesLoad(
-        rows=rows[sorted_numbers],
+        rows=counted_rows[sorted_numbers],
         repeats=load_record.repeats,
         **{
             name: tuple(column[sorted_numbers].tolist()) for name, column in further_columns.items()
@@ -645,10 +651,12 @@ class _CoarsePair:
         if self._size_and_faces is None or self._size_and_faces[0] != size_of_mesh:
             # _COARSE_MESH: settings of the coarse mesh; `ratio`: factor on the element sizes of a
             # body, see `_grading`
-            bodies = meshed_pair(
+            meshed_bodies = meshed_pair(
                 self.scene, _COARSE_MESH, lambda ratio: _grading(size_of_mesh, ratio)
             )
-            faces = couple(*condensed_pair(self.scene, bodies, size_of_mesh, self.work_counts))
+            faces = couple(
+                *condensed_pair(self.scene, meshed_bodies, size_of_mesh, self.work_counts)
+            )
             self._size_and_faces = size_of_mesh, without_mesh_error(faces, self.scene) or faces
         interface = self._size_and_faces[1]
         if size_of_mesh == half_width:

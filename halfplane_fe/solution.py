@@ -335,20 +335,20 @@ def _bodies_of_contact(
     scene = task.scene
     # Nearer to a load than the datum length a half-plane's surface is pressed in, beyond it the
     # surface rises. A datum inside the contact makes a compliance that is not positive definite.
-    datum_length = max(scene.profile.datum_length, task.scales.reach)
-    meshed_scene = on_half_planes(scene, datum_length) if by_kernels else scene
+    datum_outside_contact = max(scene.profile.datum_length, task.scales.reach)
+    meshed_scene = on_half_planes(scene, datum_outside_contact) if by_kernels else scene
     # `grading` returns the element sizes along a face
     grading = partial(surface_grading, task.mesh, task.scales, scene.profile)
     bodies = meshed_pair(meshed_scene, task.mesh, grading)
     stopwatch.end_stage("mesh")
-    condensed_bodies = condensed_pair(meshed_scene, bodies, datum_length, work_counts)
+    condensed_bodies = condensed_pair(meshed_scene, bodies, datum_outside_contact, work_counts)
     stopwatch.end_stage("condensation")
 
     # Contact compliance of both: as meshed, and without the mesh error between nearby nodes.
     meshed_interface = couple(*condensed_bodies)
     faces = _FaceCompliances(meshed_interface, without_mesh_error(meshed_interface, meshed_scene))
     if not by_kernels:
-        return _BodiesOfContact(condensed_bodies, faces, datum_length, kernels=None)
+        return _BodiesOfContact(condensed_bodies, faces, datum_outside_contact, kernels=None)
 
     # What the finite size of each body adds to the displacement of its face.
     from halfplane_fe.kernel_bodies import (  # noqa: PLC0415 - for bodies by kernels alone
@@ -356,10 +356,10 @@ def _bodies_of_contact(
     )
 
     largest_x = float(np.abs(meshed_interface.x).max())
-    kernels = kernel_pair(scene, largest_x, datum_length, work_counts)
+    kernels = kernel_pair(scene, largest_x, datum_outside_contact, work_counts)
     faces = faces.with_kernels(kernels)
     stopwatch.end_stage("kernels")
-    return _BodiesOfContact(condensed_bodies, faces, datum_length, kernels)
+    return _BodiesOfContact(condensed_bodies, faces, datum_outside_contact, kernels)
 
 
 def _answer_of_run(
@@ -410,10 +410,10 @@ def _with_error_of_kernels(
     """
     # by the difference of the kernels of two meshes; `scales.modulus` is E*
     relative_error = kernels.relative_work_error(answer.x, answer.scales.modulus)
-    record = replace(answer.record, notes=(*answer.record.notes, _NOTE_OF_KERNELS))
+    record_with_note = replace(answer.record, notes=(*answer.record.notes, _NOTE_OF_KERNELS))
     return replace(
         answer,
-        record=record,
+        record=record_with_note,
         dissipation_uncertainty=answer.dissipation_uncertainty
         + relative_error * answer.dissipation,
         settings={**answer.settings, "bodies": "kernel"},
@@ -421,7 +421,7 @@ def _with_error_of_kernels(
 
 
 def _with_closed_cycle(
-    answer: FiniteElementSolution, notes: tuple[str, ...]
+    answer: FiniteElementSolution, further_notes: tuple[str, ...]
 ) -> FiniteElementSolution:
     """Complete the solution of a scene with actuators, where P and Q are results: at the end of the
     last cycle they are set to their values at its begin. A scene's cycle of loads has to close.
@@ -429,35 +429,36 @@ def _with_closed_cycle(
     The scene of `answer` states these loads: the last cycle alone is its cycle, cycles before it
     are initial loading. So the friction work of one cycle stays, and it counts as steady from the
     first cycle on if it was steady. Where the loads differ by more than round-off (1e-9 of the
-    largest P), a note states by how much; `notes` are further ones. A path without a period, which
-    has no cycle, keeps its loads.
+    largest P), a note states by how much. It and `further_notes` are added to the notes of the
+    solution. A path without a period, which has no cycle, keeps its loads.
     """
     # P and Q (n_steps,); answer.last_cycle: indices of the steps of the last cycle
-    loads = {
+    load_histories = {
         "normal_load": answer.normal_load.copy(),
         "tangential_load": answer.tangential_load.copy(),
     }
     if answer.scene.load.path().period is not None:
         first_step, *_, last_step = answer.last_cycle
         load_difference = max(
-            abs(float(load[last_step] - load[first_step])) for load in loads.values()
+            abs(float(load_history[last_step] - load_history[first_step]))
+            for load_history in load_histories.values()
         )
         share_of_load = load_difference / float(np.max(answer.normal_load))
         if share_of_load > _ROUNDING_OF_LOADS:
-            notes = (
-                *notes,
+            further_notes = (
+                *further_notes,
                 f"rig: P and Q at the end of the cycle differ by {share_of_load:.1g} of the largest"
                 " P from those at its begin, which its last instant states",
             )
-        for load in loads.values():
-            load[last_step] = load[first_step]
+        for load_history in load_histories.values():
+            load_history[last_step] = load_history[first_step]
 
-    record = replace(answer.record, notes=(*answer.record.notes, *notes))
+    record_with_notes = replace(answer.record, notes=(*answer.record.notes, *further_notes))
     return replace(
         answer,
-        record=record,
-        normal_load=read_only_copy(loads["normal_load"]),
-        tangential_load=read_only_copy(loads["tangential_load"]),
+        record=record_with_notes,
+        normal_load=read_only_copy(load_histories["normal_load"]),
+        tangential_load=read_only_copy(load_histories["tangential_load"]),
         cycle_dissipation=read_only_copy(answer.cycle_dissipation[-1:]),
         steady_from=None if answer.steady_from is None else 0,
     )

@@ -433,9 +433,9 @@ def _uncounted_slip(
     directions = slip_sign(start_state.node_states)
     times = np.linspace(start_state.time, end_state.time, _N_INSTANTS_OF_STROKE)
     changes_of_loads = np.subtract([loads_at(time) for time in times.tolist()], start_state.loads)
-    slip = directions * (changes_of_loads @ slip_by_loads)
+    predicted_slip = directions * (changes_of_loads @ slip_by_loads)
     counted_slip = np.maximum(directions * (end_state.slip - start_state.slip), 0.0)
-    return np.maximum(slip.max(axis=0) - counted_slip, 0.0)
+    return np.maximum(predicted_slip.max(axis=0) - counted_slip, 0.0)
 
 
 def _end_of_slip_within(
@@ -693,12 +693,12 @@ class _Trial:
 
         # The instant to rounding.
         if event != "regular":
-            time = _time_of_event(
+            time_of_event = _time_of_event(
                 self.problem, self.start_state, self.loads_at, solved_state, event, self.latest_end
             )
-            if time != self.predicted_time:
+            if time_of_event != self.predicted_time:
                 solved_state = self._equilibrium(
-                    time, states_up_to_event(self.start_state, solved_state)
+                    time_of_event, states_up_to_event(self.start_state, solved_state)
                 )
         return event, solved_state
 
@@ -754,13 +754,13 @@ def next_event(
         `start_state`
     """
     # Gap and pressure (n,) at the start and, by linear prediction, at the end.
-    gap = start_state.gap
-    pressure = start_state.pressure
+    gap_at_start = start_state.gap
+    pressure_at_start = start_state.pressure
     loads_at_end = loads_at(latest_end)
     try:
         # nodes that start to slide come to the limit of friction at once
         if node_states is not start_state.node_states:
-            _, pressure, _, gap = nodal_values(
+            _, pressure_at_start, _, gap_at_start = nodal_values(
                 problem.values_following(start_state, start_state.loads, node_states)
             )
         values_at_end = problem.values_following(start_state, loads_at_end, node_states)
@@ -770,7 +770,7 @@ def next_event(
     _, pressure_at_end, _, gap_at_end = nodal_values(values_at_end)
 
     first_event = _first_event(
-        (gap, gap_at_end), (pressure, pressure_at_end), start_state.is_closed
+        (gap_at_start, gap_at_end), (pressure_at_start, pressure_at_end), start_state.is_closed
     )
     if first_event is None:
         return "regular", latest_end
@@ -792,7 +792,9 @@ def next_event(
     else:
         # By Q and by tilt nodes meet at constant P too: follow the gap or pressure of the first.
         is_touch = first_event.event == "touch"
-        distance_at_start = float((gap if is_touch else pressure)[first_event.node])
+        distance_at_start = float(
+            (gap_at_start if is_touch else pressure_at_start)[first_event.node]
+        )
         rates_of_node = _rates_of_event(
             problem, start_state, loads_at_end, node_states, first_event
         )
@@ -805,11 +807,11 @@ def next_event(
 
     # Instant at which the distance is zero, looked for near the share of the increment that the
     # linear prediction gives.
-    time = time_of_zero(
+    time_of_event = time_of_zero(
         distance_to_event, start_state.time, latest_end, first_event.share, distance_at_start
     )
-    if start_state.time < time < latest_end:
-        return first_event.event, time
+    if start_state.time < time_of_event < latest_end:
+        return first_event.event, time_of_event
     return "regular", latest_end
 
 
@@ -874,9 +876,9 @@ def _rates_of_event(
     _, pressure_rates, _, gap_rates = nodal_values(
         problem.rates(node_states, len(start_state.loads))
     )
-    rates = gap_rates if first_event.event == "touch" else pressure_rates
+    rates_of_nodes = gap_rates if first_event.event == "touch" else pressure_rates
     load_changes = np.subtract(loads_at_end, start_state.loads)
-    return np.where(load_changes != 0, rates[:, first_event.node], 0.0)
+    return np.where(load_changes != 0, rates_of_nodes[:, first_event.node], 0.0)
 
 
 def _with_touching_nodes_sliding(start_state: InterfaceState) -> States:
@@ -971,10 +973,14 @@ def _time_of_event(
 
     duration = solved_state.time - start_state.time
     share_of_increment = duration / (latest_end - start_state.time)
-    time = time_of_zero(
+    time_of_event = time_of_zero(
         distance_at, start_state.time, latest_end, share_of_increment, distance_at(start_state.time)
     )
-    return time if abs(time - solved_state.time) < _LARGEST_MOVE * duration else solved_state.time
+    return (
+        time_of_event
+        if abs(time_of_event - solved_state.time) < _LARGEST_MOVE * duration
+        else solved_state.time
+    )
 
 
 def _first_crossing(values_before: Array, values_after: Array, nodes: Mask) -> tuple[float, int]:

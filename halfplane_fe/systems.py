@@ -638,8 +638,8 @@ class Systems:
         slip, pressure, shear, gap = values[:, 3:].reshape(-1, 4, n).transpose(1, 2, 0)
 
         # Normal problem: pressure, approach (column 0 of the values) and gap.
-        normal_compliance = self._nested_compliances[0]
-        pressure[:], values[:, 0], gap[:] = normal_compliance.forces_and_displacements(
+        nested_normal_compliance = self._nested_compliances[0]
+        pressure[:], values[:, 0], gap[:] = nested_normal_compliance.forces_and_displacements(
             n_touching_nodes,
             n_touching_nodes,
             normal_right_sides,
@@ -649,18 +649,20 @@ class Systems:
 
         # Tangential problem: shear, displacement U (column 1) and slip.
         if self.has_shear:
-            tangential_compliance = self._nested_compliances[1]
+            nested_tangential_compliance = self._nested_compliances[1]
             # Shear displaces the faces against the slip: with the tangential compliance T the slip
             # is U - T q, the opposite of the displacement that is solved for.
             tangential_right_sides[:n_sticking_nodes] *= -1
             signed_friction = slip_sign(node_states) * self.friction  # q/p; 0 unless sliding
             tangential_right_sides += signed_friction[:, None] * pressure
-            shear[:], values[:, 1], opposite_slip = tangential_compliance.forces_and_displacements(
-                n_sticking_nodes,
-                n_touching_nodes,
-                tangential_right_sides,
-                tangential_load,
-                self.actuators.tangential_compliance,
+            shear[:], values[:, 1], opposite_slip = (
+                nested_tangential_compliance.forces_and_displacements(
+                    n_sticking_nodes,
+                    n_touching_nodes,
+                    tangential_right_sides,
+                    tangential_load,
+                    self.actuators.tangential_compliance,
+                )
             )
             slip[:] = -opposite_slip
         return values
@@ -767,10 +769,12 @@ class Systems:
         base_cases = np.concatenate([unit_cases, equation_numbers])
         self._solve_cases(base, base_cases)
         base_responses = base.responses.take(base.response_row_of_case[base_cases], axis=0)
-        responses = np.zeros((n_units + len(right_sides), base_responses.shape[1]))
-        responses[:n_units] = base_responses[:n_units]
+        updated_responses = np.zeros((n_units + len(right_sides), base_responses.shape[1]))
+        updated_responses[:n_units] = base_responses[:n_units]
         if not len(equation_numbers):
-            return _Update(responses, equation_numbers, np.zeros((len(responses), 0)))
+            return _Update(
+                updated_responses, equation_numbers, np.zeros((len(updated_responses), 0))
+            )
 
         # The m equations for the amplitudes.
         self.work_counts["factor updates"] += 1
@@ -781,8 +785,8 @@ class Systems:
         left_sides_by_amplitudes = left_sides[n_units:].T
         residuals = np.concatenate([-left_sides[:n_units], right_sides])
         amplitudes = _lu_solve(_lu(left_sides_by_amplitudes), residuals.T).T
-        responses += _few_rows_times(amplitudes, base_responses[n_units:])
-        return _Update(responses, equation_numbers, amplitudes)
+        updated_responses += _few_rows_times(amplitudes, base_responses[n_units:])
+        return _Update(updated_responses, equation_numbers, amplitudes)
 
     def _left_sides(
         self,
@@ -1136,21 +1140,22 @@ class Systems:
 
         # Solve them, by factors of this base or by an update from those of its origin.
         if base.equations is not None:
-            responses = self._responses_by_equations(base, base.equations, cases)
+            new_responses = self._responses_by_equations(base, base.equations, cases)
         else:
             assert base.origin is not None  # for the type checker: it has factors or an origin
-            responses = self._responses_by_origin(base, base.origin, cases)
+            new_responses = self._responses_by_origin(base, base.origin, cases)
 
         # Add them to the cache.
-        n_cases = base.n_cases + len(cases)
-        if n_cases > len(base.responses):  # more room than is needed, so that it is seldom copied
+        n_cases_in_all = base.n_cases + len(cases)
+        if n_cases_in_all > len(base.responses):
+            # more room than is needed, so that it is seldom copied
             solved_responses = base.responses[: base.n_cases]
             # _SPARE_ROOM: 1.5
-            base.responses = np.empty((int(_SPARE_ROOM * n_cases), 2 * n + 3))
+            base.responses = np.empty((int(_SPARE_ROOM * n_cases_in_all), 2 * n + 3))
             base.responses[: base.n_cases] = solved_responses
-        base.responses[base.n_cases : n_cases] = responses
-        base.response_row_of_case[cases] = np.arange(base.n_cases, n_cases)
-        base.n_cases = n_cases
+        base.responses[base.n_cases : n_cases_in_all] = new_responses
+        base.response_row_of_case[cases] = np.arange(base.n_cases, n_cases_in_all)
+        base.n_cases = n_cases_in_all
 
         # Drop the bases unused for longest, which stand first.
         while (
@@ -1242,18 +1247,22 @@ class Systems:
         order_of_update = np.concatenate(
             [(~is_of_differing_equation).nonzero()[0], is_of_differing_equation.nonzero()[0]]
         )
-        responses = np.empty_like(update.responses)
-        responses[order_of_update] = update.responses
+        responses_of_base = np.empty_like(update.responses)
+        responses_of_base[order_of_update] = update.responses
 
         # Where the sets prescribe different ones of displacement and force.
         is_swapped = origin.is_held[differing_equations] != base.is_held[differing_equations]
         swapped_equations = differing_equations[is_swapped]
-        responses[np.ix_(order_of_update, swapped_equations)] = update.amplitudes[:, is_swapped]
+        responses_of_base[np.ix_(order_of_update, swapped_equations)] = update.amplitudes[
+            :, is_swapped
+        ]
 
         # The force that the origin prescribes in a tangential equation is q - (+-f) p; where it
         # slides and the base sticks, q is the response.
         sticking_nodes = swapped_equations[swapped_equations >= n] - n
         sticking_nodes = sticking_nodes[base.is_held[n + sticking_nodes]]
-        pressure = responses[:, sticking_nodes]
-        responses[:, n + sticking_nodes] += origin.signed_friction[sticking_nodes] * pressure
-        return responses
+        pressure = responses_of_base[:, sticking_nodes]
+        responses_of_base[:, n + sticking_nodes] += (
+            origin.signed_friction[sticking_nodes] * pressure
+        )
+        return responses_of_base

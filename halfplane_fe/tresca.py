@@ -228,7 +228,7 @@ class _ShearAtShift:
     coulomb_limit
         (n,) f p of the nodes
     known_slip
-        (n,) what is taken off the slip n_y U - T q, T the tangential compliance
+        (n,) slip that is subtracted from n_y U - T q, T the tangential compliance
     round_off
         size of a violation that counts as round-off
     node_states
@@ -249,9 +249,9 @@ class _ShearAtShift:
         tangential compliance of `systems`.
         """
         n_y = self.systems.interface.face_normals[1]
-        known_slip = self.known_slip - n_y * shift
+        known_slip_at_shift = self.known_slip - n_y * shift
         shear, self.node_states = _shear_within_limits(
-            self.systems, self.coulomb_limit, known_slip, self.node_states, self.round_off
+            self.systems, self.coulomb_limit, known_slip_at_shift, self.node_states, self.round_off
         )
         return shear
 

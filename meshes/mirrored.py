@@ -169,19 +169,23 @@ def mirrored_mesh(
 
     # With its mirror image; corners have the first numbers, as scikit-fem keeps these.
     whole_mesh = _renumbered_corners_first(_with_mirror_image(half_mesh))
-    points = np.ascontiguousarray(whole_mesh.points.T)
-    elements = np.ascontiguousarray(whole_mesh.elements.T)
+    transposed_points = np.ascontiguousarray(whole_mesh.points.T)
+    transposed_elements = np.ascontiguousarray(whole_mesh.elements.T)
 
     # As a mesh of scikit-fem, whose class goes by the number of nodes of an element. That with
     # straight sides is checked: it raises where it is not valid.
-    corners_of_elements = elements[: whole_mesh.corners_per_element]
+    corners_of_elements = transposed_elements[: whole_mesh.corners_per_element]
     n_corners = int(corners_of_elements.max()) + 1
     # _MESH_CLASSES: class of scikit-fem by the number of nodes of an element
     straight_mesh = _MESH_CLASSES[whole_mesh.corners_per_element](
-        points[:, :n_corners].copy(), corners_of_elements.copy()
+        transposed_points[:, :n_corners].copy(), corners_of_elements.copy()
     )
     straight_mesh.is_valid(raise_=True)
-    mesh = _MESH_CLASSES[len(elements)](points, elements) if order == 2 else straight_mesh
+    mesh = (
+        _MESH_CLASSES[len(transposed_elements)](transposed_points, transposed_elements)
+        if order == 2
+        else straight_mesh
+    )
     return mesh.with_boundaries(
         {name: _facets(mesh, nodes) for name, nodes in whole_mesh.boundary_nodes.items()}
     )
@@ -291,18 +295,20 @@ def _with_mirror_image(half_mesh: _MeshArrays) -> _MeshArrays:
     number), so that their area stays positive. Nodes nearer to x = 0 than 1e-9 lie on the axis;
     the half-width of the finely meshed face is 1.
     """
-    points = half_mesh.points.copy()
-    is_on_axis = np.abs(points[:, 0]) < _AXIS_DISTANCE
-    points[is_on_axis, 0] = 0.0
+    points_of_half = half_mesh.points.copy()
+    is_on_axis = np.abs(points_of_half[:, 0]) < _AXIS_DISTANCE
+    points_of_half[is_on_axis, 0] = 0.0
     # Number of each node's image: of one on the axis its own, of others a new one.
-    mirror_image_of_node = np.empty(len(points), dtype=np.int64)
+    mirror_image_of_node = np.empty(len(points_of_half), dtype=np.int64)
     mirror_image_of_node[is_on_axis] = np.flatnonzero(is_on_axis)
-    mirror_image_of_node[~is_on_axis] = len(points) + np.arange(np.count_nonzero(~is_on_axis))
+    mirror_image_of_node[~is_on_axis] = len(points_of_half) + np.arange(
+        np.count_nonzero(~is_on_axis)
+    )
     mirrored_elements = mirror_image_of_node[half_mesh.elements][
         :, _NODES_OF_MIRRORED[half_mesh.elements.shape[1]]
     ]
     return _MeshArrays(
-        np.vstack([points, points[~is_on_axis] * [-1.0, 1.0]]),
+        np.vstack([points_of_half, points_of_half[~is_on_axis] * [-1.0, 1.0]]),
         np.vstack([half_mesh.elements, mirrored_elements]),
         {
             name: np.union1d(nodes, mirror_image_of_node[nodes])

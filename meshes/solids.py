@@ -269,13 +269,15 @@ class _Outline:
         """
         self._face = face
         self._length_unit = length_unit
-        half_width = shape.face_half_width / length_unit
-        height = (shape.radius if isinstance(shape, Cylinder) else shape.height) / length_unit
+        scaled_half_width = shape.face_half_width / length_unit
+        scaled_height = (
+            shape.radius if isinstance(shape, Cylinder) else shape.height
+        ) / length_unit
         # The drop is that at the unrounded half-width. At the end of an arc of 90 degrees it
         # changes with the root of the half-width, and rounding this would cost half of the digits.
-        face_drop = float(self._unrounded_depth(np.array(half_width)))
+        unrounded_face_drop = float(self._unrounded_depth(np.array(scaled_half_width)))
         self._half_width, self._height, self._face_drop = lengths_to_twelve_digits(
-            [half_width, height, face_drop]
+            [scaled_half_width, scaled_height, unrounded_face_drop]
         ).tolist()
 
         # Lower end of the sides, (x, y), and corners of a step between face and sides.
