@@ -364,7 +364,7 @@ def _has_room_beyond_mesh_error(interface: Interface, scene: Scene) -> bool:
     the half-width of their faces and the depth of material below.
     """
     spacing = np.diff(interface.x)
-    # _SPACINGS_TO_MEAN_END: 10.5 node distances
+    # _SPACINGS_TO_MEAN_END: 10.5 node distances; _FEWEST_NODES: 21
     n_nodes_needed = int(_SPACINGS_TO_MEAN_END)
     room_beside_contact = least_face_half_width(scene) - float(np.abs(interface.x).max())
     return (

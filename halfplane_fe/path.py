@@ -414,6 +414,7 @@ def check_admissible(path: LoadPath, friction: float, *, is_driven: bool = False
             worst_instant = LoadedInstant(
                 times[worst_index], normal_load[worst_index], tangential_load[worst_index]
             )
+            # _ADVICE_ON_SLIDING: a sentence on what to change
             raise InadmissibleLoadError(
                 "gross sliding", worst_instant, friction=friction, rule=_ADVICE_ON_SLIDING
             )

@@ -287,6 +287,7 @@ class _Iteration:
         self._newton_step(tractions_at_start, self.start.change_of_loads)
 
         # Outer loop. Projected tractions: trial tractions, projected onto p >= 0 and |q| <= f p.
+        # Multipliers l of pressure and m of shear, (2, n): at first the tractions at the start.
         multipliers = np.stack([pressure, shear])
         has_multipliers = (
             self.penalty_compliance.normal_compliance.any()

@@ -499,10 +499,12 @@ class PathRun:
         Where more than 4000 (`MOST_COMPLETE_STATES`) still have them, these are taken off earlier
         states too. The next increment starts from the last state, which stays complete.
 
-        `_thinning` records which states keep them: `end_number_of_state` numbers the states at ends
-        of stretches, by their index; `index_of_largest_load` is the state with the largest P;
-        `n_stored` states are complete. Every n-th state is, n a stride; and every n-th end
-        of a stretch too.
+        `_thinning` holds which states keep them: every n-th one between ends of stretches, and
+        every n-th end, n being a stride of either kind.
+
+        - `end_number_of_state`: numbers the states at ends of stretches, by their index.
+        - `index_of_largest_load`: of the state with the largest P.
+        - `n_stored`: how many states are complete.
         """
         thinning = self._thinning
         thinning.end_number_of_state[last_index] = len(thinning.end_number_of_state)
@@ -530,8 +532,8 @@ class PathRun:
         """Take pressure, shear and gap off the state of this index, to free memory, unless the
         state is one that keeps them; return whether they were taken off.
 
-        The first state keeps them, that of the largest P, the starts of the last two revolutions,
-        and, of the states between ends of stretches and of these ends, every so many-th
+        The first state keeps them, that of the largest P, and the starts of the last two
+        revolutions. Of the states between ends of stretches, and of these ends, every n-th does
         (`_thinning`).
         """
         if index in (0, self._thinning.index_of_largest_load, *self.cycle_starts[-2:]):

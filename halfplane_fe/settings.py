@@ -108,6 +108,7 @@ class SolverSettings:
         >>> SolverSettings("augmented_lagrangian", tangential_stiffness=3.0).stiffnesses
         (300.0, 3.0)
         """
+        # _PENALTY: 300; _STIFFNESS: 1000
         default_stiffness = _PENALTY if self.method == "augmented_lagrangian" else _STIFFNESS
         normal_stiffness = (
             default_stiffness if self.normal_stiffness is None else self.normal_stiffness

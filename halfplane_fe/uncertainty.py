@@ -682,6 +682,7 @@ def uncertainty(
     if scatter:
         # _OF_SCATTER: fitted share
         uncertainty_by_edges = _OF_SCATTER * scatter
+    # _FALSE_WORK: W over (h/a)^2 up to which it may be false, 0.05
     elif dissipation < _FALSE_WORK * element_size**2:
         uncertainty_by_edges = dissipation  # all of it may be an error of the mesh
     elif scatter == 0:
