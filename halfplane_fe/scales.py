@@ -636,7 +636,7 @@ class _CoarsePair:
 
     def __post_init__(self) -> None:
         self.largest_face_half_width = least_face_half_width(self.scene) * _SHARE_OF_FACE
-        self._size_and_faces: tuple[float, Interface] | None = None
+        self._size_and_interface: tuple[float, Interface] | None = None
 
     def faces(self, half_width: float) -> Interface:
         """Contact compliance of the coarse bodies, whose nodes that may touch lie on |x| up to
@@ -648,17 +648,20 @@ class _CoarsePair:
         """
         # half-width of the part of the face that may touch, in the mesh
         size_of_mesh = 1.0 if self.scene.bodies.half_planes else half_width
-        if self._size_and_faces is None or self._size_and_faces[0] != size_of_mesh:
+        if self._size_and_interface is None or self._size_and_interface[0] != size_of_mesh:
             # _COARSE_MESH: settings of the coarse mesh; `ratio`: factor on the element sizes of a
             # body, see `_grading`
             meshed_bodies = meshed_pair(
                 self.scene, _COARSE_MESH, lambda ratio: _grading(size_of_mesh, ratio)
             )
-            faces = couple(
+            meshed_interface = couple(
                 *condensed_pair(self.scene, meshed_bodies, size_of_mesh, self.work_counts)
             )
-            self._size_and_faces = size_of_mesh, without_mesh_error(faces, self.scene) or faces
-        interface = self._size_and_faces[1]
+            self._size_and_interface = (
+                size_of_mesh,
+                without_mesh_error(meshed_interface, self.scene) or meshed_interface,
+            )
+        interface = self._size_and_interface[1]
         if size_of_mesh == half_width:
             return interface
         return interface.scaled(size_of_mesh / half_width, 1.0)
@@ -666,7 +669,7 @@ class _CoarsePair:
     def problem(
         self,
         size: float,
-        unscaled_faces: Interface,
+        unscaled_interface: Interface,
         has_shear: bool,
         actuators: Actuators = LOADS_ARE_GIVEN,
     ) -> ContactProblem:
@@ -677,18 +680,18 @@ class _CoarsePair:
         ----------
         size
             half-width of the part of the face that may touch [length]
-        unscaled_faces
+        unscaled_interface
             contact compliance of the bodies, in the scene's units
         has_shear
             whether friction is solved, else normal contact alone
         actuators
             which loads are prescribed as movements: none by default
         """
-        interface = unscaled_faces.scaled(size, 1 / self.modulus)
+        interface = unscaled_interface.scaled(size, 1 / self.modulus)
         # displacements are over P/E*, P the largest load
-        scaled_gap = initial_gap(self.scene, unscaled_faces) * self.modulus / self.load
+        scaled_gap = initial_gap(self.scene, unscaled_interface) * self.modulus / self.load
         # compliances of a layer between the faces: 0, the exact contact law
-        no_layer = Layer(np.zeros_like(unscaled_faces.x), np.zeros_like(unscaled_faces.x))
+        no_layer = Layer(np.zeros_like(unscaled_interface.x), np.zeros_like(unscaled_interface.x))
         return ContactProblem(
             interface,
             scaled_gap,
@@ -744,13 +747,13 @@ def _coarse_run(
     ConvergenceError
         Where the run fails.
     """
-    faces = pair.faces(face_half_width)  # contact compliance, in the scene's units
+    interface = pair.faces(face_half_width)  # contact compliance, in the scene's units
     has_shear = needs_shear(pair.scene)
     actuators = actuators_of(pair.scene, face_half_width)
-    problem = pair.problem(face_half_width, faces, has_shear, actuators)
-    is_halved = on_half(pair.scene, faces)
+    problem = pair.problem(face_half_width, interface, has_shear, actuators)
+    is_halved = on_half(pair.scene, interface)
     solved_problem = (
-        pair.problem(face_half_width, half_interface(faces), has_shear, actuators)
+        pair.problem(face_half_width, half_interface(interface), has_shear, actuators)
         if is_halved
         else problem
     )
@@ -768,7 +771,7 @@ def _coarse_run(
     )
     if run.failure is not None:
         raise run.failure
-    return problem, run_at_all_nodes(run, faces) if is_halved else run
+    return problem, run_at_all_nodes(run, interface) if is_halved else run
 
 
 def _fitting_size(pair: _CoarsePair) -> float:
@@ -849,9 +852,9 @@ def _pressed(pair: _CoarsePair, size: float) -> tuple[ContactProblem, InterfaceS
     """Scaled contact problem of the coarse bodies without shear, and its state at the largest load.
     `size` is the half-width of the part of the face that may touch [length].
     """
-    faces = pair.faces(size)
-    solved_faces = half_interface(faces) if on_half(pair.scene, faces) else faces
-    problem = pair.problem(size, solved_faces, has_shear=False)
+    interface = pair.faces(size)
+    solved_interface = half_interface(interface) if on_half(pair.scene, interface) else interface
+    problem = pair.problem(size, solved_interface, has_shear=False)
     # equilibrium at the instant 0 under the scaled loads P = 1, Q = 0
     return problem, problem.equilibrium(problem.unloaded_state(), 0.0, (1.0, 0.0))[0]
 

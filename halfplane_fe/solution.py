@@ -281,7 +281,7 @@ def _solve(
     )
     report(0, None, "meshing and condensing the bodies")
     pair = _bodies_of_contact(task, work_counts, stopwatch, by_kernels=by_kernels)
-    problem, run = _solve_path(task, pair.faces, pair.datum_length, work_counts, report)
+    problem, run = _solve_path(task, pair.compliances, pair.datum_length, work_counts, report)
 
     # The solution in the scene's units; up to where the path was followed if it failed.
     answer = _answer_of_run(task, pair, problem, run, stopwatch)
@@ -298,7 +298,7 @@ class _BodiesOfContact(NamedTuple):
     ----------
     condensed_bodies
         lower and upper body: meshes and compliances
-    faces
+    compliances
         compliance of both faces together, as meshed and without the error of the mesh
     datum_length
         distance from a force at which a half-plane's surface counts as unmoved [length]
@@ -308,7 +308,7 @@ class _BodiesOfContact(NamedTuple):
     """
 
     condensed_bodies: tuple[CondensedBody, CondensedBody]
-    faces: _FaceCompliances
+    compliances: _FaceCompliances
     datum_length: float
     kernels: KernelPair | None
 
@@ -346,9 +346,11 @@ def _bodies_of_contact(
 
     # Contact compliance of both: as meshed, and without the mesh error between nearby nodes.
     meshed_interface = couple(*condensed_bodies)
-    faces = _FaceCompliances(meshed_interface, without_mesh_error(meshed_interface, meshed_scene))
+    compliances = _FaceCompliances(
+        meshed_interface, without_mesh_error(meshed_interface, meshed_scene)
+    )
     if not by_kernels:
-        return _BodiesOfContact(condensed_bodies, faces, datum_outside_contact, kernels=None)
+        return _BodiesOfContact(condensed_bodies, compliances, datum_outside_contact, kernels=None)
 
     # What the finite size of each body adds to the displacement of its face.
     from halfplane_fe.kernel_bodies import (  # noqa: PLC0415 - for bodies by kernels alone
@@ -357,9 +359,9 @@ def _bodies_of_contact(
 
     largest_x = float(np.abs(meshed_interface.x).max())
     kernels = kernel_pair(scene, largest_x, datum_outside_contact, work_counts)
-    faces = faces.with_kernels(kernels)
+    compliances = compliances.with_kernels(kernels)
     stopwatch.end_stage("kernels")
-    return _BodiesOfContact(condensed_bodies, faces, datum_outside_contact, kernels)
+    return _BodiesOfContact(condensed_bodies, compliances, datum_outside_contact, kernels)
 
 
 def _answer_of_run(
@@ -489,7 +491,7 @@ class _FaceCompliances(NamedTuple):
 
 def _solve_path(
     task: Task,
-    faces: _FaceCompliances,
+    compliances: _FaceCompliances,
     datum_length: float,
     work_counts: Counter[str],
     report: Progress,
@@ -506,7 +508,7 @@ def _solve_path(
     task
         the scene, its mesh settings, solver settings, and the scales of its variables: half-width,
         largest load P, modulus E*, and friction work of a cycle on a coarse mesh
-    faces
+    compliances
         contact compliance of the bodies, as meshed (`interface_as_meshed`) and without the mesh's
         error (`corrected_interface`, None where that cannot be separated); its `coupling` is None
         of like bodies
@@ -518,12 +520,12 @@ def _solve_path(
         called with (done, total, text) as work proceeds
     """
     scene = task.scene
-    pace = _pace_of_path(task, faces)
+    pace = _pace_of_path(task, compliances)
     # Try the corrected compliance, then that as meshed.
     candidates = (
-        (faces.interface_as_meshed,)
-        if faces.corrected_interface is None
-        else (faces.corrected_interface, faces.interface_as_meshed)
+        (compliances.interface_as_meshed,)
+        if compliances.corrected_interface is None
+        else (compliances.corrected_interface, compliances.interface_as_meshed)
     )
     for interface in candidates:
         problem = _contact_problem(task, interface, datum_length, work_counts)
@@ -545,16 +547,16 @@ def _solve_path(
         if not isinstance(run.failure, ConvergenceError):
             break
 
-    if interface is faces.corrected_interface:
+    if interface is compliances.corrected_interface:
         # CORRECTED_FACES: name of the count of runs without the mesh's error
         work_counts[CORRECTED_FACES] += 1
-    elif faces.corrected_interface is not None:
+    elif compliances.corrected_interface is not None:
         # REPEATED_RUNS: name of the count of runs repeated with it
         work_counts[REPEATED_RUNS] += 1
     return problem, run_at_all_nodes(run, interface) if is_half else run
 
 
-def _pace_of_path(task: Task, faces: _FaceCompliances) -> Pace:
+def _pace_of_path(task: Task, compliances: _FaceCompliances) -> Pace:
     """Units of the loads, and how finely the load path is divided into increments.
 
     The tolerated step error of the first revolution is a share of the expected friction work. That
@@ -568,11 +570,11 @@ def _pace_of_path(task: Task, faces: _FaceCompliances) -> Pace:
         the scene, its solver settings, the unit of friction work (`work_unit`), and its scales:
         half-width, largest load P, modulus E*, and friction work of a cycle on a coarse mesh (NaN
         where unknown)
-    faces
+    compliances
         compliance of both faces; its `coupling` is None of like bodies
     """
     expected_dissipation = 0.0
-    if faces.interface_as_meshed.coupling is not None or is_record(task.scene):
+    if compliances.interface_as_meshed.coupling is not None or is_record(task.scene):
         expected_dissipation = float(np.nan_to_num(task.scales.dissipation)) / task.work_unit
     return Pace(
         load_unit=task.scales.load,
@@ -602,7 +604,7 @@ class _Stopwatch:
 
 
 def _contact_problem(
-    task: Task, unscaled_faces: Interface, datum_length: float, work_counts: Counter[str]
+    task: Task, unscaled_interface: Interface, datum_length: float, work_counts: Counter[str]
 ) -> ContactProblem:
     """Scaled contact problem of two meshed bodies: compliance, initial gap, friction, and the
     stiffnesses by which the solver decides about the states of nodes.
@@ -617,7 +619,7 @@ def _contact_problem(
     task
         the scene, its mesh settings, solver settings (`stiffnesses`: two factors on E* over the
         size of the elements at edges), and the scales of its variables
-    unscaled_faces
+    unscaled_interface
         contact compliance of the bodies in the scene's units
     datum_length
         distance from a force at which a half-plane's surface counts as unmoved [length]
@@ -627,12 +629,12 @@ def _contact_problem(
     scene = task.scene
     scales = task.scales
     settings = task.settings
-    scaled_faces = unscaled_faces.scaled(scales.half_width, 1 / scales.modulus)
-    layer, trial_weights = _layer_and_trial_weights(task, scaled_faces.face_lengths)
+    scaled_interface = unscaled_interface.scaled(scales.half_width, 1 / scales.modulus)
+    layer, trial_weights = _layer_and_trial_weights(task, scaled_interface.face_lengths)
     # displacements are over P/E*
-    scaled_gap = initial_gap(scene, unscaled_faces) * scales.modulus / scales.load
+    scaled_gap = initial_gap(scene, unscaled_interface) * scales.modulus / scales.load
     return ContactProblem(
-        scaled_faces,
+        scaled_interface,
         scaled_gap,
         scene.friction.coefficient,
         layer,
