@@ -172,10 +172,14 @@ class Findings:
         loads, fields and dissipations by their names in a ContactSolution
     termination, message
         how the path ended
-    notes, errors, certificates, energy
-        as in its Record
+    notes, errors
+        sentences for a reader; relative errors by the name of the value
+    certificates, energy
+        at each instant, by name: checks of the laws of contact, 0 where satisfied; energies, such
+        as the friction work since the instant before
     counts, skipped, seconds
-        as in its Work
+        by name: how much was computed; what was left out, with its count and the reason; time that
+        each part took
     scene
         the scene with the loads that were found, where the question prescribes displacements;
         None: the scene of the question

@@ -1216,9 +1216,9 @@ def _loop_work_of(friction_work: WorkOfPath) -> float:
     """Closed integral of Q dU of the last cycle, U the relative tangential displacement [energy per
     thickness]; 0 where nothing is dissipated.
 
-    NaN where there is none, or where round-off leaves less than two digits of it, too few to
-    compare the friction work with: its round-off is 0.01 of the work or more. `loop_integral` holds
-    the integral and its round-off, None where there is none.
+    NaN where there is no integral, or where its round-off is 0.01 of the work or more. Then less
+    than two digits are left, too few to compare the friction work with. `loop_integral` holds the
+    integral and its round-off, None where there is none.
     """
     loop_integral = friction_work.loop_integral
     if loop_integral is None:

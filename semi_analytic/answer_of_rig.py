@@ -436,7 +436,7 @@ def _values_from_answer_datum(
 
 def _works_by_name(question: Question, cycle_energy: _Energy) -> dict[str, float | Array]:
     """Friction work and closed integral of the loads of the last cycle [energy per thickness], by
-    their names in a solution; NaN where the question does not want the friction work.
+    their names in a solution. NaN where the question does not want the friction work.
     """
     wants_work = question.wants("dissipation")
     work = cycle_energy.work if wants_work else math.nan

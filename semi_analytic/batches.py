@@ -1195,7 +1195,7 @@ def peak_dissipation(
 
 def _maxima_of_members(members: Members) -> Array:
     """The two largest maxima over x of the friction work per area W(x) of each member of a batch,
-    (6, m), in units of the scene, with the rows of `maxima_of`.
+    (6, m), in units of the scene. The rows are those of `maxima_of`.
 
     Groups by the shape of the profile have one contact each, in units of length and load.
     """
@@ -1733,9 +1733,9 @@ def _parameters_of(profile: Profile | Mapping[str, Any]) -> tuple[str, dict[str,
     function.
 
     The profile may be a mapping of keys to arrays, one value for each member of a batch. The
-    `rises` of a polynomial, its coefficients, become "rise 1", "rise 2" and so on; all other
-    parameters keep their names, in the order of `_PARAMETERS_OF_KIND`, which lists them for each
-    kind.
+    `rises` of a polynomial, its coefficients, become "rise 1", "rise 2" and so on. All other
+    parameters keep their names. Their order is that of `_PARAMETERS_OF_KIND`, which lists them for
+    each kind.
 
     Raises
     ------

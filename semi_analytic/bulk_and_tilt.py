@@ -620,7 +620,7 @@ class LoadSizes:
 
 def cycle_samples(scene: Scene) -> Array:
     """P, Q [force per thickness], bulk strain and tilt [rad] at instants of a scene's cycle, rows
-    of (4, n), in order of time; all turning points are among the instants.
+    of (4, n), in order of time. All turning points are among the instants.
 
     A tilt that is not prescribed follows from the moment.
     """
@@ -1150,7 +1150,7 @@ def _least_squares_slope(load: Array, values: Array, values_roundoff: float = 0.
 
 def path_loads_and_contact(scene: Scene) -> tuple[PathLoads, TiltedProfile]:
     """Loads of a scene over time (P, Q, bulk strain and tilt), and its profile as a contact under
-    any tilt, for normal loads up to the largest P of the path.
+    any tilt. The contact is for normal loads up to the largest P of the path.
     """
     gap = convex_profile(scene.profile)
     path = scene.load.path()

@@ -1066,8 +1066,8 @@ class PointFields:
         without the extra slip inside the contact.
 
         The memory curve is the locked-in tangential force F over the half-width of the flat
-        punches. It is a chain of pieces from the middle outwards, on each of which F is linear in
-        the loads eta, G and G_4 that the punches carry of the profile, of x^2/2 and of x^4/24. Each
+        punches. It is a chain of pieces from the middle outwards. On each piece F is linear in the
+        loads eta, G and G_4 that the punches carry of the profile, of x^2/2 and of x^4/24. Each
         piece adds its slopes times the pressure of its punches. The curvature that the loads give
         to the faces adds the rest.
         """
@@ -1123,9 +1123,14 @@ class PointFields:
         """Relative slip s of the faces at n instants `row_numbers`, at the k points, (n, k)
         [length].
 
-        It is the sum of four parts: slip by the memory curves, the curvature of the faces outside
-        the contact, sliding as a whole, and the extra slip inside the contact. A memory curve is
-        the locked-in tangential force over the half-width of the flat punches.
+        It is the sum of four parts:
+
+        - slip by the memory curves;
+        - slip by the curvature that the loads give to the faces, outside the contact;
+        - sliding as a whole, and movement while the bodies are apart;
+        - the extra slip inside the contact.
+
+        A memory curve is the locked-in tangential force over the half-width of the flat punches.
         """
         # followed_path: friction memory, loads, edges of contact and stick at all instants.
         followed_path = self._followed_path
@@ -2251,8 +2256,9 @@ def _errors_of_contact(paths: _Paths) -> dict[str, float]:
     contact.
 
     The curvatures of the bodies are uncertain themselves, and their series in x ends after the
-    fourth order. So a fraction of what they change is uncertain: of the ratio of values with and
-    without them, minus 1, at the largest load of the last cycle. 3e-5 of the value is added.
+    fourth order. So a fraction of what they change is uncertain. The change is the ratio of values
+    with and without them, minus 1, at the largest load of the last cycle. 3e-5 of the value is
+    added.
 
     Parameters
     ----------

@@ -45,7 +45,9 @@ _ELLIPSES_AT_ONCE = 2048
 @dataclass(frozen=True, eq=False)
 class EllipseOfLoads:
     """Elliptic load paths P = P0 + P1 cos t and Q = Q0 + Q1 cos(t - phase) [force per thickness],
-    and the friction coefficient f, each a column (m, 1) over m ellipses.
+    and the friction coefficient f.
+
+    Each attribute is a column (m, 1) over m ellipses: P0, P1, Q0, Q1, the phase [rad] and f.
     """
 
     mean_normal: Array
@@ -541,7 +543,7 @@ def _work_of_punches(cycle: CycleOfPunches, friction: Array) -> Array:
         s B_s = s (Q - kt G) - f L,    s = +1 in forward slip, -1 in reverse slip
 
     While L > 0, s F is raised to s B_s whenever that exceeds it, and the punch slips. kt x^2/2 is
-    what finite bodies add to the tangential displacement of the faces, and G the normal load that
+    what finite bodies add to the tangential displacement of the faces. G is the normal load that
     presses a parabola x^2/2 to half-width c.
 
     Parameters
