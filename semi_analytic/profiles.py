@@ -105,8 +105,14 @@ def convex_profile(profile: Profile) -> ConvexProfile:
 
 
 class _Kind(NamedTuple):
-    """What a kind of profile is in contact: its symmetric contact for E* and a datum length, and
-    the profile under any tilt.
+    """The functions that make contacts of one kind of profile.
+
+    Attributes
+    ----------
+    contact
+        gives the symmetric normal contact for E*, the profile and a datum length
+    convex
+        gives the profile as a convex curve that can be tilted
     """
 
     contact: Callable[[float, Any, float], SymmetricContact]
@@ -416,8 +422,16 @@ def edge_advance_function(
 
 
 class _LogTable(NamedTuple):
-    """Table of the inverse d(P) of a contact law, n rows ascending: ln P, d [length], and a cubic
-    of ln d over ln P through them with its slopes d ln d/d ln P.
+    """Table of the inverse d(P) of a contact law, n rows, ascending.
+
+    Attributes
+    ----------
+    log_load, edge_advance
+        (n,) ln P, and the advance d of the contact edge [length]
+    cubic
+        cubic of ln d over ln P through the rows
+    slope
+        (n,) d ln d/d ln P of the cubic at the rows
     """
 
     log_load: Array
@@ -441,10 +455,10 @@ class _LogTable(NamedTuple):
         d = np.exp(
             log_d_in_table + self.slope[0] * log_below_table + self.slope[-1] * log_above_table
         )
-        number_of_row_below = np.searchsorted(self.log_load[1:-1], log_load)
+        row_below = np.searchsorted(self.log_load[1:-1], log_load)
         is_in_table = log_below_table == log_above_table
-        least_d = np.where(is_in_table, self.edge_advance[number_of_row_below], d / 2)
-        largest_d = np.where(is_in_table, self.edge_advance[number_of_row_below + 1], d * 2)
+        least_d = np.where(is_in_table, self.edge_advance[row_below], d / 2)
+        largest_d = np.where(is_in_table, self.edge_advance[row_below + 1], d * 2)
         return d, least_d, largest_d
 
 
@@ -476,9 +490,9 @@ def _log_table(
     with np.errstate(all="ignore"):
         loads = load(d)
         # rows whose load neither vanishes nor overflows, each load once
-        usable_numbers = np.flatnonzero((loads > 1e-290) & (loads < 1e290))
-        log_loads, first_numbers = np.unique(np.log(loads[usable_numbers]), return_index=True)
-        d = d[usable_numbers[first_numbers]]
+        usable_rows = np.flatnonzero((loads > 1e-290) & (loads < 1e290))
+        log_loads, first_row_of_each_load = np.unique(np.log(loads[usable_rows]), return_index=True)
+        d = d[usable_rows[first_row_of_each_load]]
         # Where the loads of neighbouring rows differ by round-off, d may fall as the load rises.
         first_rising_row = int(np.max(np.flatnonzero(np.diff(d) <= 0), initial=-1)) + 1
         d = d[first_rising_row:]
@@ -559,7 +573,7 @@ def law_of_even_polynomial(modulus: float, length: float, rises: tuple[float, ..
         * 2
         * k
         * np.array(rises)
-        * np.array([abel_load_factor(2 * half_power) for half_power in k])
+        * np.array([abel_load_factor(2 * half_exponent) for half_exponent in k])
     )
     # dP/da over a is a polynomial in a^2.
     # (a/length)^2 at which dP/da is negative, None where it never is
@@ -723,8 +737,8 @@ class _TableSeries:
     ----------
     knots
         (n,) the knot of the profile behind which the interval lies [length]
-    begin_roots, end_roots
-        (n,) ends of the interval, values of u
+    begin_u, end_u
+        (n,) values of u at both ends of the interval
     begin_half_widths
         (n,) half-width a at which the interval begins, ascending [length]
     load, stiffness
@@ -732,8 +746,8 @@ class _TableSeries:
     """
 
     knots: Array
-    begin_roots: Array
-    end_roots: Array
+    begin_u: Array
+    end_u: Array
     begin_half_widths: Array
     load: SeriesAsPowers
     stiffness: SeriesAsPowers
@@ -742,33 +756,34 @@ class _TableSeries:
         self, interval_number: Indices, u: Array, load_or_stiffness: SeriesAsPowers
     ) -> Array:
         """P or dP/da, that of the given series, at u on the intervals with these numbers.
-        `begin_roots` and `end_roots` (n,) are their ends in u = sqrt(a - knot), a the contact
+        `begin_u` and `end_u` (n,) are their ends in u = sqrt(a - knot), a the contact
         half-width; a knot is a half-width at which the curvature of the profile jumps.
         """
-        begin_root = self.begin_roots[interval_number]
-        end_root = self.end_roots[interval_number]
-        place_in_interval = (2 * u - begin_root - end_root) / (end_root - begin_root)
+        begin_u = self.begin_u[interval_number]
+        end_u = self.end_u[interval_number]
+        place_in_interval = (2 * u - begin_u - end_u) / (end_u - begin_u)
         return load_or_stiffness(interval_number, np.minimum(place_in_interval, 1.0))
 
     def sample_half_widths(self) -> Array:
         """Half-widths at the nodes and both ends of every interval, (n, nodes) [length], at which
         dP/da is tested: where it falls behind a knot it is least at the next one. An interval is a
-        range of u = sqrt(a - knot) from `begin_roots` to `end_roots`, a the contact half-width; a
+        range of u = sqrt(a - knot) from `begin_u` to `end_u`, a the contact half-width; a
         knot is a half-width at which the curvature of the profile jumps. CHEBYSHEV_NODES are those
         of [-1, 1].
         """
         nodes_and_ends = np.concatenate([[-1.0], CHEBYSHEV_NODES, [1.0]])
-        range_of_u = (self.end_roots - self.begin_roots)[:, None]
-        u = self.begin_roots[:, None] + range_of_u * (1 + nodes_and_ends) / 2
+        range_of_u = (self.end_u - self.begin_u)[:, None]
+        u = self.begin_u[:, None] + range_of_u * (1 + nodes_and_ends) / 2
         return np.asarray(self.knots[:, None] + np.square(u))
 
 
 def law_of_table(modulus: float, profile: Tabulated) -> ContactLaw:
     """Contact law P(a) of a profile given by a table of heights h(x): its curvature kappa is
-    constant between knots b_j, so that P is a sum over flat punches with rounded ends. `modulus` is
-    E*, a the contact half-width, kappa_j the curvature behind b_j. The law is a function of the
-    advance of a beyond the half-width without load; `has_series` tells that there are more than two
-    knots.
+    constant between knots b_j, so that P is a sum over flat punches with rounded ends.
+
+    `modulus` is E*, a the contact half-width, kappa_j the curvature behind b_j. The functions of
+    the law take the advance of a beyond the half-width without load. `has_series`: there are more
+    than two knots.
 
         dP/da = E* a [kappa_0 pi/2 + sum over b_j < a of (kappa_j - kappa_(j-1)) arccos(b_j/a)]
 
@@ -925,12 +940,14 @@ class _TableLaw(NamedTuple):
         return load_or_stiffness
 
 
-class _RootInterval(NamedTuple):
-    """An interval [begin_root, end_root] of u = sqrt(a - knot) behind the knot of a table."""
+class _IntervalOfU(NamedTuple):
+    """An interval [begin_u, end_u] of u = sqrt(a - knot), behind a `knot` of a table of heights; a
+    is the contact half-width.
+    """
 
     knot: float
-    begin_root: float
-    end_root: float
+    begin_u: float
+    end_u: float
 
 
 class _IntervalGroup(NamedTuple):
@@ -956,36 +973,34 @@ class _IntervalGroup(NamedTuple):
     far_series: Array
 
 
-def _root_intervals(knots: Array) -> list[_RootInterval]:
+def _intervals_of_u(knots: Array) -> list[_IntervalOfU]:
     """Intervals of u = sqrt(a - knot), behind every knot of a table from the second on, on each of
     which one Chebyshev series can serve for P(a), a the contact half-width.
 
     P is smooth in u. But the knot before leaves a singularity below, at u^2 = -(its distance). So a
-    first interval as long as the root of that distance is followed by intervals that double u.
+    first interval as long as the square root of that distance is followed by intervals that double
+    u.
     `knots` (k,) are half-widths at which the curvature of the profile jumps.
     """
-    intervals: list[_RootInterval] = []
+    intervals: list[_IntervalOfU] = []
     for former_knot, knot, next_knot in zip(
         knots[:-2].tolist(), knots[1:-1].tolist(), knots[2:].tolist(), strict=True
     ):
-        root_of_distance_to_next_knot = (next_knot - knot) ** 0.5
-        root_of_distance_to_former_knot = (knot - former_knot) ** 0.5
-        doublings = range(
-            math.ceil(math.log2(root_of_distance_to_next_knot / root_of_distance_to_former_knot))
-        )
+        u_at_next_knot = (next_knot - knot) ** 0.5
+        sqrt_of_distance_to_former_knot = (knot - former_knot) ** 0.5
+        doublings = range(math.ceil(math.log2(u_at_next_knot / sqrt_of_distance_to_former_knot)))
         interval_ends = [
             0.0,
-            *(root_of_distance_to_former_knot * 2.0**k for k in doublings),
-            root_of_distance_to_next_knot,
+            *(sqrt_of_distance_to_former_knot * 2.0**k for k in doublings),
+            u_at_next_knot,
         ]
         # A last interval that would be a small part of the one before is joined to it.
-        if len(interval_ends) > 2 and root_of_distance_to_next_knot - interval_ends[-2] < 0.1 * (
+        if len(interval_ends) > 2 and u_at_next_knot - interval_ends[-2] < 0.1 * (
             interval_ends[-2] - interval_ends[-3]
         ):
             del interval_ends[-2]
         intervals += [
-            _RootInterval(knot, begin_root, end_root)
-            for begin_root, end_root in pairwise(interval_ends)
+            _IntervalOfU(knot, begin_u, end_u) for begin_u, end_u in pairwise(interval_ends)
         ]
     return intervals
 
@@ -1021,11 +1036,13 @@ class _KnotSums(NamedTuple):
         b = self.knots[knot_numbers]
         distance_from_knots = np.maximum((origin - b) + distance, 0.0)
         # sqrt(a^2 - b^2)
-        root_of_squares = np.sqrt(distance_from_knots * (half_width + b))
-        arccos_of_ratio = np.where(distance_from_knots > 0, np.arctan2(root_of_squares, b), 0.0)
+        sqrt_of_square_difference = np.sqrt(distance_from_knots * (half_width + b))
+        arccos_of_ratio = np.where(
+            distance_from_knots > 0, np.arctan2(sqrt_of_square_difference, b), 0.0
+        )
         twice_load_per_jump = np.where(
             distance_from_knots > 0,
-            half_width * half_width * arccos_of_ratio - b * root_of_squares,
+            half_width * half_width * arccos_of_ratio - b * sqrt_of_square_difference,
             0.0,
         )
         load = twice_load_per_jump @ self.jumps[knot_numbers] / 2
@@ -1077,7 +1094,7 @@ class _KnotSums(NamedTuple):
 def _series_of_table(knots: Array, scaled_curvatures: Array) -> _TableSeries:
     """Chebyshev series of P(a) and dP/da behind every knot b of a table of heights, from the second
     knot on; none where there are no more than two. An interval is a range of u = sqrt(a - b) from
-    `begin_root` to `end_root`.
+    `begin_u` to `end_u`.
 
     Parameters
     ----------
@@ -1087,14 +1104,14 @@ def _series_of_table(knots: Array, scaled_curvatures: Array) -> _TableSeries:
         (k,) E* h'' behind each knot [stress/length]
     """
     # ranges of u = sqrt(a - knot)
-    intervals = _root_intervals(knots)
+    intervals = _intervals_of_u(knots)
     knot_of_interval = np.array([interval.knot for interval in intervals])
-    begin_roots = np.array([interval.begin_root for interval in intervals])
-    end_roots = np.array([interval.end_root for interval in intervals])
+    begin_u = np.array([interval.begin_u for interval in intervals])
+    end_u = np.array([interval.end_u for interval in intervals])
     # Chebyshev nodes and both ends of every interval, as values of u.
     nodes_and_ends = np.concatenate([[-1.0], CHEBYSHEV_NODES, [1.0]])
-    roots = begin_roots[:, None] + (end_roots - begin_roots)[:, None] * (1 + nodes_and_ends) / 2
-    distances = np.square(roots)
+    u_at_nodes = begin_u[:, None] + (end_u - begin_u)[:, None] * (1 + nodes_and_ends) / 2
+    distances = np.square(u_at_nodes)
     # P and dP/da/a as sums over the knots, each a flat punch with rounded ends
     knot_sums = _KnotSums(knots, np.diff(scaled_curvatures, prepend=0.0))
     # at all half-widths knot + u^2, (intervals, nodes and ends) each
@@ -1105,9 +1122,9 @@ def _series_of_table(knots: Array, scaled_curvatures: Array) -> _TableSeries:
     # series without the ends
     return _TableSeries(
         knot_of_interval,
-        begin_roots,
-        end_roots,
-        begin_half_widths=knot_of_interval + begin_roots * begin_roots,
+        begin_u,
+        end_u,
+        begin_half_widths=knot_of_interval + begin_u * begin_u,
         load=SeriesAsPowers(chebyshev_coefficients(load[:, 1:-1]).T),
         stiffness=SeriesAsPowers(chebyshev_coefficients(stiffness[:, 1:-1]).T),
     )
@@ -1159,9 +1176,9 @@ def _sums_over_all_knots(knot_sums: _KnotSums, knot_of_interval: Array, distance
         group = knot_sums.with_far_knots(group_to_refine, half_width_range)
         # _MOST_INTERVALS_OF_GROUP: 32
         if group.stop - group.first > _MOST_INTERVALS_OF_GROUP:
-            number_of_middle_interval = (group.first + group.stop) // 2
-            groups.append(group._replace(stop=number_of_middle_interval))
-            groups.append(group._replace(first=number_of_middle_interval))
+            middle_interval = (group.first + group.stop) // 2
+            groups.append(group._replace(stop=middle_interval))
+            groups.append(group._replace(first=middle_interval))
             continue
         # a group of 32 intervals at most: far knots by their series, near ones one by one
         intervals = slice(group.first, group.stop)
@@ -1227,25 +1244,34 @@ class _SeriesBehindCorner:
     profile, at `begin_half_width`, to the next.
 
     From the middle on u = a - begin_half_width. Behind a corner of the profile, and beside a flat,
-    P is smooth in the root only: `is_in_root`, u = sqrt(a - begin_half_width).
+    P is smooth in the square root only: there u = sqrt(a - begin_half_width).
+
+    Attributes
+    ----------
+    begin_half_width
+        half-width at the corner [length]
+    is_in_square_root
+        whether u is the square root of the distance from the corner
+    load, stiffness
+        series of P and of dP/da in u
     """
 
     begin_half_width: float
-    is_in_root: bool
+    is_in_square_root: bool
     load: PiecewiseSeries
     stiffness: PiecewiseSeries
 
     @property
-    def power(self) -> float:
-        """Power n of P ~ u^n below the least u that has a series, (u/P) dP/du there."""
+    def exponent_of_load(self) -> float:
+        """Exponent n of P ~ u^n below the least u that has a series, (u/P) dP/du there."""
         first_u = np.array(self.load.edges[0])
-        width_per_u = 2 * first_u if self.is_in_root else 1.0  # da/du
+        width_per_u = 2 * first_u if self.is_in_square_root else 1.0  # da/du
         return float(first_u * self.stiffness(first_u) / self.load(first_u) * width_per_u)
 
     def load_or_stiffness_at(self, u: Array, derivative_order: int) -> Array:
         """P (`derivative_order` 0) or dP/da (1) at u, a the contact half-width; below the least u
         that has a series as a power of u. u is the distance of the half-width from the corner or,
-        if `is_in_root`, its root.
+        if `is_in_square_root`, its square root.
         """
         # the piecewise Chebyshev series, from `edges[0]` on
         piecewise_series = (self.load, self.stiffness)[derivative_order]
@@ -1253,15 +1279,18 @@ class _SeriesBehindCorner:
         values_of_series = piecewise_series(np.maximum(u, first_u))
         if first_u == 0:
             return values_of_series
-        # P goes as u^`self.power` there; the power of dP/da of a sharp wedge is 0, to round-off
-        power = max(self.power - derivative_order * (2 if self.is_in_root else 1), 0.0)
-        return values_of_series * np.minimum(u / first_u, 1.0) ** power
+        # P goes as u^`exponent_of_load` there. For dP/da of a sharp wedge the exponent is 0, to
+        # round-off.
+        exponent = max(
+            self.exponent_of_load - derivative_order * (2 if self.is_in_square_root else 1), 0.0
+        )
+        return values_of_series * np.minimum(u / first_u, 1.0) ** exponent
 
 
 def law_of_function(modulus: float, profile: CallableProfile) -> ContactLaw:
     """Contact law P(a) of a profile whose slope h'(x) is a Python function: P and dP/da by
-    quadrature, kept as piecewise Chebyshev series. `modulus` is E*, a the contact half-width; h is
-    defined up to x = `extent`.
+    quadrature, stored as piecewise Chebyshev series. `modulus` is E*, a the contact half-width; h
+    is defined up to x = `extent`.
 
     Raises
     ------
@@ -1325,7 +1354,7 @@ def law_of_function(modulus: float, profile: CallableProfile) -> ContactLaw:
         stiffness=stiffness,
         least_half_width=least_half_width,
         corner_half_widths=tuple(corners_beyond_flat),
-        power=series_of_ranges[0].power if not least_half_width else 2.0,
+        power=series_of_ranges[0].exponent_of_load if not least_half_width else 2.0,
         extent=profile.extent,
         half_width_may_be_steep=True,
         # A derivative was taken of h', and two of h: the rounding of dP/da.
@@ -1364,7 +1393,7 @@ def _load_or_stiffness(
     without load, `least_half_width`; an array like d.
 
     Each range of half-widths between two corners of the profile has series of both in u, the
-    distance from its begin or, if `is_in_root`, the root of it; ranges ascend.
+    distance from its begin or, if `is_in_square_root`, its square root. Ranges ascend.
     """
     half_width = least_half_width + d
     load_or_stiffness = np.zeros(d.shape)
@@ -1377,7 +1406,7 @@ def _load_or_stiffness(
             distance = (d if series_number == 0 else half_width - range_series.begin_half_width)[
                 is_in_range
             ]
-            u = np.sqrt(distance) if range_series.is_in_root else distance
+            u = np.sqrt(distance) if range_series.is_in_square_root else distance
             load_or_stiffness[is_in_range] = range_series.load_or_stiffness_at(u, derivative_order)
     return load_or_stiffness
 
@@ -1389,8 +1418,8 @@ def _series_behind_corner(
     begin < a < end, by quadrature of its slope.
 
     a is the contact half-width. The series run in u = a - begin, or in u = sqrt(a - begin) behind a
-    corner, where P is smooth in the root only. u is first cut into octaves, 54 at most, which are
-    then halved until the series are resolved.
+    corner, where P is smooth in the square root only. u is first cut into octaves, 54 at most,
+    which are then halved until the series are resolved.
 
     Parameters
     ----------
@@ -1406,25 +1435,25 @@ def _series_behind_corner(
     InputError
         Where the function of the profile is too rough.
     """
-    is_in_root = begin > 0
-    largest_u = np.sqrt(end - begin) if is_in_root else end - begin
+    is_in_square_root = begin > 0
+    largest_u = np.sqrt(end - begin) if is_in_square_root else end - begin
     # each twice the one before
     interval_ends = largest_u * 0.5 ** np.arange(_OCTAVE_COUNT - 1, -1.0, -1.0)
-    if is_in_root and profile.slope(np.array(begin)) > 0:
+    if is_in_square_root and profile.slope(np.array(begin)) > 0:
         # P and dP/da are positive at a corner inside the contact: a few octaves resolve them.
         interval_ends = np.concatenate([[0.0], interval_ends[-4:]])
-    elif is_in_root:
+    elif is_in_square_root:
         interval_ends = interval_ends[interval_ends > 1e-5 * np.sqrt(begin)]
 
     def load_or_stiffness(u: Array, derivative_order: int) -> Array:
-        distance = u**2 if is_in_root else u
+        distance = u**2 if is_in_square_root else u
         return _abel_integral(modulus, profile, begin, distance, corners, derivative_order)
 
     # Beside a flat, or behind a corner, the slope is known to round-off of its largest value, and
     # its derivative jumps within round-off of the corner. So errors are compared with the values at
     # the end. From the middle on each octave is compared with its own. What round-off of a height
     # function leaves uncertain is no more than noise either.
-    places_of_scale = interval_ends[-1:] if is_in_root else interval_ends[1:]
+    places_of_scale = interval_ends[-1:] if is_in_square_root else interval_ends[1:]
     # relative errors of P and dP/da that are negligible, 4e-15 and 1e-12; `relative_load_errors`
     # come from the round-off of a height function
     negligible_shares = (
@@ -1448,7 +1477,7 @@ def _series_behind_corner(
             " of this half-width carries is no smooth function; give `breaks`, or a smoother"
             " function"
         ) from fault
-    return _SeriesBehindCorner(begin, is_in_root, load, stiffness)
+    return _SeriesBehindCorner(begin, is_in_square_root, load, stiffness)
 
 
 def _abel_integral(
@@ -1479,8 +1508,8 @@ def _abel_integral(
     angles_of_corners = []
     for b in corners:
         distance_to_corner = np.maximum(distance + (begin - b), 0.0)
-        root_of_squares = np.sqrt(distance_to_corner * (half_width + b))
-        angles_of_corners.append(np.arctan2(root_of_squares, b))
+        sqrt_of_square_difference = np.sqrt(distance_to_corner * (half_width + b))
+        angles_of_corners.append(np.arctan2(sqrt_of_square_difference, b))
     # quadrature over the angle, cut at the corners into panels, (..., panels, nodes)
     nodes = panel_nodes(np.zeros(half_width.shape), np.pi / 2, angles_of_corners)
     # cos(angle) as the sine of pi/2 - angle, which keeps its digits near pi/2; `place` is the angle
@@ -1532,13 +1561,13 @@ def _corners(profile: CallableProfile) -> tuple[float, ...]:
     jump_distances = []
     for b in profile.corners:
         # `curvature_times_x` is x h''
-        bend_before_corner, bend_behind_corner = profile.curvature_times_x(
+        x_curvature_before, x_curvature_behind = profile.curvature_times_x(
             np.array([b * (1 - 1e-9), b * (1 + 1e-9)])
         )
-        size_of_bend = (
-            abs(bend_before_corner) + abs(bend_behind_corner) + float(profile.slope(np.array(b)))
+        size_of_x_curvature = (
+            abs(x_curvature_before) + abs(x_curvature_behind) + float(profile.slope(np.array(b)))
         )
-        if abs(bend_before_corner - bend_behind_corner) > 1e-6 * size_of_bend + 1e-300:
+        if abs(x_curvature_before - x_curvature_behind) > 1e-6 * size_of_x_curvature + 1e-300:
             jump_distances.append(b)
     return tuple(jump_distances)
 
