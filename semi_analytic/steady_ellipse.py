@@ -293,25 +293,26 @@ def angle_of_squared_half_sine(squared_sine: Array) -> Array:
 
 def _stick_edge_angles(ellipses: Ellipses, loads: Array) -> tuple[Array, Array]:
     """Angles [rad] at which the load at the stick edge is P = `loads`, for the phases of slip E-G
-    and J-M: 2 arcsin of the roots of (P - P_T)/v and of (P - P_T)/u.
+    and J-M: 2 arcsin(sqrt((P - P_T)/v)) and 2 arcsin(sqrt((P - P_T)/u)).
 
     # notation: u and v (`forward_amplitude`, `reverse_amplitude`) amplitudes of (Q -+ f P)/f; P_T
     #           (`permanent_stick_load`) least load at the stick edge
 
-    Both count back from the end of the phase. They are 0 for P below P_T, the load of the permanent
+    E-G is reverse slip, J-M the later part of forward slip. Both angles count back from the end of
+    the phase. They are 0 for P below P_T, the load of the permanent
     stick zone, and pi for loads that the stick edge does not reach.
     """
     u = ellipses.forward_amplitude
     v = ellipses.reverse_amplitude
     load_above_permanent_stick = np.maximum(loads - ellipses.permanent_stick_load, 0.0)
     # 2 arcsin(sqrt(...)), clipped to [0, pi]
-    angle_in_e_to_g = angle_of_squared_half_sine(
+    angle_in_reverse_slip = angle_of_squared_half_sine(
         load_above_permanent_stick / np.where(v > 0, v, np.inf)
     )
-    angle_in_j_to_m = angle_of_squared_half_sine(
+    angle_in_late_forward_slip = angle_of_squared_half_sine(
         load_above_permanent_stick / np.where(u > 0, u, np.inf)
     )
-    return angle_in_e_to_g, angle_in_j_to_m
+    return angle_in_reverse_slip, angle_in_late_forward_slip
 
 
 def cut_angles_of_phases(ellipses: Ellipses, corner_loads: Array) -> dict[str, Array]:
@@ -336,14 +337,16 @@ def cut_angles_of_phases(ellipses: Ellipses, corner_loads: Array) -> dict[str, A
     angle_at_corner = np.arccos(np.clip(cosine_at_corner, -1.0, 1.0))
     angle_from_least_load = np.arccos(np.clip(-cosine_at_corner, -1.0, 1.0))
     # angles at which P_c is that load, counted back from the end: in E-G and in J-M
-    stick_edge_angle_by_v, stick_edge_angle_by_u = _stick_edge_angles(ellipses, corner_loads)
+    stick_edge_angle_in_reverse_slip, stick_edge_angle_in_late_forward_slip = _stick_edge_angles(
+        ellipses, corner_loads
+    )
     start_angle = ellipses.slip_start
     full_turn = 2 * math.pi
     inner_cuts = {
         "E-G": (
             angle_at_corner - start_angle,
             full_turn - angle_at_corner - start_angle,
-            ellipses.slip_angle - stick_edge_angle_by_v,
+            ellipses.slip_angle - stick_edge_angle_in_reverse_slip,
         ),
         "I-J": (
             angle_from_least_load - start_angle,
@@ -354,7 +357,7 @@ def cut_angles_of_phases(ellipses: Ellipses, corner_loads: Array) -> dict[str, A
         "J-M": (
             start_angle - angle_at_corner,
             start_angle + angle_at_corner,
-            stick_edge_angle_by_u,
+            stick_edge_angle_in_late_forward_slip,
         ),
     }
     # [rad]
@@ -377,9 +380,10 @@ def cut_angles_of_phases(ellipses: Ellipses, corner_loads: Array) -> dict[str, A
 def quadrature_error(values: Array, size: Array) -> Array:
     """Upper bound of the quadrature error of integrals, (m,), as share of their `size`.
 
-    `values` (3, m) are the integrals by all nodes of one rule, by every second, by every fourth.
-    The error is the difference of the first two. Where differences fall exponentially, as for
-    smooth integrands, it is the power 1.5 of that; the exact power is 2.
+    `values` (3, m) are the integrals by all nodes of one rule, by every second, by every fourth. d
+    is the difference of the first two, e that of the last two, as shares. The error is d. It is
+    d^1.5 where d <= e^1.5: differences fall exponentially, as for smooth integrands, for which
+    theory has d^2.
     """
     positive_size = np.where(size > 0, size, 1.0)
     value_by_all, value_by_second, value_by_fourth = values
@@ -518,20 +522,22 @@ def _ranges_of_slip(ellipses: Ellipses, load_at_x: Array) -> tuple[tuple[int, Ar
     )
     # At constant P the point is open throughout or never.
     share_at_constant_load = np.where(load_at_x > ellipses.mean_load, 1.0, 0.0)
-    # h, for which the point is open; `angle_of_squared_half_sine`: 2 arcsin of the root
+    # h, for which the point is open; 2 arcsin(sqrt(share))
     open_angle = angle_of_squared_half_sine(
         np.where(ellipses.load_moves, share_of_load_range, share_at_constant_load)
     )
     start_angle = ellipses.slip_start
     slip_angle = ellipses.slip_angle
     # angles at which the stick edge is at x, counted back from the end: in E-G and in J-M
-    stick_edge_angle_by_v, stick_edge_angle_by_u = _stick_edge_angles(ellipses, load_at_x)
+    stick_edge_angle_in_reverse_slip, stick_edge_angle_in_late_forward_slip = _stick_edge_angles(
+        ellipses, load_at_x
+    )
     # that of E-G, counted from the begin of E-G
-    stick_edge_angle = np.maximum(slip_angle - stick_edge_angle_by_v, 0.0)
+    begin_of_slip_at_x = np.maximum(slip_angle - stick_edge_angle_in_reverse_slip, 0.0)
     # E-G before and after the least load, I-J, J-M
     return (
-        (0, stick_edge_angle, np.minimum(slip_angle, math.pi - open_angle - start_angle)),
-        (0, np.maximum(stick_edge_angle, math.pi + open_angle - start_angle), slip_angle),
+        (0, begin_of_slip_at_x, np.minimum(slip_angle, math.pi - open_angle - start_angle)),
+        (0, np.maximum(begin_of_slip_at_x, math.pi + open_angle - start_angle), slip_angle),
         (
             1,
             np.abs(start_angle - open_angle),
@@ -541,7 +547,8 @@ def _ranges_of_slip(ellipses: Ellipses, load_at_x: Array) -> tuple[tuple[int, Ar
             2,
             np.maximum(0.0, start_angle - math.pi + open_angle),
             np.minimum(
-                np.minimum(slip_angle, stick_edge_angle_by_u), start_angle + math.pi - open_angle
+                np.minimum(slip_angle, stick_edge_angle_in_late_forward_slip),
+                start_angle + math.pi - open_angle,
             ),
         ),
     )
@@ -660,10 +667,20 @@ Kernel = Callable[[Array, Array], Array]
 
 
 class AnglePieces(NamedTuple):
-    """Intervals of angle [rad] over which the work of ellipses is integrated, (n,) each, sorted by
-    group: group, number of the ellipse, begin, end and number of the quadrature rule.
+    """Intervals of angle [rad] over which the work of ellipses is integrated, sorted by group.
 
     A group is a phase of slip, or a course: one load, P or P_c, through a phase.
+
+    Attributes
+    ----------
+    group
+        (n,) number of the group
+    ellipse
+        (n,) number of the ellipse
+    begin_angle, end_angle
+        (n,) ends of the interval [rad]
+    rule_number
+        (n,) number of the quadrature rule
     """
 
     group: Indices
@@ -751,23 +768,25 @@ def error_by_digits_of_loads(ellipses: Ellipses) -> Array:
     # notation: P1 (`load_amplitude`) amplitude of P; t_E the time at which reverse slip begins, u
     #           cos(t_E) = Q1/f cos(phase) - P1; `cosine_of_start`, `sine_of_start` of t_E
 
-    W goes as a power of the amplitudes u and v of (Q -+ f P)/f, three where slip is small. u is the
-    difference of Q1/f and P1 where the loads are nearly in phase. Where the phase is near pi,
-    sin(phase) has only the digits of pi - phase. u and v are `forward_amplitude` and
+    W goes as a power of the amplitudes u and v of (Q -+ f P)/f; its exponent is 3 for small slip. u
+    is the difference of Q1/f and P1 where the loads are nearly in phase. Where the phase is near
+    pi, sin(phase) has only the digits of pi - phase. u and v are `forward_amplitude` and
     `reverse_amplitude`.
     """
     loop_size = (
         ellipses.load_amplitude + (ellipses.forward_amplitude + ellipses.reverse_amplitude) / 2
     )
     smaller_amplitude = np.minimum(ellipses.forward_amplitude, ellipses.reverse_amplitude)
-    shear_sine = ellipses.forward_amplitude * ellipses.sine_of_start  # Q1/f |sin(phase)|
+    force_times_sine = ellipses.forward_amplitude * ellipses.sine_of_start  # Q1/f |sin(phase)|
     # Q1/f cos(phase)
-    shear_cosine = ellipses.forward_amplitude * ellipses.cosine_of_start + ellipses.load_amplitude
-    # minus the cotangent; _LEAST_DIVISOR is 1e-100
-    cotangent_of_phase = -shear_cosine / np.where(
-        shear_sine > _LEAST_DIVISOR * loop_size, shear_sine, np.inf
+    force_times_cosine = (
+        ellipses.forward_amplitude * ellipses.cosine_of_start + ellipses.load_amplitude
     )
-    digits_lost_by_phase = np.where(shear_cosine < 0, cotangent_of_phase, 0.0)
+    # minus the cotangent; _LEAST_DIVISOR is 1e-100
+    cotangent_of_phase = -force_times_cosine / np.where(
+        force_times_sine > _LEAST_DIVISOR * loop_size, force_times_sine, np.inf
+    )
+    digits_lost_by_phase = np.where(force_times_cosine < 0, cotangent_of_phase, 0.0)
     digits_lost_by_size = loop_size / np.where(
         smaller_amplitude > _LEAST_DIVISOR * loop_size, smaller_amplitude, np.inf
     )
@@ -1211,7 +1230,7 @@ def _courses_of_loads(ellipses: Ellipses, corner_loads: Array) -> tuple[_Course,
     and in I-M (forward slip), P_c in E-G, in I-J and in J-M.
 
     # notation: t time in P = P0 + P1 cos t; P_c load at the stick edge, `permanent_stick_load` its
-    #           least value; start the time t_E at which E-G begins; D (`slip_angle`) length of E-G
+    #           least value; t_E the time at which E-G begins; D (`slip_angle`) length of E-G
     #           and of J-M; P0, P1 `mean_load`, `load_amplitude`; t_I begin of forward slip
 
     Cuts are where P or P_c is one of the `corner_loads` (n,), the loads of the profile's corners,
@@ -1222,7 +1241,7 @@ def _courses_of_loads(ellipses: Ellipses, corner_loads: Array) -> tuple[_Course,
         corner_loads < np.max(ellipses.mean_load + ellipses.load_amplitude)
     )
     corner_loads = corner_loads[is_in_range, None]
-    start = ellipses.slip_start
+    begin_of_reverse_slip = ellipses.slip_start
     full_turn = 2 * math.pi
     # `load_moves` is False for constant P
     cosine_at_corner = (corner_loads - ellipses.mean_load) / np.where(
@@ -1230,28 +1249,40 @@ def _courses_of_loads(ellipses: Ellipses, corner_loads: Array) -> tuple[_Course,
     )
     angle_at_corner = np.arccos(np.clip(cosine_at_corner, -1.0, 1.0))
     # angles at which P_c is the load of a corner, counted back from the end: in E-G and in J-M
-    stick_edge_angle_by_v, stick_edge_angle_by_u = _stick_edge_angles(ellipses, corner_loads)
-    zero_angles = np.zeros(len(start))
-    angle_of_least_load = np.full((1, len(start)), math.pi)
-    angle_of_largest_load = np.full((1, len(start)), full_turn)
-    cuts_of_load_in_e_to_g = (
+    stick_edge_angle_in_reverse_slip, stick_edge_angle_in_late_forward_slip = _stick_edge_angles(
+        ellipses, corner_loads
+    )
+    zero_angles = np.zeros(len(begin_of_reverse_slip))
+    angle_of_least_load = np.full((1, len(begin_of_reverse_slip)), math.pi)
+    angle_of_largest_load = np.full((1, len(begin_of_reverse_slip)), full_turn)
+    cuts_of_load_in_reverse_slip = (
         angle_at_corner,
         angle_of_least_load,
         full_turn - angle_at_corner,
         angle_of_largest_load,
     )
-    cuts_of_load_in_i_to_m = (
+    cuts_of_load_in_forward_slip = (
         full_turn - angle_at_corner,
         angle_of_largest_load,
         full_turn + angle_at_corner,
     )
-    end_of_e_to_g = start + ellipses.slip_angle
+    end_of_reverse_slip = begin_of_reverse_slip + ellipses.slip_angle
     return (
-        _Course(start, end_of_e_to_g, cuts_of_load_in_e_to_g, True),
-        _Course(start + math.pi, start + full_turn, cuts_of_load_in_i_to_m, True),
-        _Course(zero_angles, ellipses.slip_angle, (stick_edge_angle_by_v,), False),
-        _Course(end_of_e_to_g, start + math.pi, (full_turn - angle_at_corner,), True),
-        _Course(zero_angles, ellipses.slip_angle, (stick_edge_angle_by_u,), False),
+        _Course(begin_of_reverse_slip, end_of_reverse_slip, cuts_of_load_in_reverse_slip, True),
+        _Course(
+            begin_of_reverse_slip + math.pi,
+            begin_of_reverse_slip + full_turn,
+            cuts_of_load_in_forward_slip,
+            True,
+        ),
+        _Course(zero_angles, ellipses.slip_angle, (stick_edge_angle_in_reverse_slip,), False),
+        _Course(
+            end_of_reverse_slip,
+            begin_of_reverse_slip + math.pi,
+            (full_turn - angle_at_corner,),
+            True,
+        ),
+        _Course(zero_angles, ellipses.slip_angle, (stick_edge_angle_in_late_forward_slip,), False),
     )
 
 
@@ -1345,10 +1376,16 @@ def _log_weight_and_stick_edge_load(
 
 
 class _SumsOfPieces(NamedTuple):
-    """Sums over intervals of angle that have converged: friction work of each group and ellipse,
-    (groups, m), and error of each ellipse, (m,).
+    """Sums over intervals of angle that have converged.
 
     A group is a phase of slip, or one load, P or P_c at the stick edge, through a phase.
+
+    Attributes
+    ----------
+    works_of_groups
+        (groups, m) friction work of each group and ellipse
+    error_of_ellipse
+        (m,) error of the work of each ellipse
     """
 
     works_of_groups: Array
@@ -1854,8 +1891,8 @@ def _gauss_rule_numbers(ellipses: Ellipses) -> NDArray[np.uint8]:
     singularity from the ends of the interval [-1, 1]. Twelve at least, since nearly without slip
     the integrand is a cube of sines.
     """
-    length_of_e_to_g = np.maximum(ellipses.slip_angle, _LEAST_DIVISOR)
-    length_of_i_to_j = np.maximum(math.pi - ellipses.slip_angle, _LEAST_DIVISOR)
+    length_of_reverse_slip = np.maximum(ellipses.slip_angle, _LEAST_DIVISOR)
+    length_of_early_forward_slip = np.maximum(math.pi - ellipses.slip_angle, _LEAST_DIVISOR)
     larger_amplitude = np.maximum(ellipses.forward_amplitude, ellipses.reverse_amplitude)
     least_load = ellipses.mean_load - ellipses.load_amplitude
     # squares of twice the imaginary parts: where P_c = 0 and where P = 0
@@ -1864,17 +1901,20 @@ def _gauss_rule_numbers(ellipses: Ellipses) -> NDArray[np.uint8]:
     # Real part and squared imaginary part of singularities, each phase being the interval [-1, 1].
     # J-M is as long as E-G, and the larger of u and v serves both: one entry stands for P_c = 0 in
     # either. Which end of the interval it is beside makes no difference to the sum of distances.
-    no_stick_in_slip = (-1.0, square_at_no_stick / (length_of_e_to_g * length_of_e_to_g))
-    no_load_in_e_to_g = (
-        2 * (math.pi - ellipses.slip_start) / length_of_e_to_g - 1,
-        square_at_no_load / (length_of_e_to_g * length_of_e_to_g),
+    no_stick_in_slip = (
+        -1.0,
+        square_at_no_stick / (length_of_reverse_slip * length_of_reverse_slip),
     )
-    no_load_in_i_to_j = (
-        2 * ellipses.slip_start / length_of_i_to_j - 1,
-        square_at_no_load / (length_of_i_to_j * length_of_i_to_j),
+    no_load_in_reverse_slip = (
+        2 * (math.pi - ellipses.slip_start) / length_of_reverse_slip - 1,
+        square_at_no_load / (length_of_reverse_slip * length_of_reverse_slip),
     )
-    half_sum_of_distances = np.full(len(length_of_e_to_g), np.inf)
-    singularities = (no_stick_in_slip, no_load_in_e_to_g, no_load_in_i_to_j)
+    no_load_in_early_forward_slip = (
+        2 * ellipses.slip_start / length_of_early_forward_slip - 1,
+        square_at_no_load / (length_of_early_forward_slip * length_of_early_forward_slip),
+    )
+    half_sum_of_distances = np.full(len(length_of_reverse_slip), np.inf)
+    singularities = (no_stick_in_slip, no_load_in_reverse_slip, no_load_in_early_forward_slip)
     for real_part, squared_imaginary_part in singularities:
         distance_from_plus_1 = np.sqrt(np.square(real_part - 1) + squared_imaginary_part)
         distance_from_minus_1 = np.sqrt(np.square(real_part + 1) + squared_imaginary_part)
@@ -1921,15 +1961,17 @@ def _phase_parameters(ellipses: Ellipses, least_share: float) -> Array:
     parameters[5] = ellipses.reverse_amplitude
     # alpha and beta by half-angle formulas; the smaller one from alpha beta = P1 sin(t_E),
     # without cancellation.
-    larger_root = np.sqrt(ellipses.load_amplitude * (1 + np.abs(ellipses.cosine_of_start)))
-    smaller_root = (
+    larger_of_alpha_and_beta = np.sqrt(
+        ellipses.load_amplitude * (1 + np.abs(ellipses.cosine_of_start))
+    )
+    smaller_of_alpha_and_beta = (
         ellipses.load_amplitude
         * ellipses.sine_of_start
-        / np.where(larger_root > 0, larger_root, 1.0)
+        / np.where(larger_of_alpha_and_beta > 0, larger_of_alpha_and_beta, 1.0)
     )
     is_alpha_larger = ellipses.cosine_of_start < 0
-    parameters[6] = np.where(is_alpha_larger, larger_root, smaller_root)
-    parameters[7] = np.where(is_alpha_larger, smaller_root, larger_root)
+    parameters[6] = np.where(is_alpha_larger, larger_of_alpha_and_beta, smaller_of_alpha_and_beta)
+    parameters[7] = np.where(is_alpha_larger, smaller_of_alpha_and_beta, larger_of_alpha_and_beta)
     # k
     parameters[8] = 4 * ellipses.load_amplitude * ellipses.sine_of_start
     return parameters
@@ -1980,8 +2022,16 @@ def phase_integrals(
     stick_edge_loads, slip_zone_loads, scratch_arrays, kernel_buffer = memory[
         : math.prod(shape)
     ].reshape(shape)
-    stick_load_of_e_to_g, stick_load_of_j_to_m, stick_load_of_i_to_j = stick_edge_loads
-    slip_zone_load_of_e_to_g, slip_zone_load_of_j_to_m, slip_zone_load_of_i_to_j = slip_zone_loads
+    (
+        stick_edge_load_in_reverse_slip,
+        stick_edge_load_in_late_forward_slip,
+        stick_edge_load_in_early_forward_slip,
+    ) = stick_edge_loads
+    (
+        slip_zone_load_in_reverse_slip,
+        slip_zone_load_in_late_forward_slip,
+        slip_zone_load_in_early_forward_slip,
+    ) = slip_zone_loads
     tangent, sine_cosine, squared_secant = scratch_arrays
 
     # E-G and J-M
@@ -1990,27 +2040,27 @@ def phase_integrals(
     np.divide(tangent, squared_secant, out=sine_cosine)
     squared_sine = tangent  # in the same memory
     squared_sine *= sine_cosine
-    np.multiply(squared_sine, v, out=stick_load_of_e_to_g)
-    np.multiply(squared_sine, u, out=stick_load_of_j_to_m)
-    slip_zone_load_of_e_to_g[:] = stick_load_of_j_to_m[::-1]
-    np.multiply(sine_cosine, k, out=slip_zone_load_of_j_to_m)
-    slip_zone_load_of_j_to_m += stick_load_of_e_to_g[::-1]
+    np.multiply(squared_sine, v, out=stick_edge_load_in_reverse_slip)
+    np.multiply(squared_sine, u, out=stick_edge_load_in_late_forward_slip)
+    slip_zone_load_in_reverse_slip[:] = stick_edge_load_in_late_forward_slip[::-1]
+    np.multiply(sine_cosine, k, out=slip_zone_load_in_late_forward_slip)
+    slip_zone_load_in_late_forward_slip += stick_edge_load_in_reverse_slip[::-1]
     stick_edge_loads[:2] += permanent_stick_load
 
     # I-J: (alpha X - beta Z)^2 is (alpha - beta tan)^2 X^2, tan, X and Z of g y
     _fill_tangent(nodes, g, tangent, squared_secant)
-    np.divide(tangent, squared_secant, out=slip_zone_load_of_i_to_j)
-    slip_zone_load_of_i_to_j *= k
+    np.divide(tangent, squared_secant, out=slip_zone_load_in_early_forward_slip)
+    slip_zone_load_in_early_forward_slip *= k
     squared_difference = tangent  # in the same memory
     squared_difference *= beta
     np.subtract(alpha, squared_difference, out=squared_difference)
     squared_difference *= squared_difference
-    np.divide(squared_difference, squared_secant, out=stick_load_of_i_to_j)
-    stick_load_of_i_to_j += least_load
+    np.divide(squared_difference, squared_secant, out=stick_edge_load_in_early_forward_slip)
+    stick_edge_load_in_early_forward_slip += least_load
 
     integrand = lam_kernel(stick_edge_loads, slip_zone_loads, kernel_buffer)
     integrand[:2] *= sine_cosine
-    integrand[2] *= slip_zone_load_of_i_to_j
+    integrand[2] *= slip_zone_load_in_early_forward_slip
     return weights @ integrand[0], weights @ integrand[1], weights @ integrand[2]
 
 
