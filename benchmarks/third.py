@@ -64,8 +64,8 @@ def measured(scene: str, settings: DeckSettings) -> dict[str, Any]:
         "nodes": third.deck.node_count,
         "instants": len(third.deck.time) - 1,
         "seconds": round(run_record.seconds if run_record else time.perf_counter() - begun, 1),
-        "increments": run_record.increments if run_record else None,
-        "iterations": run_record.iterations if run_record else None,
+        "increments": run_record.n_increments if run_record else None,
+        "iterations": run_record.n_iterations if run_record else None,
         "failure": third.failure,
         "errors": errors,
     }

@@ -165,9 +165,6 @@ def coverage_tables() -> Iterator[str]:
     yield ""
     yield from _coverage_table(of_bodies, "slip", "Real bodies that slip, against finer meshes")
     yield ""
-    # until the next drawing: 1.3/0.95, halfplane_fe/answer_uncertainty.py
-    yield "Since these were drawn, the largest half-width of bodies states 1.37 times as much."
-    yield ""
     least, quantity = _least_covered(of_half_planes, "hardly slip")
     yield (
         "Half-planes that hardly slip (W below 1e-4 A f² P²) are covered to"
