@@ -181,19 +181,21 @@ def turning_points_of_combination(
         return float(rate(time) / largest_rate)
 
     instants = set()
-    for k in sign_changes.tolist():
+    for sample in sign_changes.tolist():
         # of the way between two samples at which a linear rate is zero
-        fraction = float(rates_at_samples[k] / (rates_at_samples[k] - rates_at_samples[k + 1]))
-        begin, end = times[k : k + 2].tolist()
+        fraction = float(
+            rates_at_samples[sample] / (rates_at_samples[sample] - rates_at_samples[sample + 1])
+        )
+        begin, end = times[sample : sample + 2].tolist()
         instants.add(
-            time_of_zero(scaled_rate, begin, end, fraction, rates_at_samples[k] / largest_rate)
+            time_of_zero(scaled_rate, begin, end, fraction, rates_at_samples[sample] / largest_rate)
         )
 
     # Begins and ends of times without change.
     is_end_of_constancy = (rates_at_samples[1:-1] == 0) & (
         (rates_at_samples[:-2] != 0) | (rates_at_samples[2:] != 0)
     )
-    return instants | {float(times[k]) for k in 1 + np.flatnonzero(is_end_of_constancy)}
+    return instants | {float(times[sample]) for sample in 1 + np.flatnonzero(is_end_of_constancy)}
 
 
 def time_of_zero(

@@ -369,12 +369,14 @@ def _forces_of_tractions(system: System, forces: _SurfaceForces) -> Array:
     x, y = elements.places.reshape(2, -1)
 
     def traction(x_of_points: Array, y_of_points: Array, x_of_forces: Array) -> Array:
-        """Tractions at points by unit forces on the surface, times the length of each point."""
+        """Tractions at points by unit forces on the surface, times the length that each point
+        stands for.
+        """
         return surface_force_traction(x_of_points, y_of_points, normals_by_length, x_of_forces)
 
     tractions = _half_plane_field(traction, x, y, forces).reshape(2, *tangent_x.shape, -1)
 
-    # Consistent nodal forces: tractions times shape functions.
+    # Consistent nodal forces: tractions times shape functions, one node of each side at a time.
     nodal_forces = np.zeros((mesh.p.shape[1], 2, tractions.shape[-1]))
     for nodes, shape_values in zip(elements.nodes.T, elements.shapes, strict=True):
         np.add.at(nodal_forces, nodes, np.einsum("g,degm->edm", shape_values, tractions))

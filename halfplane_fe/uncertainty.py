@@ -65,8 +65,8 @@ class Place(NamedTuple):
         ... )
         (1.0, 2.0)
         """
-        difference = abs(self.refinement**self.order - 1)  # over the error of the run
-        return 1 / difference if difference else math.inf
+        difference_over_error = abs(self.refinement**self.order - 1)
+        return 1 / difference_over_error if difference_over_error else math.inf
 
 
 @dataclass(frozen=True)
@@ -637,7 +637,8 @@ def uncertainty(
     - a share of W, by the element size or by its growth with the distance from the contact;
     - what edges of contact and stick add that lie between nodes.
 
-    # notation: A = 2/E*, f coefficient of friction, P largest load
+    # notation: A = 2/E*, f coefficient of friction, P largest load, r ratio of the element sizes of
+    # both meshes, h element size at the edges, a half-width
 
     Parameters
     ----------
@@ -649,8 +650,8 @@ def uncertainty(
         settings: element size at the edges over the half-width, ratio of the upper body's elements,
         growth of the size with the distance from the contact
     scatter
-        rms of what edges between nodes add to W, over A f^2 P^2, which was taken off; 0 where
-        nothing was, None where nothing is known of it
+        rms of what edges between nodes add to W, over A f^2 P^2, where that was subtracted from W;
+        0 where nothing was, None where nothing is known of it
     has_low_order
         linear elements or a penalty layer, whose errors are not of order 2: the difference
         counts in full
@@ -671,14 +672,14 @@ def uncertainty(
     if refinement < _LEAST_REFINEMENT:
         return float("nan")
 
-    # Shares of the difference and of W; `scatter` decides about what edges between nodes add.
-    # error of the run over that difference, 1/(r^2 - 1) for an error of order 2, times a fitted
-    # share (_OF_DIFFERENCE)
+    # Error of the run over that difference, 1/(r^2 - 1) for an error of order 2, times a fitted
+    # share (_OF_DIFFERENCE).
     share_of_difference = _OF_DIFFERENCE / (refinement**2 - 1)
     if has_low_order:
         share_of_difference = max(share_of_difference, 1.0)
     # _OF_WORK: fitted share of W by the element size; _GROWN: by the growth of elements
     uncertainty_by_elements = dissipation * max(_OF_WORK * element_size**2, _GROWN * mesh.growth**4)
+    # What edges between nodes add, by what is known of it (`scatter`).
     if scatter:
         # _OF_SCATTER: fitted share
         uncertainty_by_edges = _OF_SCATTER * scatter
