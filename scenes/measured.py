@@ -486,9 +486,9 @@ class FromFile(Frozen):
             _check_thickness(path, name, column_unit, thickness)
 
         # What the scene states for this column: factor, number that means zero, sign.
-        scale = _values_by_column(getattr(self, "scale", None)).get(name)
+        stated_scale = _values_by_column(getattr(self, "scale", None)).get(name)
         zero = _values_by_column(getattr(self, "zero", None)).get(name)
-        sign = _values_by_column(getattr(self, "sign", None)).get(name, 1)
+        stated_sign = _values_by_column(getattr(self, "sign", None)).get(name, 1)
         # Without a line of headings, `heading` is the reader's own word, such as "column 2".
         phrases = [repr(heading) if table.heading_line else heading]
         if is_time_of_day:
@@ -497,15 +497,15 @@ class FromFile(Frozen):
             phrases.append(column_unit.remark)
         if zero is not None:
             phrases.append(f"zero at {zero:.9g} of the file")
-        if scale is not None:
-            phrases.append(f"times {scale:.9g} (scale)")
+        if stated_scale is not None:
+            phrases.append(f"times {stated_scale:.9g} (scale)")
         if thickness is not None:
             phrases.append(f"over the thickness {thickness:.9g}")
-        if sign < 0:
+        if stated_sign < 0:
             phrases.append("sign turned")
         # The quotient is formed first: the order decides about the last digit.
         factor = column_unit.factor * (
-            (1.0 if scale is None else scale) * sign / (thickness or 1.0)
+            (1.0 if stated_scale is None else stated_scale) * stated_sign / (thickness or 1.0)
         )
         return _ColumnReading(
             zero=0.0 if zero is None else zero,
@@ -549,7 +549,7 @@ class FromFile(Frozen):
         """
         # Units and factors that the user states, by quantity.
         stated_units = _values_by_column(getattr(self, "units", None))
-        scales = _values_by_column(getattr(self, "scale", None))
+        stated_scales = _values_by_column(getattr(self, "scale", None))
         # Times of day have been turned into seconds.
         if table.first_clock_text and unit_kind == "time":
             stated_units.pop(name, None)
@@ -562,7 +562,7 @@ class FromFile(Frozen):
             raise InputError(f"units.{name}: {column_unit.fault}")
         # The unit of time changes no result, moments are not converted, and a stated scale turns
         # volts into loads.
-        if column_unit.fault and unit_kind not in ("time", "moment") and name not in scales:
+        if column_unit.fault and unit_kind not in ("time", "moment") and name not in stated_scales:
             advice_for_loads = ""
             if unit_kind == "load":
                 advice_for_loads = (
@@ -847,14 +847,18 @@ def rows_within_tolerance(loads: Array, tolerance: Array) -> Rows:
         intervals must allow ascending positions.
         """
         # Change of P and Q along the line, and the loads of rows between, from its begin.
-        change = loads[last_row] - loads[first_row]
+        change_along_line = loads[last_row] - loads[first_row]
         loads_from_first_row = loads[first_row + 1 : last_row] - loads[first_row]
         with np.errstate(divide="ignore", invalid="ignore"):
             # Positions on the line at which a load is just within the tolerance of a row.
-            position_at_lower_bound = (loads_from_first_row - tolerance_and_roundoff) / change
-            position_at_upper_bound = (loads_from_first_row + tolerance_and_roundoff) / change
+            position_at_lower_bound = (
+                loads_from_first_row - tolerance_and_roundoff
+            ) / change_along_line
+            position_at_upper_bound = (
+                loads_from_first_row + tolerance_and_roundoff
+            ) / change_along_line
         # A load that does not change along the line allows all positions or none.
-        is_constant = change == 0
+        is_constant = change_along_line == 0
         if np.any(
             np.abs(loads_from_first_row[:, is_constant]) > tolerance_and_roundoff[is_constant]
         ):

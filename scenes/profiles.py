@@ -153,9 +153,9 @@ class TwoCurvatures(Gap):
         """
         # `curvatures`: h'' up to the distance b, b, and h'' beyond.
         inner_curvature, inner_half_length, outer_curvature = self.curvatures
-        distance = np.abs(np.asarray(x, dtype=float))
-        inner_distance = np.minimum(distance, inner_half_length)
-        outer_distance = distance - inner_distance
+        distance_from_middle = np.abs(np.asarray(x, dtype=float))
+        inner_distance = np.minimum(distance_from_middle, inner_half_length)
+        outer_distance = distance_from_middle - inner_distance
         return np.asarray(
             inner_distance * (inner_distance / 2 + outer_distance) * inner_curvature
             + np.square(outer_distance) / 2 * outer_curvature
@@ -622,7 +622,7 @@ class CallableProfile(Gap):
         `values_at` gives its values at an array of places; four places up to the profile's largest
         x (`extent`) are tried. The function is the slope where `height_function` is None.
         """
-        sign = -1.0 if self.height_function is None else 1.0
+        sign_at_mirrored_place = -1.0 if self.height_function is None else 1.0
         test_places = self.extent * np.array([0.07, 0.31, 0.62, 0.97])
         try:
             right_values = values_at(test_places)
@@ -631,7 +631,10 @@ class CallableProfile(Gap):
             raise ValueError(
                 f"the function can't be evaluated at x = +-{test_places[0]:.6g}: {reason}"
             ) from reason
-        is_unlike = np.abs(right_values - sign * left_values) > 1e-9 * np.abs(right_values).max()
+        is_unlike = (
+            np.abs(right_values - sign_at_mirrored_place * left_values)
+            > 1e-9 * np.abs(right_values).max()
+        )
         if np.any(is_unlike):
             raise ValueError(
                 "the profile is not symmetric: its sides differ at x ="
@@ -715,9 +718,11 @@ class CallableProfile(Gap):
         Near x = 0, up to the x at which the series of the slope begin, the slope is a power of x.
         Beyond the extent the gap goes on straight.
         """
-        distance = np.abs(np.asarray(x, dtype=float))
-        inner_distance = np.minimum(distance, self.extent)
-        rise_beyond_extent = (distance - inner_distance) * float(self.slope(self.extent))
+        distance_from_middle = np.abs(np.asarray(x, dtype=float))
+        inner_distance = np.minimum(distance_from_middle, self.extent)
+        rise_beyond_extent = (distance_from_middle - inner_distance) * float(
+            self.slope(self.extent)
+        )
 
         # Below the begin of the series h' goes as x^exponent; `_height` is the integral beyond it.
         # edges: ends of the intervals of the series, ascending
@@ -921,11 +926,13 @@ class Tabulated(FromFile):
             knot_index = np.clip(
                 np.searchsorted(spline.x, np.abs(x_array), side="right") - 1, 0, len(spline.x) - 1
             )
-            distance = np.abs(x_array) - spline.x[knot_index]
+            distance_from_knot = np.abs(x_array) - spline.x[knot_index]
             curvature = np.append(spline.curvature, 0.0)[knot_index]
             slope = spline.slope[knot_index]
             height = spline.height[knot_index]
-            return np.asarray(height + distance * (slope + curvature * distance / 2))
+            return np.asarray(
+                height + distance_from_knot * (slope + curvature * distance_from_knot / 2)
+            )
 
         # Splines of the left and of the right side, the same one where both are averaged.
         left_height, right_height = map(height_by, self.sides())

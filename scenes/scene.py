@@ -410,8 +410,8 @@ class Scene(Frozen):
         if isinstance(self.load, TimeSeriesLoad):
             rows = self.load.series()  # straight lines between rows: the largest ratio is at one
             return largest_ratio_of(rows[:, 1], rows[:, 2])
-        path = self.load.path()
-        return largest_ratio((*path.initial_loading, *path.cycle))
+        load_path = self.load.path()
+        return largest_ratio((*load_path.initial_loading, *load_path.cycle))
 
     @property
     def inputs(self) -> tuple[Input, ...]:
@@ -492,10 +492,10 @@ class Scene(Frozen):
         if isinstance(self.load, TimeSeriesLoad) and not self.load.is_driven:
             rows = self.load.series()
             return rows[:, 1].tolist(), rows[:, 2].tolist()
-        path = self.load.path_of_actuators() if self.load.is_driven else self.load.path()
+        load_path = self.load.path_of_actuators() if self.load.is_driven else self.load.path()
         normal_loads: list[float] = []
         tangential_loads: list[float] = []
-        for segment in (*path.initial_loading, *path.cycle):
+        for segment in (*load_path.initial_loading, *load_path.cycle):
             # NORMAL_LOAD, TANGENTIAL_LOAD: P and Q, as combinations of the two
             turning_times_of_p = segment.turning_points(NORMAL_LOAD)
             turning_times_of_q = segment.turning_points(TANGENTIAL_LOAD)

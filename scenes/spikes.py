@@ -99,15 +99,15 @@ def _standardised_residuals(x: Array, heights: Array) -> Array:
     is_distinct = (np.min(np.diff(x_of_neighbours, axis=1), axis=1) > 0) & (window_lengths > 0)
     nonzero_window_lengths = np.where(window_lengths > 0, window_lengths, 1.0)
     # Of the neighbours from the row, over the length of its window: the row itself is the origin.
-    distances = (x_of_neighbours - x[:, None]) / nonzero_window_lengths[:, None]
-    lagrange_weights = np.ones_like(distances)
+    relative_distances = (x_of_neighbours - x[:, None]) / nonzero_window_lengths[:, None]
+    lagrange_weights = np.ones_like(relative_distances)
     for i in range(_N_NEIGHBOURS):
         for j in range(_N_NEIGHBOURS):
             if j != i:
                 distance_of_neighbours = np.where(
-                    is_distinct, distances[:, j] - distances[:, i], 1.0
+                    is_distinct, relative_distances[:, j] - relative_distances[:, i], 1.0
                 )
-                lagrange_weights[:, i] *= distances[:, j] / distance_of_neighbours
+                lagrange_weights[:, i] *= relative_distances[:, j] / distance_of_neighbours
 
     residuals = heights - np.sum(lagrange_weights * heights[neighbours], axis=1)
     standardised_residuals = np.abs(residuals) / np.sqrt(1 + np.sum(lagrange_weights**2, axis=1))
