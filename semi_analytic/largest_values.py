@@ -325,6 +325,7 @@ class _Search:
         time = np.array([self.largest_load_time])
 
         def pressures(x: Array) -> Array:
+            """Pressure at places x (n,) at the time of the largest load, (n,) [stress]."""
             return np.asarray(solve(self.scene, x=x, time=time, fields=("pressure",)).pressure[0])
 
         largest_pressure, place = _largest_value_and_place(pressures, self.kinks)
@@ -407,6 +408,7 @@ class _Search:
         ends_of_cycle = self.instants[[0, -1]]
 
         def work_densities(x: Array) -> Array:
+            """Friction work per area of the cycle at places x (n,), (n,) [energy / area]."""
             answer_at_x = self._answer_at(x, ends_of_cycle, ("dissipation_density",))
             return np.asarray(answer_at_x.dissipation_density)
 
@@ -587,8 +589,12 @@ def _places_between_kinks(kinks: Array, n_places: int) -> Array:
 
 
 class _LocalMaximum(NamedTuple):
-    """A local maximum and its neighbours: three places, ascending, and the values there, (3,) each;
-    at an end of the range the maximum is its own neighbour.
+    """A local maximum and its neighbours; at an end of the range it is its own neighbour.
+
+    Attributes
+    ----------
+    places, values
+        (3,) the places, ascending, and the values there: neighbour, maximum, neighbour
     """
 
     places: Array

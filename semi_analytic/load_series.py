@@ -637,8 +637,14 @@ def _curve_after_unloading(
 
 
 class _UnloadingPart(NamedTuple):
-    """A part of an unloading step: how far P has fallen at its end since the begin of the step
-    [force per thickness], and direction of slip, 1, -1 or 0 for none.
+    """A part of an unloading step on one side of the memory curve.
+
+    Attributes
+    ----------
+    load_drop_at_end
+        how far P has fallen at its end since the begin of the step [force per thickness]
+    direction
+        of slip: 1 forward, -1 in reverse, 0 none
     """
 
     load_drop_at_end: float

@@ -379,12 +379,11 @@ def work_by_loads(strokes: tuple[Stroke, Stroke]) -> float:
     # 48 nodes along a stroke
     nodes, weights = _end_root_quadrature(STROKE_NODE_COUNT)
     u = np.append(nodes, 1.0)  # fractions of a stroke, its end the last
-    values_at_begin = np.zeros(
-        (2, 1)
-    )  # U and m_q at the begin of the stroke, since that of the cycle
+    # U and m_q at the begin of the stroke, counted from the begin of the cycle
+    values_at_begin = np.zeros((2, 1))
     loop_work = 0.0
     for stroke in strokes:
-        # U and m_q since the begin of the cycle
+        # U and m_q along the stroke, counted from the begin of the cycle
         displacements, moments = values_at_begin + stroke.displacement_and_moment_change(u)
         # index 1: Q, 2: bulk strain
         loop_work -= weights @ (

@@ -83,9 +83,11 @@ def combination_change(
     earlier: Instant, segment: LoadSegment, combination: Combination, time: ArrayLike
 ) -> Array:
     """Change of a combination c_P P + c_Q Q of the loads from an `earlier` instant of the path, on
-    any segment, to `time` (any shape) on a load segment [force per thickness]. The `combination`
-    holds the factors c_P as `normal` and c_Q as `tangential`; a segment gives such changes by
-    `change_of`; an instant holds its segment, P and Q as `normal_load` and `tangential_load`.
+    any segment, to `time` (any shape) on a load segment [force per thickness].
+
+    The `combination` holds the factors c_P as `normal` and c_Q as `tangential`. A segment gives
+    such changes between two of its own times by `change_of`. An instant holds its segment, P and Q
+    as `normal_load` and `tangential_load`.
     """
     if earlier.segment is segment:
         return segment.change_of(combination, time, earlier.time)
@@ -201,9 +203,11 @@ def pieces(curve: _Part | None) -> Iterator[_Part]:
 
 def force_on_piece(piece: Piece, eta: ArrayLike) -> Array:
     """Tangential force M(eta) of the flat punches up to loads eta on one piece of the memory curve,
-    any shape [force per thickness]. The piece is a line or parabola about its anchor, the instant
-    of the load path at which it was made; or an arc, the path Q(P) of a load segment. `slope` is
-    dM/d eta at the anchor, `bend` half of d2M/d eta2.
+    any shape [force per thickness].
+
+    The piece is a line or parabola about its anchor, the instant of the load path at which it was
+    made. `slope` is dM/d eta there, `bend` half of d2M/d eta2. Or it is an arc, the path Q(P) of a
+    load segment.
     """
     load_from_anchor = np.asarray(eta, dtype=float) - piece.anchor.normal_load
     if piece.arc_times is None:
@@ -343,11 +347,13 @@ def slip_to(
 
 
 def is_at_coulomb_limit(piece: Piece, direction: int, friction: float) -> bool:
-    """Whether a piece of the memory curve is at the Coulomb limit in the `direction` s of slip:
-    dM/d eta = s f (its `slope`), so that q = s f p there; f is `friction`, M(eta) the tangential
-    force of the flat punches up to the load eta. In such slip the stick edge passes it at once.
-    Only a straight piece can be: `bend` 0 (half of d2M/d eta2), and no arc (`arc_times` None), a
-    curved part of the load path.
+    """Whether a piece of the memory curve is at the Coulomb limit in the `direction` s of slip: its
+    `slope` dM/d eta is s f, so that q = s f p there.
+
+    f is `friction`, M(eta) the tangential force of the flat punches up to the load eta. In slip in
+    this direction the stick edge passes the piece at once. Only a straight piece can be at the
+    limit: `bend` (half of d2M/d eta2) is 0, and it is no arc, a curved part of the load path
+    (`arc_times` is None).
 
     >>> from scenes import StraightSegment
     >>> segment = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))

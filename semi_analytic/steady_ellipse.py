@@ -803,11 +803,11 @@ def works_over_time(ellipses: Ellipses, contact: Contact) -> tuple[Array, Array]
     pi E*/(2 f^2), (m,) each [force^2 per thickness^2]. All digits count even where almost nothing
     slips; takes 1 ms and more each.
 
-    Integrated over the time of slip, cut where an edge passes a corner of the profile. Next to
-    singular ends the rule is graded; intervals that have not converged are halved. NaN where that
-    does not help. The integrand is that of the kernel Lam(P, P_c), the integral of ln(a/a(P_c))
-    over the loads from P_c, that at the stick edge, to P; a is the contact half-width. `contact` is
-    the normal contact P(a) of the profile.
+    W is an integral over the time of slip, cut where an edge passes a corner of the profile. Next
+    to singular ends the rule is graded. Intervals that have not converged are halved; W is NaN
+    where that does not help. The integrand is that of the kernel Lam(P, P_c), the integral of
+    ln(a/a(P_c)) over the loads from P_c, that at the stick edge, to P; a is the contact half-width.
+    `contact` is the normal contact P(a) of the profile.
 
     At constant P and Q between -k f P and k f P the sum is 2 P^2 [(1 - k) ln(1 - k) + k - k^2/2].
 
@@ -919,13 +919,17 @@ def _dissipation_of_group(
     """Friction work of forward and of reverse slip times pi E*/(2 f^2), and an upper bound of the
     error of their sum, (3, m).
 
-    Loads of the ellipses lie from 2^`first_octave` to 2^(`last_octave` + 1). The method follows
-    from `slip_zone_load_scale`, the largest P - P_c to a factor of two, over the mean load P0.
-    Above 0.002: integrals over the loads P and P_c. Above 1e-6: the kernel Lam = int
-    ln(a(eta)/a(P_c)) d eta by a table of ln a. Below, and up to 0.002 for eight ellipses or fewer:
-    Lam of the normal contact itself, slow but with all digits. P_c is the load at the stick edge, a
-    the contact half-width. The last arguments of `_work_over_phases` are quadrature rules and 3e-8,
-    the share of W below which error checks count as converged.
+    The method follows from `slip_zone_load_scale`, the largest P - P_c to a factor of two, over the
+    mean load P0:
+
+    - above 0.002, integrals over the loads P and P_c;
+    - above 1e-6, the kernel Lam = int ln(a(eta)/a(P_c)) d eta by a table of ln a;
+    - below, and up to 0.002 for eight ellipses or fewer, Lam of the normal contact itself, slow but
+      with all digits.
+
+    P_c is the load at the stick edge, a the contact half-width. Loads of the ellipses lie from
+    2^`first_octave` to 2^(`last_octave` + 1). The last arguments of `_work_over_phases` are
+    quadrature rules and 3e-8, the share of W below which error checks count as converged.
     """
     works_and_error = np.empty((3, len(ellipses.mean_load)))
 
@@ -1703,8 +1707,8 @@ class LogHalfWidth:
 def _cached_log_half_width(
     contact: SymmetricContact, first_octave: int, last_octave: int
 ) -> LogHalfWidth:
-    """`LogHalfWidth` of a contact for loads from 2^first_octave to 2^last_octave, kept for the next
-    group of ellipses.
+    """`LogHalfWidth` of a contact for loads from 2^first_octave to 2^last_octave, cached for the
+    next group of ellipses.
     """
     return LogHalfWidth(contact, first_octave, last_octave)
 
