@@ -820,11 +820,12 @@ def _first_of_last_cycle(run: PathRun) -> int | None:
 
 
 def _turns_of_slip(scene: Scene, problem: ContactProblem, run: PathRun) -> Mask:
-    """States at which slip ends if the loads turn round there, neither earlier nor later, (n,).
+    """Whether slip ends at each state of a run if the loads turn round there, neither earlier nor
+    later, (n_states,).
 
     Increments end at the turning points of P, Q - f P and Q + f P. Slip ends there between
     half-planes of like materials, without bulk stress and tilt. Of other bodies it does where every
-    load that varies turns round: the last increment is then taken back.
+    load that varies turns round: the loads then retrace the last increment.
 
     Parameters
     ----------

@@ -50,7 +50,7 @@ def pressure_at_known_shear(
     initial_gap
         (n,) initial gap, with what known tangential forces and displacement add to it
     normal_load
-        load that the nodal normal forces carry, as scaled as these: P minus what the known
+        load that the nodal normal forces carry, in their scaled units: P minus what the known
         tangential forces carry on an inclined face
     is_closed
         (n,) nodes that are assumed to touch first
@@ -97,8 +97,8 @@ def pressure_at_known_shear(
         if not is_closed.any():
             raise SingularSet("no node holds the normal load")
 
-        # Normal forces of the closed nodes. p that closes the initial gaps without approach, and p
-        # per approach.
+        # Normal forces of the closed nodes: p that closes the initial gaps without approach, and p
+        # by a unit of approach.
         force_by_gap, force_by_approach = solve(
             systems.normal_compliance[np.ix_(is_closed, is_closed)],
             np.stack([-initial_gap[is_closed], n_y[is_closed]], axis=1),
