@@ -1345,7 +1345,7 @@ class _Paths:
     ----------
     question
         request that is answered
-    rows
+    path_rows
         instants between the steps, with the loads there
     path_with_bodies, path_of_half_planes
         the path with finite bodies, and with half-planes
@@ -1356,7 +1356,7 @@ class _Paths:
     """
 
     question: Question
-    rows: PathRows
+    path_rows: PathRows
     path_with_bodies: PathSeries
     path_of_half_planes: PathSeries
     steady_from: int | None
@@ -1365,7 +1365,7 @@ class _Paths:
     @property
     def last_cycle(self) -> slice:
         """Rows of the last covered cycle."""
-        return self.rows.cycles[self.covered_cycles[-1]]
+        return self.path_rows.cycles[self.covered_cycles[-1]]
 
     @property
     def effects(self) -> BodyEffects:
@@ -1423,7 +1423,7 @@ def _findings_of_symmetric_scene(question: Question) -> Findings:
     The dissipation is measured over the last cycle of the answer. Errors that are 0 are left out.
     """
     stop_watch = StopWatch("history", "fields", "dissipation")
-    # the path, followed twice; `paths.rows` are the ends of the steps
+    # the path, followed twice; `paths.path_rows` are the ends of the steps
     paths = _followed_paths(question)
     path_with_bodies = paths.path_with_bodies
     stop_watch.add_lap("history")
@@ -1433,7 +1433,7 @@ def _findings_of_symmetric_scene(question: Question) -> Findings:
     if x is None:
         x = mirrored_points(1.05 * float(np.max(path_with_bodies.half_width)))
     # `last_cycle`: rows of the last cycle of the answer; row_numbers: row nearest to each instant
-    time, row_numbers = instants_and_row_numbers(question, paths.rows, paths.last_cycle)
+    time, row_numbers = instants_and_row_numbers(question, paths.path_rows, paths.last_cycle)
     fields = FieldsByDistance.of_question(question, path_with_bodies, x, row_numbers)
     # what tilt and bulk strain do
     part_by_tilt_and_strain = _part_by_tilt_and_strain(paths)
@@ -1468,7 +1468,7 @@ def _findings_of_symmetric_scene(question: Question) -> Findings:
         counts={
             "points_evaluated": len(fields.distance),
             **path_with_bodies.counts,
-            "cycles_solved": len(paths.rows.cycles),
+            "cycles_solved": len(paths.path_rows.cycles),
         },
         seconds=stop_watch.seconds,
     )
@@ -1523,7 +1523,7 @@ def _values_with_moved_edges(
     stick.
     """
     values_over_time = values_over_time_at(paths.question, paths.path_with_bodies, row_numbers)
-    contact_centres, stick_centres = part_by_tilt_and_strain.centres(paths.rows.time)
+    contact_centres, stick_centres = part_by_tilt_and_strain.centres(paths.path_rows.time)
     for name, centres in (("contact_edges", contact_centres), ("stick_edges", stick_centres)):
         values_over_time[name] = values_over_time[name] + centres[row_numbers, None]
     return values_over_time
@@ -1536,7 +1536,7 @@ def _permanent_stick_with_bodies(
     throughout. Tilt and bulk strain of the bodies move the stick zone during the cycle, which may
     narrow the permanent one.
     """
-    _, stick_centres = part_by_tilt_and_strain.centres(paths.rows.time)
+    _, stick_centres = part_by_tilt_and_strain.centres(paths.path_rows.time)
     return permanent_stick_half_width(
         paths.path_with_bodies, paths.last_cycle, stick_centres[paths.last_cycle]
     )
@@ -1554,22 +1554,22 @@ def _followed_paths(question: Question) -> _Paths:
     # Exact half-plane theory, without the effects, along the path of the scene.
     solved_path = path_of_question(replace(question, effects=None), None)
     half_plane_path = _HalfPlanePath(scene, solved_path)
-    rows = half_plane_path.first_rows(question.time)
+    path_rows = half_plane_path.first_rows(question.time)
     modulus = composite_modulus(scene.material)
     contact = contact_of(scene.profile, scene.material)
     curvatures_per_load = curvatures_of(effects)
 
     # Flat punches that make up the contact, with the loads that they carry.
-    table = punch_table_of(contact, modulus, rows, curvatures_per_load)
+    table = punch_table_of(contact, modulus, path_rows, curvatures_per_load)
     friction_coefficient = scene.friction.coefficient
     # G of the widest punch: load of the punches of x^2/2 up to it.
     largest_parabola_load = float(table.parabola_load(table.largest_s))
-    rows = half_plane_path.rows_with_turning_points(
-        rows, friction_coefficient, curvatures_per_load, largest_parabola_load
+    path_rows = half_plane_path.rows_with_turning_points(
+        path_rows, friction_coefficient, curvatures_per_load, largest_parabola_load
     )
 
     # `follow` gives friction memory and slip zones at the rows.
-    loads = (rows.normal_load, rows.tangential_load)
+    loads = (path_rows.normal_load, path_rows.tangential_load)
     # Curvatures(): all zero.
     memory_of_half_planes = follow(table, friction_coefficient, *loads, Curvatures())
 
@@ -1578,10 +1578,10 @@ def _followed_paths(question: Question) -> _Paths:
     memory_of_bodies = follow(
         table, friction_coefficient, *loads, curvatures_per_load, memory_of_half_planes
     )
-    steady_from = _first_steady_cycle(memory_of_bodies, rows)
+    steady_from = _first_steady_cycle(memory_of_bodies, path_rows)
     return _Paths(
         question=question,
-        rows=rows,
+        path_rows=path_rows,
         path_with_bodies=PathSeries(memory_of_bodies, contact, modulus, effects),
         path_of_half_planes=PathSeries(memory_of_half_planes, contact, modulus, None),
         steady_from=steady_from,
@@ -2025,7 +2025,7 @@ def _works_and_density(
         return _WorkOfAnswer(work_of_cycles, loop_work, density, errors)
 
     # at the ends of the initial loading and of each cycle
-    end_times = paths.rows.time[list(paths.rows.end_rows)]
+    end_times = paths.path_rows.time[list(paths.path_rows.end_rows)]
     exact_theory = _exact_theory(paths, wanted_fields, distance, end_times)
     if question.wants("dissipation"):
         # Theory stops at a steady cycle, which later ones equal.
@@ -2108,7 +2108,7 @@ def _works_and_errors(
         work that tilt and bulk strain add, or why it is left out
     """
     # Rows of each cycle of the answer in the followed path.
-    rows_of_cycles = [paths.rows.cycles[cycle] for cycle in paths.covered_cycles]
+    rows_of_cycles = [paths.path_rows.cycles[cycle] for cycle in paths.covered_cycles]
     works_of_half_planes = np.array(
         [paths.path_of_half_planes.work(rows) for rows in rows_of_cycles]
     )
@@ -2127,7 +2127,7 @@ def _works_and_errors(
         paths.question.wants("loop_work")
         and not part_by_tilt_and_strain.has_work
         and paths.is_steady
-        and paths.rows.period is not None
+        and paths.path_rows.period is not None
     )
     loop_work = math.nan
     if has_loop_work:
@@ -2437,7 +2437,7 @@ def _errors_of_steps(paths: _Paths) -> dict[str, float]:
     if not field_names or not friction:
         return {}
     row_numbers, places = _rows_and_places_compared(paths)
-    exact_theory = _exact_theory(paths, field_names, places, paths.rows.time[row_numbers])
+    exact_theory = _exact_theory(paths, field_names, places, paths.path_rows.time[row_numbers])
     point_fields = PointFields(path_of_half_planes, places)
     pressure = point_fields.pressure(row_numbers)
     largest_pressure = float(np.max(pressure, where=np.isfinite(pressure), initial=0.0))
@@ -2540,12 +2540,13 @@ def _termination_and_message(paths: _Paths) -> tuple[str, str]:
     """How the followed path ended: the termination of the answer, "steady" or "end of path", and a
     sentence about it.
 
-    `paths.rows.period` is the duration of a cycle, None without one. `paths.is_steady`: whether the
-    last cycle of the answer ends in the state it started from. `paths.steady_from`: index of the
-    first cycle that does. `paths.covered_cycles`: for each cycle of the answer, the index of the
-    followed cycle that it equals.
+    - `paths.path_rows.period`: duration of a cycle, None without one
+    - `paths.is_steady`: whether the last cycle of the answer ends in the state it started from
+    - `paths.steady_from`: index of the first cycle that does
+    - `paths.covered_cycles`: for each cycle of the answer, the index of the followed cycle that it
+      equals
     """
-    if paths.rows.period is None:
+    if paths.path_rows.period is None:
         return "end of path", "the path was followed to its end"
     if paths.steady_from is None or not paths.is_steady:
         return "end of path", f"no steady cycle among the first {paths.covered_cycles[-1] + 1}"
@@ -2560,7 +2561,7 @@ def _notes_of(paths: _Paths, part_by_tilt_and_strain: TiltAndStrainPart) -> Iter
     ----------
     paths
         load path followed with the bodies; `last_cycle`: rows of the last cycle of the answer;
-        whether that cycle is steady; `rows.period`: duration of a cycle, None without one
+        whether that cycle is steady; `path_rows.period`: duration of a cycle, None without one
     part_by_tilt_and_strain
         work that tilt and bulk strain of the bodies add, or why none is added
     """
@@ -2569,7 +2570,7 @@ def _notes_of(paths: _Paths, part_by_tilt_and_strain: TiltAndStrainPart) -> Iter
     # A note if Dundurs' beta is not 0: normal and tangential problem are solved uncoupled.
     yield from neglected_coupling(scene.material)
     # Load at which tilt and strain are made dimensionless: mean P of an ellipse, else its largest.
-    load = _reference_load(scene, paths.rows.normal_load[paths.last_cycle])
+    load = _reference_load(scene, paths.path_rows.normal_load[paths.last_cycle])
     half_width = float(paths.path_with_bodies.contact.half_width(load))
     modulus = composite_modulus(scene.material)
     yield from notes_of_effects(paths.effects, half_width, modulus, part_by_tilt_and_strain)
@@ -2578,7 +2579,7 @@ def _notes_of(paths: _Paths, part_by_tilt_and_strain: TiltAndStrainPart) -> Iter
             "no closed integral of Q dU to compare the dissipation with: displacements are without"
             " what tilt and bulk strain do to slip"
         )
-    if question.wants("dissipation") and paths.rows.period is not None and not paths.is_steady:
+    if question.wants("dissipation") and paths.path_rows.period is not None and not paths.is_steady:
         yield (
             "the last cycle is not steady: no closed integral of Q dU to compare the dissipation"
             " with"
