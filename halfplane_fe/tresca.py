@@ -348,5 +348,5 @@ def _forces_by_active_set(
         earlier_sets.add(next_states.tobytes())
         states = next_states
     raise ConvergenceError(
-        f"contact: a convex half of the problem did not settle in {_MOST_ITERATIONS} iterations"
+        f"contact: a convex half of the problem did not converge in {_MOST_ITERATIONS} iterations"
     )
