@@ -1542,16 +1542,18 @@ def _nodal_fields(
     # _BODY_NAMES: "lower", "upper"
     forces = body_forces(*solution.condensed_bodies, pressure, shear)[_BODY_NAMES[body_number]]
 
-    # Displacement of all nodes (n_dofs, k) under them. Mixed elements have a part of the mean
-    # stress as a further unknown, (n_corners, k).
-    basis, displacements, mean_stresses = displacement_fields(
+    # Displacement of all nodes (n_dofs, k) under them. Mixed elements have a further unknown, the
+    # mixed pressure at their corners, (n_corners, k): a part of every normal stress.
+    basis, displacements, mixed_pressures = displacement_fields(
         condensed_body, forces, solution.scene.profile.datum_length, bulk_stress
     )
 
     # Stress of the elements, averaged at the nodes.
     stresses = []
-    for displacement, mean_stress in zip(displacements.T, mean_stresses.T, strict=True):
-        stress, areas_around_nodes = _nodal_stress(basis, displacement, mean_stress, condensed_body)
+    for displacement, mixed_pressure in zip(displacements.T, mixed_pressures.T, strict=True):
+        stress, areas_around_nodes = _nodal_stress(
+            basis, displacement, mixed_pressure, condensed_body
+        )
         stresses.append(stress)
     # The areas are those of the mesh, the same at every step.
     return _NodalFields(basis, displacements, np.stack(stresses, axis=-1), areas_around_nodes)
@@ -1804,7 +1806,7 @@ def _counter_clockwise_cells(points: Array, cells: Indices) -> Indices:
 
 
 def _nodal_stress(
-    basis: skfem.Basis, displacement: Array, mean_stress: Array, condensed_body: CondensedBody
+    basis: skfem.Basis, displacement: Array, mixed_pressure: Array, condensed_body: CondensedBody
 ) -> tuple[Array, Array]:
     """Stress xx, yy, xy, zz at the nodes of a body, (n_nodes, 4), averaged over the elements around
     each node. The sum of the areas of these elements, (n_nodes,), is returned too.
@@ -1818,7 +1820,7 @@ def _nodal_stress(
         finite-element basis of the displacement
     displacement
         (n_dofs,) values of the displacement in this basis [length]
-    mean_stress
+    mixed_pressure
         (n_corners,) part of lambda div(u) that mixed elements have as a further unknown at their
         corners; lambda is Lame's constant, u the displacement [stress]
     condensed_body
@@ -1826,7 +1828,7 @@ def _nodal_stress(
     """
     # (4, n_elements, nodes of an element)
     stress_at_element_nodes = (
-        _stress_at_quadrature_points(basis, displacement, mean_stress, condensed_body)
+        _stress_at_quadrature_points(basis, displacement, mixed_pressure, condensed_body)
         @ _matrix_of_extrapolation_to_nodes(basis, condensed_body.order).T
     )
 
@@ -1847,12 +1849,12 @@ def _nodal_stress(
 
 
 def _stress_at_quadrature_points(
-    basis: skfem.Basis, displacement: Array, mean_stress: Array, condensed_body: CondensedBody
+    basis: skfem.Basis, displacement: Array, mixed_pressure: Array, condensed_body: CondensedBody
 ) -> Array:
     """Stress xx, yy, xy, zz at the quadrature points of each element of a body, (4, n_elements,
     n_quadrature) [stress], by Hooke's law in plane strain.
 
-    # notation: lam, mu Lame's constants; lam without the part that enters through `mean_stress`;
+    # notation: lam, mu Lame's constants; lam without the part that enters through `mixed_pressure`;
     # s_xx, s_yy, s_xy, s_zz stress
 
     Parameters
@@ -1861,7 +1863,7 @@ def _stress_at_quadrature_points(
         finite-element basis of the displacement
     displacement
         (n_dofs,) values of the displacement in this basis [length]
-    mean_stress
+    mixed_pressure
         (n_corners,) part of lam div(u) that mixed elements have as a further unknown, r, at their
         corners [stress]
     condensed_body
@@ -1869,10 +1871,10 @@ def _stress_at_quadrature_points(
     """
     lam, _, mu = split_lame(condensed_body.material, condensed_body.order)
     strain = sym_grad(basis.interpolate(displacement))
-    mean_stress_at_points = basis.with_element(scalar_element(basis.mesh, 1)).interpolate(
-        mean_stress
+    mixed_pressure_at_points = basis.with_element(scalar_element(basis.mesh, 1)).interpolate(
+        mixed_pressure
     )
-    s_zz = lam * (strain[0, 0] + strain[1, 1]) + np.asarray(mean_stress_at_points)
+    s_zz = lam * (strain[0, 0] + strain[1, 1]) + np.asarray(mixed_pressure_at_points)
     s_xx = s_zz + 2 * mu * strain[0, 0]
     s_yy = s_zz + 2 * mu * strain[1, 1]
     s_xy = 2 * mu * strain[0, 1]

@@ -1239,9 +1239,9 @@ def displacement_fields(
     """Displacement of all nodes of a body under given forces on its contact nodes, by a solution of
     its full finite-element system.
 
-    Mixed elements of nearly incompressible materials have a further unknown, returned too: r =
-    lambda_1 div u, the part of the mean stress that they do not take from u. Lame's lambda is
-    divided into two parts for this: 2 G, and the rest lambda_1, which acts through r.
+    Mixed elements of nearly incompressible materials have a further unknown, returned too: the
+    mixed pressure r = lambda_1 div u, a part of every normal stress. Lame's lambda is divided into
+    two parts for this: 2 G, which acts through u, and the rest lambda_1, which acts through r.
 
     # notation: G shear modulus, u displacement
 
