@@ -63,9 +63,10 @@ def answer_arrays(task: Task, problem: ContactProblem, run: PathRun) -> dict[str
     displacements, tractions, slip, node states and edges at the stored instants of a run; friction
     work of each load cycle, and at the nodes in the last one.
 
-    Also the zone that sticks through the whole last cycle ("permanent_stick…"), the work of the
-    loads round that cycle ("loop_work"), and the index of the first cycle that ended as it started
-    ("steady_from", from 0; None without one).
+    Also the zone that sticks through the whole last cycle ("permanent_stick…"), and the closed
+    integral of Q dU round that cycle, with the work of shear in the slip by bulk stress
+    ("loop_work"). "steady_from" is the index of the first cycle that ended as it started (from 0;
+    None without one).
 
     Parameters
     ----------
