@@ -98,8 +98,17 @@ class TurningPoint(NamedTuple):
 
 
 class _FarSeries(NamedTuple):
-    """Chebyshev series in time of the integrand, (n, nodes), of n pairs of a panel of time and a
-    point far from the edge of contact then; `is_near` (panels, k) tells which points are near it.
+    """Chebyshev series in time of the integrand on panels of time, at points far from the edge of
+    contact then.
+
+    Attributes
+    ----------
+    panel, point
+        (n,) numbers of the panel and of the point of each pair that has a series
+    coefficients
+        (n, nodes) of the series
+    is_near
+        (panels, k) whether the edge of contact passes the point on the panel, or nearly
     """
 
     panel: Indices
@@ -109,8 +118,18 @@ class _FarSeries(NamedTuple):
 
 
 class _Panels(NamedTuple):
-    """Panels of time along an arc: begin and end (n,), whether the edge of contact passes near a
-    point (n, k), Chebyshev series of the integrand elsewhere (n, k, nodes) and their errors (n, k).
+    """Panels of time along an arc.
+
+    Attributes
+    ----------
+    begin, end
+        (n,) times at their ends
+    is_near
+        (n, k) whether the edge of contact passes the point, or nearly
+    series
+        (n, k, nodes) coefficients of the Chebyshev series of the integrand; 0 where there is none
+    error
+        (n, k) truncation errors of these series
     """
 
     begin: Array
@@ -363,7 +382,7 @@ class ArcIntegrals:
         resolved_panels: list[_Panels] = []
         largest_integral = 0.0
         # _HALVINGS: 9
-        for halvings in range(_HALVINGS + 1):
+        for n_halvings in range(_HALVINGS + 1):
             panels = self._panels_with_series(begins, ends)
             largest_coefficient = float(np.max(np.abs(panels.series[:, :, 0]), initial=0.0))
             largest_integral = max(largest_integral, largest_coefficient * math.sqrt(len(begins)))
@@ -372,7 +391,7 @@ class ArcIntegrals:
             is_resolved = (
                 np.max(panels.error, axis=1, initial=0.0) <= _RESOLVED_SHARE * largest_integral
             )
-            is_resolved |= halvings == _HALVINGS
+            is_resolved |= n_halvings == _HALVINGS
             is_resolved |= (middles == begins) | (middles == ends)  # no number lies between
             resolved_panels.append(panels.take(is_resolved))
             if np.all(is_resolved):
@@ -493,8 +512,8 @@ def _first_panel_ends(piece: Piece, corner_loads: Array) -> Array:
     it, and more where it passes corners of the profile.
 
     A smooth part lies between the times at which P had the loads of two corners. Its panels have
-    equal lengths: one that began just behind a corner would not be smooth. `arc` of the piece are
-    times of its ends, `anchor` is the instant at the end before any of the arc was cut off.
+    equal lengths: one that began just behind a corner would not be smooth. `arc_times` of the piece
+    are times of its ends, `anchor` is the instant at the end before any of the arc was cut off.
     `corner_loads` are those at which the edge of contact is at a corner. An arc is a part of a
     curved load segment, travelled in full stick.
     """
@@ -535,30 +554,31 @@ def _turning_point(segment: LoadSegment, arc_end: float, other_end: float) -> Tu
     """
     signed_duration = other_end - arc_end
     time_increment = 1e-3 * signed_duration
-    # P grows along the arc: it is least at the begin, largest at the end.
-    sign_of_curvature = math.copysign(1.0, signed_duration)
+    # P grows along the arc: a turning point at its begin is a least P (+1), at its end a largest
+    # (-1).
+    sign_of_turn = math.copysign(1.0, signed_duration)
     turning_time = arc_end
     for _ in range(20):
         load_rate = float(segment.rate_of(NORMAL_LOAD, turning_time))
         rate_after = segment.rate_of(NORMAL_LOAD, turning_time + time_increment)
         rate_before = segment.rate_of(NORMAL_LOAD, turning_time - time_increment)
-        load_curvature = float(rate_after - rate_before) / (2 * time_increment)
+        second_derivative_of_load = float(rate_after - rate_before) / (2 * time_increment)
         newton_step = (
-            load_rate / load_curvature if load_curvature * sign_of_curvature > 0 else math.inf
+            load_rate / second_derivative_of_load
+            if second_derivative_of_load * sign_of_turn > 0
+            else math.inf
         )
-        # A Newton step that leads too far away, or into the arc: no turning point at this end.
+        # A step of Newton's method that leads too far away, or into the arc: no turning point here.
         if abs(newton_step) > abs(signed_duration) or (
             arc_end - turning_time + newton_step
-        ) * sign_of_curvature < -abs(time_increment):
-            return TurningPoint(
-                arc_end, float(segment.loads(arc_end)[0]), sign_of_curvature, other_end
-            )
+        ) * sign_of_turn < -abs(time_increment):
+            return TurningPoint(arc_end, float(segment.loads(arc_end)[0]), sign_of_turn, other_end)
         turning_time -= newton_step
         if abs(newton_step) <= 1e-15 * (abs(turning_time) + abs(signed_duration)):
             break
     turning_time = min(turning_time, arc_end) if signed_duration > 0 else max(turning_time, arc_end)
     return TurningPoint(
-        turning_time, float(segment.loads(turning_time)[0]), sign_of_curvature, other_end
+        turning_time, float(segment.loads(turning_time)[0]), sign_of_turn, other_end
     )
 
 
@@ -647,8 +667,8 @@ class _NearIntegral:
         if not len(begin_time):
             return np.zeros(0)
         turning_point = self.turning_point
-        z_at_begin = self._root_of_rise(begin_time)
-        z_at_end = self._root_of_rise(end_time)
+        z_at_begin = self._z_at(begin_time)
+        z_at_end = self._z_at(end_time)
         least_z = np.minimum(z_at_begin, z_at_end)
         largest_z = np.maximum(z_at_begin, z_at_end)
         # sign: +1 beside a least P, -1 beside a largest; load: P_t.
@@ -686,7 +706,7 @@ class _NearIntegral:
             integrals += np.bincount(range_number, nodes.weight[chunk] * integrand, len(integrals))
         return integrals
 
-    def _root_of_rise(self, time: Array) -> Array:
+    def _z_at(self, time: Array) -> Array:
         """z = sqrt(|P - P_t|) at times (m,), P_t the load at the turning point of P."""
         rise = self.segment.change_of(NORMAL_LOAD, time, self.turning_point.time)
         return np.sqrt(np.maximum(self.turning_point.sign * rise, 0.0))
@@ -722,16 +742,16 @@ class _NearIntegral:
 
         e^2 (`squared_e`) is the distance, with its sign, of P_x from P_t: P_x is the load at which
         the edge of contact is at x, P_t that at the turning point of P. Q is a function of z =
-        sqrt(|P - P_t|) along the load path, and dz = root ds with root = sqrt(|z^2 - e^2|).
+        sqrt(|P - P_t|) along the load path, and dz/ds = sqrt(|z^2 - e^2|).
         """
-        z, root = _z_and_root(s, squared_e, self.acts_beyond_e)
-        # P, what the kernels take for a(P), and P - P_x, or P_x - P for the slip.
+        z, dz_ds = _z_and_dz_ds(s, squared_e, self.acts_beyond_e)
+        # P; what the kernels take for a(P); P - P_x, of size |z^2 - e^2|, negative for the slip.
         load = np.maximum(self.turning_point.load + self.turning_point.sign * z * z, 0.0)
         advance = self.contact.edge_advance(load)
-        load_above_edge = root * root if self.kernel != "slip" else -root * root
+        load_above_edge = dz_ds * dz_ds if self.kernel != "slip" else -dz_ds * dz_ds
         kernel_values = _punch_kernel(self.contact, self.kernel, x, load_above_edge, load, advance)
         return np.asarray(
-            root * _force_rate_over_z(self.segment, self.turning_point, z) * kernel_values
+            dz_ds * _force_rate_over_z(self.segment, self.turning_point, z) * kernel_values
         )
 
 
@@ -823,9 +843,9 @@ def _limits_within(least_z: Array, largest_z: Array, squared_e: Array) -> tuple[
     return begin, np.maximum(begin, s_at(largest_z))
 
 
-def _z_and_root(s: Array, squared_e: Array, acts_beyond_e: bool) -> tuple[Array, Array]:
-    """z and root = sqrt(|z^2 - e^2|) at values s of an integration variable, (n,) each, for which
-    dz = root ds: z > e if the kernel acts there (`acts_beyond_e`), else z < e.
+def _z_and_dz_ds(s: Array, squared_e: Array, acts_beyond_e: bool) -> tuple[Array, Array]:
+    """z and dz/ds = sqrt(|z^2 - e^2|) at values s of the integration variable, (n,) each: z > e if
+    the kernel acts there (`acts_beyond_e`), else z < e.
 
     z^2 is the distance of P from its turning point, `squared_e` = e^2 that of P_x with its sign.
     P_x is the load at which the edge of contact is at the point.
@@ -866,7 +886,9 @@ class KernelIntegrals:
     contact: Contact
     x: Array
     kernel: Kernel
+    # by the id of a piece: the piece, and the integral (k,) up to its top
     _stored: dict[int, tuple[CurvePart, Array]] = field(default_factory=dict)
+    # by segment, begin and end of an arc: a piece of it, and its integrals
     _arcs: dict[tuple[int, float, float], tuple[Piece, ArcIntegrals]] = field(default_factory=dict)
 
     def over_memory_curves(self, snapshot: Snapshot) -> Array:
@@ -988,9 +1010,9 @@ class KernelIntegrals:
         loads (n,), at each of k points: (n, k); 0 for parts without slope, or with equal loads.
 
         The memory curve M(eta) is the tangential force that the flat punches up to the load eta
-        carry, K the kernel. A part takes the difference of two integrals from 0 on. The slip of a
-        short part, below 1 % of its load, is integrated over that part alone: of a difference
-        little more than round-off would be left.
+        carry, K the kernel. The integral over a part is the difference of two integrals from 0 on.
+        The slip of a short part, below 1 % of its load, is integrated over that part alone: its
+        difference would be hardly more than round-off.
         """
         straight_integrals = np.zeros((len(upper_load), len(self.x)))
         part_numbers = np.flatnonzero((slope != 0) & (upper_load != lower_load))
@@ -1070,7 +1092,7 @@ class KernelIntegrals:
         return integrals
 
     def _curved_integrals(
-        self, pieces_and_edge_loads: Sequence[tuple[CurvePart, Array]]
+        self, pieces_and_upper_loads: Sequence[tuple[CurvePart, Array]]
     ) -> list[Array | float]:
         """What the curvature of pieces of memory curves adds to the integral of M' K d eta: (n, k)
         at k points for each pair of a piece and loads (n,). It is part of the shear, slip or
@@ -1086,13 +1108,13 @@ class KernelIntegrals:
 
         Parameters
         ----------
-        pieces_and_edge_loads
+        pieces_and_upper_loads
             pairs of a piece and the loads (n,) up to which it counts: those at the stick edge if it
             is the uppermost piece that sticks, else its top load
         """
-        integrals: list[Array | float] = [0.0] * len(pieces_and_edge_loads)
+        integrals: list[Array | float] = [0.0] * len(pieces_and_upper_loads)
         pieces_of_arc: dict[tuple[int, float, float], list[tuple[int, Piece]]] = {}
-        for pair_number, (piece, upper_load) in enumerate(pieces_and_edge_loads):
+        for pair_number, (piece, upper_load) in enumerate(pieces_and_upper_loads):
             # anchor: instant at the end of the arc before any of it was cut off; arc_times: times
             # of the ends of what is left, on the load segment.
             if isinstance(piece, Piece) and piece.arc_times is not None:
@@ -1107,7 +1129,7 @@ class KernelIntegrals:
             arc_integrals = self._integrals_up_to_loads(
                 self._arcs[arc_key][1],
                 piece,
-                [pieces_and_edge_loads[pair_number][1] for pair_number, _ in numbered_pieces],
+                [pieces_and_upper_loads[pair_number][1] for pair_number, _ in numbered_pieces],
             )
             for (pair_number, _), arc_integral in zip(numbered_pieces, arc_integrals, strict=True):
                 integrals[pair_number] = arc_integral
@@ -1128,8 +1150,8 @@ class KernelIntegrals:
         arc: ArcIntegrals, piece: Piece, upper_loads: Sequence[Array]
     ) -> list[Array]:
         """Integrals of the kernel times dQ from the begin of an arc to the times at which P had
-        each of the loads (n,) of several lists, (n, k) for each list. `piece` is one that was cut
-        from the arc.
+        each of the loads (n,) of several lists, (n, k) for each list. `piece` is one of the
+        pieces that were cut from the arc.
         """
         times_at_upper_load = time_of_load_on_arc(piece, np.concatenate(upper_loads))
         split_positions = np.cumsum([len(loads_of_piece) for loads_of_piece in upper_loads])[:-1]

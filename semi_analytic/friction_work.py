@@ -240,14 +240,14 @@ class _Halving(NamedTuple):
         times at which an edge of contact or of stick passes a corner of the profile, for each span
     needs_halving
         (n,) whether a span has ranges of time and its edges pass a corner or move unevenly
-    relative_error
-        (n,) change by halving, over the size of the integrals, at which a part has converged: 1e-12
-        (CONVERGED_CHANGE_SHARE), less across corners
+    converged_change_share
+        (n,) change by halving at which a part has converged, divided by the size of the integrals:
+        1e-12 (CONVERGED_CHANGE_SHARE), less across corners
     """
 
     corner_times: Sequence[Array]
     needs_halving: NDArray[np.bool_]
-    relative_error: Array
+    converged_change_share: Array
 
     @classmethod
     def of_spans(cls, contact: Contact, spans_with_ranges: Sequence[SpanRanges]) -> _Halving:
@@ -272,12 +272,12 @@ class _Halving(NamedTuple):
         )
         # Across corners 25 times the relative round-off of the contact's P and dP/da, about 1e-14:
         # many small kinks may hide from one halving.
-        relative_error = np.where(
+        converged_change_share = np.where(
             passes_corner,
             min(CONVERGED_CHANGE_SHARE, 25 * contact.relative_roundoff),
             CONVERGED_CHANGE_SHARE,
         )
-        return cls(corner_times_of_spans, needs_halving, relative_error)
+        return cls(corner_times_of_spans, needs_halving, converged_change_share)
 
 
 def _first_estimates(
@@ -334,23 +334,25 @@ def _halve_ranges(
     errors
         (n, k) filled for the halved spans
     """
-    numbers_to_halve = np.flatnonzero(halving.needs_halving).tolist()
+    numbers_of_spans_to_halve = np.flatnonzero(halving.needs_halving).tolist()
     # One size for all: a short span by itself may be all round-off, and would never converge to its
     # own.
     largest_total_integral = float(np.max(np.abs(np.sum(integrals, axis=0))))
     size_of_integrals = np.maximum(largest_total_integral, np.max(np.abs(integrals), axis=1))
-    allowed_error_of_span = halving.relative_error * size_of_integrals
+    allowed_error_of_span = halving.converged_change_share * size_of_integrals
 
     # one row for each range: the numbers of its span and of its integral
-    spans_to_halve = [spans_with_ranges[span_number] for span_number in numbers_to_halve]
+    spans_to_halve = [spans_with_ranges[span_number] for span_number in numbers_of_spans_to_halve]
     span_number = np.repeat(
-        numbers_to_halve,
+        numbers_of_spans_to_halve,
         [len(span_with_ranges.integral_number) for span_with_ranges in spans_to_halve],
     )
     integral_number = np.concatenate(
         [span_with_ranges.integral_number for span_with_ranges in spans_to_halve]
     )
-    corner_times_to_halve = [halving.corner_times[number] for number in numbers_to_halve]
+    corner_times_of_spans_to_halve = [
+        halving.corner_times[number] for number in numbers_of_spans_to_halve
+    ]
     integrals_and_errors = integrals_by_halving(
         partial(
             _integrals_of_parts, spans_with_ranges, integrals_along, span_number, integral_number
@@ -358,7 +360,7 @@ def _halve_ranges(
         np.concatenate([span_with_ranges.begin for span_with_ranges in spans_to_halve]),
         np.concatenate([span_with_ranges.end for span_with_ranges in spans_to_halve]),
         allowed_error_of_span[span_number],
-        np.unique(np.concatenate(corner_times_to_halve)),
+        np.unique(np.concatenate(corner_times_of_spans_to_halve)),
         first_estimate=integrals[span_number, integral_number],
     )
     integrals[span_number, integral_number] = integrals_and_errors.value
@@ -428,7 +430,7 @@ def has_uneven_edges(contact: Contact, span: Span) -> bool:
     grow with a.
 
     An arc is a curved piece of the memory curve, tangential force of the flat punches up to each
-    load. `half_width_may_be_steep` tells that P may hardly grow with a, the contact half-width. An
+    load. `half_width_may_be_steep` states that P may hardly grow with a, the contact half-width. An
     ellipse of P and Q has formulas.
     """
     if contact.half_width_may_be_steep:
@@ -564,22 +566,24 @@ def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
     return begin_time, np.where(contact_reaches_point, end_time, begin_time)
 
 
-def _times_of_stick_edge(span: Span, edge_load: Array) -> Array:
+def _times_of_stick_edge(span: Span, contact_edge_load: Array) -> Array:
     """Times at which the stick edge reaches points within a span of slip, (k,): the begin of the
     span where it has passed a point before, the end where it does not reach it.
 
-    `edge_load` (k,) is P_x, the load at which the edge of contact is at the point. The stick edge
-    is at P_x when the path's excess, +-Q - f P, equals that of the memory curve, +-M(P_x) - f P_x.
-    M(eta) is the tangential force of the flat punches up to the load eta. `sticking_piece` of the
-    span is the piece of this curve that holds the stick edge, from `bottom_load` to `top_load`.
+    `contact_edge_load` (k,) is P_x, the load at which the edge of contact is at the point. The
+    stick edge is at P_x when the path's excess, +-Q - f P, equals +-M(P_x) - f P_x, that of the
+    memory curve. M(eta) is the tangential force of the flat punches up to the load eta.
+    `sticking_piece` of the span is the piece of this curve that holds the stick edge, from
+    `bottom_load` to `top_load`.
     """
     sticking_piece = span.sticking_piece
     assert sticking_piece is not None  # for the type checker: the span has a stick zone
     # the combination +-Q - f P of the loads
     slip_combination_of_loads = slip_combination(span.direction, span.friction)
-    clipped_edge_load = np.clip(edge_load, sticking_piece.bottom_load, sticking_piece.top_load)
+    # P_x, or the nearer end of the piece
+    load_on_piece = np.clip(contact_edge_load, sticking_piece.bottom_load, sticking_piece.top_load)
     excess_on_curve = slip_combination_on_piece(
-        sticking_piece, span.direction, span.friction, clipped_edge_load
+        sticking_piece, span.direction, span.friction, load_on_piece
     )
     # From the path's excess at the begin of the span: both count from the instant of the anchor.
     excess_rise = excess_on_curve - float(
@@ -592,9 +596,11 @@ def _times_of_stick_edge(span: Span, edge_load: Array) -> Array:
         slip_combination_of_loads, excess_rise, span.begin.time, span.end.time
     )
     time_of_stick_edge = np.where(
-        edge_load <= sticking_piece.bottom_load, span.end.time, time_of_stick_edge
+        contact_edge_load <= sticking_piece.bottom_load, span.end.time, time_of_stick_edge
     )
-    return np.where(edge_load >= sticking_piece.top_load, span.begin.time, time_of_stick_edge)
+    return np.where(
+        contact_edge_load >= sticking_piece.top_load, span.begin.time, time_of_stick_edge
+    )
 
 
 def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> LoopWork:
@@ -775,7 +781,7 @@ def _loads_at_places(parts: Records, places: Array) -> tuple[Array, Array]:
 
 def _gauss_rule(n_nodes: int) -> QuadratureRule:
     """Gauss' quadrature rule of `n_nodes` nodes, as a function of begin and end of ranges (n,) that
-    returns nodes and weights (n, count).
+    returns nodes and weights (n, n_nodes) each.
     """
     nodes, weights = gauss_rule(n_nodes)
 
@@ -792,7 +798,9 @@ _RULES_AND_NODE_COUNTS: tuple[tuple[QuadratureRule, int], ...] = (
     (graded_nodes, GRADED_NODE_COUNT),
     (crowded_nodes, len(crowded_nodes(0.0, 1.0)[0])),
 )
-"""Rules for records of slip and their numbers of nodes."""
+"""Rules for parts of records of slip and their numbers of nodes: Gauss' of 4, 6, 12 and 24 nodes;
+the rule for singular ends (graded); the one whose nodes crowd to both ends.
+"""
 
 
 def _rule_numbers(closeness_to_singularity: Array, closeness_to_corner: Array) -> Indices:
@@ -822,11 +830,11 @@ def _closeness_of_loads(parts: Records, corner_loads: Array) -> Array:
     at a corner. `slip_zone_load_at_begin` is P - P_c there.
     """
     largest_closeness = np.zeros(len(parts.step_number))
-    stick_edge_load = parts.load_at_begin - parts.slip_zone_load_at_begin
+    stick_edge_load_at_begin = parts.load_at_begin - parts.slip_zone_load_at_begin
     stick_edge_load_at_end = parts.load_at_end - parts.slip_zone_load_at_end
     for load_at_begin, load_at_end in (
         (parts.load_at_begin, parts.load_at_end),
-        (stick_edge_load, stick_edge_load_at_end),
+        (stick_edge_load_at_begin, stick_edge_load_at_end),
     ):
         least_load = np.minimum(load_at_begin, load_at_end)
         largest_load = np.maximum(load_at_begin, load_at_end)
@@ -904,17 +912,19 @@ def _shares_at_cuts(records: Records, cut_loads: Array) -> Array:
     A share is 0 or 1 where neither comes to that load within the record. P_c is the load at the
     stick edge; both change linearly along a record.
     """
-    stick_edge_load = records.load_at_begin - records.slip_zone_load_at_begin
+    stick_edge_load_at_begin = records.load_at_begin - records.slip_zone_load_at_begin
     stick_edge_load_at_end = records.load_at_end - records.slip_zone_load_at_end
     shares_at_cuts = [np.zeros((len(records.step_number), 1))]
     for load_at_begin, load_at_end in (
         (records.load_at_begin, records.load_at_end),
-        (stick_edge_load, stick_edge_load_at_end),
+        (stick_edge_load_at_begin, stick_edge_load_at_end),
     ):
-        load_change = np.where(load_at_end != load_at_begin, load_at_end - load_at_begin, np.inf)[
-            :, None
-        ]
-        shares_at_cuts.append(np.clip((cut_loads - load_at_begin[:, None]) / load_change, 0.0, 1.0))
+        change_of_load = np.where(
+            load_at_end != load_at_begin, load_at_end - load_at_begin, np.inf
+        )[:, None]
+        shares_at_cuts.append(
+            np.clip((cut_loads - load_at_begin[:, None]) / change_of_load, 0.0, 1.0)
+        )
     ascending_shares = np.concatenate(shares_at_cuts, axis=1)
     ascending_shares.sort(axis=1)
     return ascending_shares
@@ -1022,36 +1032,43 @@ def _density_of_parts(contact: Contact, parts: Records, x: Array) -> Array:
 
 
 class _LinearLoads(NamedTuple):
-    """P and P_c, the load at the stick edge, along n ranges in which both change linearly: values
-    at the begin and changes over the range, (n, 1) each [force per thickness].
+    """P and P_c, the load at the stick edge, along n parts of slip records in which both change
+    linearly, (n, 1) each [force per thickness].
+
+    Attributes
+    ----------
+    load_at_begin, load_growth
+        P at the begin of the part, and by how much it grows along it
+    stick_edge_load_at_begin, stick_edge_drop
+        P_c at the begin of the part, and by how much it falls along it
     """
 
-    load: Array
+    load_at_begin: Array
     load_growth: Array
-    stick_edge_load: Array
+    stick_edge_load_at_begin: Array
     stick_edge_drop: Array
 
     @classmethod
     def of_parts(cls, parts: Records) -> _LinearLoads:
         """Those of n parts of slip records, which hold P and P - P_c at begin and end."""
-        load = parts.load_at_begin[:, None]
+        load_at_begin = parts.load_at_begin[:, None]
         load_growth = (parts.load_at_end - parts.load_at_begin)[:, None]
         slip_zone_growth = parts.slip_zone_load_at_end - parts.slip_zone_load_at_begin
         return cls(
-            load=load,
+            load_at_begin=load_at_begin,
             load_growth=load_growth,
-            stick_edge_load=load - parts.slip_zone_load_at_begin[:, None],
+            stick_edge_load_at_begin=load_at_begin - parts.slip_zone_load_at_begin[:, None],
             stick_edge_drop=slip_zone_growth[:, None] - load_growth,
         )
 
     def take(self, numbers: Indices) -> _LinearLoads:
-        """Those of the ranges with these numbers."""
+        """Those of the parts with these numbers."""
         return _LinearLoads(*(values[numbers] for values in self))
 
     def at(self, shares: Array) -> tuple[Array, Array]:
-        """P and P_c at shares from 0 to 1 of the ranges, (n, k) each."""
-        stick_edge_load = self.stick_edge_load - self.stick_edge_drop * shares
-        return self.load + self.load_growth * shares, np.maximum(stick_edge_load, 0.0)
+        """P and P_c at shares from 0 to 1 of the parts, (n, k) each; P_c is at least 0."""
+        stick_edge_load = self.stick_edge_load_at_begin - self.stick_edge_drop * shares
+        return self.load_at_begin + self.load_growth * shares, np.maximum(stick_edge_load, 0.0)
 
 
 class _SlippingPairs(NamedTuple):
@@ -1151,29 +1168,38 @@ def _integral_over_slip(contact: Contact, pairs: _SlippingPairs, rule: Quadratur
     return np.asarray(np.sum(integrand_at_nodes, axis=1))
 
 
-def _shares_in_slip(loads: _LinearLoads, edge_load_of_points: Array) -> tuple[Array, Array]:
+def _shares_in_slip(loads: _LinearLoads, contact_edge_load_of_points: Array) -> tuple[Array, Array]:
     """Shares from 0 to 1 of a part of a load step between which points slip, begin and end, (n, k)
     each; the end is not above the begin where a point never does.
 
     A point slips while it is in contact and outside the stick zone. `loads` are P and P_c, the load
-    at the stick edge, along each of n parts. `edge_load_of_points` (k,) is the load at which the
-    edge of contact is at a point.
+    at the stick edge, along each of n parts. `contact_edge_load_of_points` (k,) is P_x, the load at
+    which the edge of contact is at a point.
     """
-    load, load_growth, stick_edge_load, stick_edge_drop = loads
+    load_at_begin, load_growth, stick_edge_load_at_begin, stick_edge_drop = loads
     share_at_stick_edge = np.clip(
-        (stick_edge_load - edge_load_of_points)
+        (stick_edge_load_at_begin - contact_edge_load_of_points)
         / np.where(stick_edge_drop > 0, stick_edge_drop, 1.0),
         0.0,
         1.0,
     )
     begin_share = np.where(stick_edge_drop > 0, share_at_stick_edge, 1.0)
-    begin_share = np.where(edge_load_of_points >= stick_edge_load, 0.0, begin_share)
+    begin_share = np.where(
+        contact_edge_load_of_points >= stick_edge_load_at_begin, 0.0, begin_share
+    )
     share_at_contact_edge = np.clip(
-        (edge_load_of_points - load) / np.where(load_growth != 0, load_growth, 1.0), 0.0, 1.0
+        (contact_edge_load_of_points - load_at_begin)
+        / np.where(load_growth != 0, load_growth, 1.0),
+        0.0,
+        1.0,
     )
     end_share = np.where(load_growth < 0, share_at_contact_edge, 1.0)
-    end_share = np.where(edge_load_of_points < np.maximum(load, load + load_growth), end_share, 0.0)
-    # A contact that grows takes a point up at its edge.
+    end_share = np.where(
+        contact_edge_load_of_points < np.maximum(load_at_begin, load_at_begin + load_growth),
+        end_share,
+        0.0,
+    )
+    # Where the contact grows a point slips from when the edge of contact reaches it.
     begin_in_growth = np.maximum(begin_share, share_at_contact_edge)
     return np.where(load_growth > 0, begin_in_growth, begin_share), end_share
 
@@ -1202,7 +1228,7 @@ class LoopWorkOfSeries:
         self._displacement_size = 2 * abs(float(self._contact.approach_integral(largest_load)))
         self._scaled_displacement = 0.0  # U pi/A at the end of the last block
         self._scaled_integral = 0.0  # -int U dQ pi/A so far
-        self._total_change_of_force = 0.0
+        self._total_change_of_force = 0.0  # sum of |dQ| so far
 
     def add_block(self, block: StepBlock) -> None:
         """Add the next block of load steps to the closed integral of Q dU of a cycle, as -int U dQ.
@@ -1214,9 +1240,9 @@ class LoopWorkOfSeries:
         tangential force up to each load, there.
         """
         records = block.records
-        # growth of U pi/A along each record
-        displacement_rise = partial(
-            _displacement_rise,
+        # function of P and P - P_c: U pi/A along each record, minus a constant of the record
+        displacement_minus_constant = partial(
+            _displacement_minus_constant,
             self._contact,
             block.line_table.slope,
             records.direction * self._friction,
@@ -1225,18 +1251,19 @@ class LoopWorkOfSeries:
         slip_zone_loads_at_ends = np.stack(
             [records.slip_zone_load_at_begin, records.slip_zone_load_at_end], axis=1
         )
-        rise_at_begin, rise_at_end = displacement_rise(
+        value_at_begin, value_at_end = displacement_minus_constant(
             np.arange(len(records.direction)), loads_at_ends, slip_zone_loads_at_ends
         ).T
 
-        # -int U dQ: U at the begin of the record plus the mean of its growth
+        # -int U dQ along a record: the change of Q times the mean of U. The mean is U at the end of
+        # the record plus the mean difference of U from it.
         force_change = self._force_changes(block)
         displacement_after_record = self._scaled_displacement + np.cumsum(
-            rise_at_end - rise_at_begin
+            value_at_end - value_at_begin
         )
-        mean_rise, _ = _means_along_records(self._contact, records, displacement_rise)
+        mean_value, _ = _means_along_records(self._contact, records, displacement_minus_constant)
         self._scaled_integral -= float(
-            np.sum(force_change * (displacement_after_record - rise_at_end + mean_rise))
+            np.sum(force_change * (displacement_after_record - value_at_end + mean_value))
         )
         self._total_change_of_force += float(np.sum(np.abs(force_change)))
         self._scaled_displacement = float(displacement_after_record[-1])
@@ -1269,7 +1296,7 @@ class LoopWorkOfSeries:
         return LoopWork(self._compliance * self._scaled_integral, self._compliance * roundoff)
 
 
-def _displacement_rise(
+def _displacement_minus_constant(
     contact: Contact,
     slope_at_stick_edge: Array,
     slope_in_slip_zones: Array,
@@ -1277,8 +1304,8 @@ def _displacement_rise(
     load: Array,
     slip_zone_load: Array,
 ) -> Array:
-    """Tangential displacement U pi/A along records, but for a constant of each record, (n, k), at P
-    = `load` and P - P_c = `slip_zone_load`, (n, k) each. P_c is the load at the stick edge, A =
+    """Tangential displacement U pi/A along records, minus a constant of each record, (n, k), at P =
+    `load` and P - P_c = `slip_zone_load`, (n, k) each. P_c is the load at the stick edge, A =
     2/E*.
 
     A record is a portion of a load step. U follows from the integral of ln(2 L/a) over the loads up
@@ -1297,10 +1324,10 @@ def _displacement_rise(
     integral_to_load = contact.approach_integral(load)
     integral_to_stick_edge = contact.approach_integral(np.maximum(load - slip_zone_load, 0.0))
     integral_to_stick_edge = np.where(slip_zone_load > 0, integral_to_stick_edge, integral_to_load)
-    rise_by_slip_zones = slope_in_slip_zones[record_numbers, None] * (
+    part_of_slip_zones = slope_in_slip_zones[record_numbers, None] * (
         integral_to_load - integral_to_stick_edge
     )
-    return slope_at_stick_edge[record_numbers, None] * integral_to_stick_edge + rise_by_slip_zones
+    return slope_at_stick_edge[record_numbers, None] * integral_to_stick_edge + part_of_slip_zones
 
 
 class LoopWork(NamedTuple):
@@ -1403,10 +1430,16 @@ def integrals_by_halving(
 
 
 class _Parts(NamedTuple):
-    """Parts of the ranges of integrands that are being halved, (n,) each: number of the integrand,
-    begin, end, and number of halvings.
+    """Parts of the ranges of integrands that are being halved, (n,) each.
 
-    The halvings count since the range was last cut at a place where the integrand is not smooth.
+    Attributes
+    ----------
+    integrand_number
+        number of the integrand that the part belongs to
+    begin, end
+        ends of the part
+    n_halvings
+        number of halvings since the range was last cut at a place where the integrand is not smooth
     """
 
     integrand_number: Indices
@@ -1459,9 +1492,9 @@ def _cuts_of_parts(parts: _Parts, cut_places: Array) -> tuple[Array, NDArray[np.
     """
     cut_of_parts = (parts.begin + parts.end) / 2
     is_cut_at_place = np.zeros(len(cut_of_parts), dtype=bool)
-    number_of_place_above = np.searchsorted(cut_places, cut_of_parts)
+    index_of_place_above = np.searchsorted(cut_places, cut_of_parts)
     least_length = (parts.end - parts.begin) / 16
-    for nearest_place in (cut_places[number_of_place_above - 1], cut_places[number_of_place_above]):
+    for nearest_place in (cut_places[index_of_place_above - 1], cut_places[index_of_place_above]):
         is_place_inside = (nearest_place > parts.begin + least_length) & (
             nearest_place < parts.end - least_length
         )
