@@ -330,30 +330,33 @@ def stick_edges(
 
 
 def fitted_stick_edges(answer: NodalAnswer, contact: Array, friction: float) -> StickEdges:
-    """Ends of the stick zone at k instants where q reaches the Coulomb limit: inside the zone the
-    square of f p -+ q falls linearly to zero at its end. Where seven nodes do not show that, the
-    ends are those by the states of the nodes.
+    """Stick edges at k instants, from the nodal tractions: the places at which the shear q reaches
+    the Coulomb limit f p.
+
+    Inside the stick zone f p -+ q falls as the root of the distance from its edge. So a straight
+    line is fitted to the square at seven nodes, and its zero is the edge. Where a line through four
+    of them disagrees, the edge is that by the stick states of the nodes.
 
     Parameters
     ----------
     answer
-        places of the n nodes; pressure p, shear q, whether they touch and stick, (k, n)
+        places x of the n nodes; pressure, shear, whether they touch (`is_closed`) and stick, (k, n)
     contact
-        (k, 2) ends of the contact
+        (k, 2) x of the two contact edges
     friction
         f
 
     Returns
     -------
     StickEdges
-        Ends (k, 2), NaN where nothing sticks; root mean square by which the squares stand off the
-        straight line, over its slope, 0 where there is no fit; the ends by states.
+        Edges (k, 2), NaN where nothing sticks; misfit [length], 0 where there is no fit: root mean
+        square distance of the squares from the line, over its slope; the edges by states.
     """
     edges_by_states = stick_edges(
         answer.x, answer.is_stuck, answer.is_closed, contact, answer.stick_may_be_anywhere
     )
-    edges = edges_by_states.copy()
-    misfit = np.zeros_like(edges)
+    stick_edge_places = edges_by_states.copy()
+    misfit = np.zeros_like(stick_edge_places)
     # Each side is read outwards: the left one (column 0, sign -1) reflected, so that its x grow.
     for side in _sides(answer.x):
         # Instants with a slip zone on this side, and more than seven nodes of the stick zone.
@@ -362,7 +365,9 @@ def fitted_stick_edges(answer: NodalAnswer, contact: Array, friction: float) -> 
             side, is_in_contact, is_stuck if answer.stick_may_be_anywhere else None
         )
         last_node, n_sticking_nodes, n_nodes_in_half = _last_sticking(is_stuck, is_in_half)
-        has_slip_zone = np.isfinite(edges[:, side.column]) & (n_sticking_nodes < n_nodes_in_half)
+        has_slip_zone = np.isfinite(stick_edge_places[:, side.column]) & (
+            n_sticking_nodes < n_nodes_in_half
+        )
         # _FITTED: numbers of nodes of two fits, seven and four
         rows = np.flatnonzero(has_slip_zone & (n_sticking_nodes > _FITTED[0]))
         if not len(rows):
@@ -371,13 +376,13 @@ def fitted_stick_edges(answer: NodalAnswer, contact: Array, friction: float) -> 
         # f p - s q, s the sense of slip beyond the edge; its square falls to zero there.
         pressure, shear = side.outwards(answer.pressure[rows], answer.shear[rows])
         sense_beyond_edge = np.sign(_value_at_node(shear, last_node[rows] + 1))[:, None]
-        force_to_coulomb_limit = force_to_limit(pressure, shear, sense_beyond_edge, friction)
-        fit = _fitted_stick_edge(side.x, force_to_coulomb_limit, last_node[rows])
+        traction_to_coulomb_limit = force_to_limit(pressure, shear, sense_beyond_edge, friction)
+        fit = _fitted_stick_edge(side.x, traction_to_coulomb_limit, last_node[rows])
         # nothing sticks beyond the contact: a fit gone wrong
         is_accepted = fit.agrees & (fit.edge <= side.sign * contact[rows, side.column])
-        edges[rows[is_accepted], side.column] = side.sign * fit.edge[is_accepted]
+        stick_edge_places[rows[is_accepted], side.column] = side.sign * fit.edge[is_accepted]
         misfit[rows[is_accepted], side.column] = fit.misfit[is_accepted]
-    return StickEdges(edges, misfit, edges_by_states)
+    return StickEdges(stick_edge_places, misfit, edges_by_states)
 
 
 def _stick_uncertainty(

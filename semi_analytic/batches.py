@@ -1394,11 +1394,14 @@ def _results_of_members(
     loads: EllipseLoads,
     wanted_results: _MemberResults,
 ) -> tuple[list[Array], NDArray[np.int8]]:
-    """The results of each member of a batch of steady load ellipses, and the code of the `Reason`
-    why a member has none, 0 else; computed block by block.
+    """What is wanted of each member of a batch of steady load ellipses, such as its friction work,
+    and the code of the `Reason` why a member has no result, 0 else.
 
     All arrays have the broadcast shape of the inputs and are read-only. A member without results
     has NaN. Keys of the profile and loads may be arrays that broadcast.
+
+    `wanted_results` has the function that computes the rows of results. Its first `n_normalised`
+    rows come times pi E*/(2 f^2), which is undone here.
 
     Raises
     ------
@@ -1409,12 +1412,12 @@ def _results_of_members(
     material = validated(material, Materials)
     profile = validated(profile, Frozen) if isinstance(profile, Frozen) else profile
     arguments = _BatchArguments.checked(profile, loads)
-    # E*, and the contact of a single profile
+    # composite modulus E*; the contact, where one profile serves all members
     batch = _Batch(arguments.kind, material, profile)
     n_members = math.prod(arguments.shape)
     rows_of_results = np.full((wanted_results.n_results, n_members), np.nan)
     reason_codes = np.zeros(n_members, dtype=np.int8)
-    # _MEMBERS_AT_ONCE: 16,384
+    # in blocks of 16,384 members (_MEMBERS_AT_ONCE)
     for first_member in range(0, n_members, _MEMBERS_AT_ONCE):
         block = slice(first_member, min(first_member + _MEMBERS_AT_ONCE, n_members))
         rows_of_results[:, block], reason_codes[block] = _results_of_block(

@@ -104,7 +104,8 @@ class Compliance(NamedTuple):
     normal_spring_compliance, tangential_spring_compliance
         1/k_n, 1/k_s of the rig [1 / stress]; 0 in a stiff rig
     curvatures
-        N, T, N_Q, T_P of the bodies
+        that finite bodies add per load: N of the gap and T_P of the faces per P, N_Q of the gap and
+        T of the faces per Q
     tilt_products
         R alpha_P alpha_Q and R alpha_Q^2 of a parabola: the moment of the pressure, which sits
         beside x = 0 by the tilt, moves the bodies along x by alpha_Q M = -tilt_products . (P^2, P
@@ -152,7 +153,8 @@ class Compliance(NamedTuple):
         U is the displacement of contact and bodies, G the load of the flat punches of x^2/2 up to
         half-width c. T is the curvature of the faces per Q, c_t the compliance of the bodies, k_s
         the tangential spring, L the datum length, A = 2/E*. R alpha_Q^2 is `tilt_products[1]`: R is
-        the radius of a parabola, alpha_Q the tilt per Q. N_Q and T_P are taken as 0.
+        the radius of a parabola, alpha_Q the tilt per Q. The curvatures that unlike bodies add, of
+        the gap per Q and of the faces per P, are left out.
         """
         # unit_compliance: A/pi; curvatures.tangential: T; tangential_body_compliance: c_t;
         # tangential_spring_compliance: 1/k_s.
@@ -636,7 +638,8 @@ def follow_actuator(
     compliance
         compliance of contact, bodies and springs
     rows
-        instants with P as `load_or_approach` and U_act as `displacement`
+        instants with P as `load_or_approach` and U_act as `displacement`; `end_rows` are those at
+        which the initial loading and each cycle end
 
     Examples
     --------
@@ -660,10 +663,10 @@ def follow_actuator(
     True
     """
     largest_load = float(np.max(rows.load_or_approach))
-    # Memory of friction of the contact, and the solver of Q in each step.
+    # Memory of friction of the contact, of no memory curve yet, and the solver of Q in each step.
     memory = FrictionMemory(table, friction, largest_load, Pieces())
     step_solver = _StepSolver(memory, compliance)
-    # The first instant is unloaded: P = Q = 0.
+    # The first instant is unloaded: P = Q = 0. A row has loads, curvatures and contact edge.
     first_row = step_solver.row_under_loads(0.0, 0.0)
     growing_path = _GrowingPath(
         _Instant(float(rows.time[0]), 0.0, 0.0, float(rows.displacement[0])),
@@ -1000,40 +1003,58 @@ class _StepSolver:
         target_displacement: float,
         limit_force: float,
     ) -> _SolvedStep:
-        """The step to the instant `end` with the Q at which the actuator has moved by
-        `target_displacement` [length], U + Q/k_s, by Newton's method within a bracket.
+        """The step in partial slip to the instant `end`, with the Q at which the actuator has moved
+        as far as the rig prescribes, by Newton's method within a bracket.
 
-        Q lies between that of the first trial and `limit_force`, +-f P. Where Newton's method
-        leaves this bracket its middle is taken. `state` is the friction memory at the begin of the
-        step. NotFoundError if no Q is found.
+        The actuator moves by U + Q/k_s: U of contact and bodies, and the spring k_s of the rig.
+        Without a slide this is `displacement_without_slide` of a trial, a step with a trial value
+        of Q.
+
+        Parameters
+        ----------
+        state
+            friction memory at the begin of the step
+        end
+            instant at the end of the step, with its P
+        first_trial, limit_force
+            trial whose Q is one end of the bracket; the other end, +f P or -f P
+        target_displacement
+            U + Q/k_s that is wanted [length]
+
+        Raises
+        ------
+        NotFoundError
+            If no Q is found.
         """
         memory = self._memory
+        # a trial adds pieces of memory curve, which go where the trial is not the last
         n_pieces = len(memory.pieces)
         trial = first_trial
-        lower_force, upper_force = sorted((trial.tangential_load, limit_force))
+        lower_tangential_load, upper_tangential_load = sorted((trial.tangential_load, limit_force))
         # _FORCE_TOLERANCE_SHARE: 1e-13 of f times the largest P of the path.
-        tolerance = _FORCE_TOLERANCE_SHARE * memory.friction * memory.largest_load
+        load_tolerance = _FORCE_TOLERANCE_SHARE * memory.friction * memory.largest_load
         for _ in range(_MOST_ITERATIONS):
             missing_displacement = target_displacement - trial.displacement_without_slide
-            new_force = trial.tangential_load + missing_displacement / self._compliance_at(
-                trial.memory_step, end.normal_load
+            new_tangential_load = (
+                trial.tangential_load
+                + missing_displacement / self._compliance_at(trial.memory_step, end.normal_load)
             )
-            if not lower_force <= new_force <= upper_force:
-                new_force = (lower_force + upper_force) / 2
-            change_of_force = new_force - trial.tangential_load
-            trial = self._trial(state, end.normal_load, new_force)
+            if not lower_tangential_load <= new_tangential_load <= upper_tangential_load:
+                new_tangential_load = (lower_tangential_load + upper_tangential_load) / 2
+            change_of_load = new_tangential_load - trial.tangential_load
+            trial = self._trial(state, end.normal_load, new_tangential_load)
             if (
-                abs(change_of_force) <= tolerance
+                abs(change_of_load) <= load_tolerance
                 or trial.displacement_without_slide == target_displacement
             ):
                 return _SolvedStep(
-                    self.row_under_loads(end.normal_load, new_force), trial.memory_step
+                    self.row_under_loads(end.normal_load, new_tangential_load), trial.memory_step
                 )
             self._discard_pieces(n_pieces)
             if trial.displacement_without_slide < target_displacement:
-                lower_force = new_force
+                lower_tangential_load = new_tangential_load
             else:
-                upper_force = new_force
+                upper_tangential_load = new_tangential_load
         raise NotFoundError(
             f"at time {end.time:.6g} no Q was found that moves the actuator by"
             f" {end.actuator_displacement:.6g}"

@@ -294,11 +294,10 @@ def spans_along(
     """Time spans of full stick, or of slip in one direction, along load segments, and the memory
     curve at their end; `curve` is that at their begin.
 
-    The memory curve is the tangential force carried up to each load; None stands for no contact.
-    The spans are `delay` later than the time of the segments: whole periods of a cycle. A segment
-    is first cut into parts on which P, Q - f P and Q + f P are monotonic; `span.curve` is the
-    memory curve at a time, `slip_zone_load` the load P - P_c of the slip zones, P_c that at the
-    stick edge.
+    The memory curve M(eta) is the tangential force of the flat punches up to the load eta; None
+    where there is no contact. Slip erases its upper end, loading in stick extends it. A
+    segment is first cut into parts on which P, Q - f P and Q + f P are monotonic. The spans are
+    `delay` later than the time of the segments: whole periods of a cycle.
 
     >>> from scenes.segments import straight_segments
     >>> segments = straight_segments(
@@ -320,26 +319,32 @@ def spans_along(
 
 
 def _spans_of_part(
-    curve: Curve, segment: LoadSegment, begin: float, end: float, friction: float, delay: float
+    memory_curve: Curve,
+    segment: LoadSegment,
+    begin: float,
+    end: float,
+    friction: float,
+    delay: float,
 ) -> Iterator[Span]:
     """Time spans of full stick, or of slip in one direction, on a part of a load segment on which
     P, Q - f P and Q + f P are monotonic.
 
     Rising Q - f P is forward slip, falling Q + f P reverse slip. Neither, with rising P, is loading
     in stick. Both, with falling P, is unloading: the memory curve decides on slip. Loads that rest
-    make one span of stick. The memory curve M(eta) is the tangential force of the flat punches up
-    to the load eta. Each smooth piece of it that slip erases makes a span of its own. Rates are
-    derivatives in time; an instant holds its segment, time, P and Q. A span takes its two instants,
-    the delay, the direction of slip, the memory curve that sticks, and f = `friction`.
+    make one span of stick. Each smooth piece of the memory curve that slip erases makes a span of
+    its own. An instant holds its segment, time, P and Q.
 
     Parameters
     ----------
-    curve
-        the memory curve at the `begin`; None out of contact
+    memory_curve
+        M(eta) at the begin, the tangential force of the flat punches up to the load eta; None out
+        of contact
     segment
-        the load segment
+        the load segment, with rates dP/dt, dQ/dt
     begin, end
         times of the part
+    friction
+        f
     delay
         how much later than the segment itself the spans are: whole periods of the cycle
     """
@@ -357,26 +362,27 @@ def _spans_of_part(
     begin_instant = instant(segment, begin)
     end_instant = instant(segment, end)
     if normal_rate > 0 and not (slips_forward or slips_in_reverse):
+        # 0: no slip; the curve grows by the load path itself
         yield Span(
             begin_instant,
             end_instant,
             delay,
             0,
-            load_in_stick(curve, segment, begin, end_instant),
+            load_in_stick(memory_curve, segment, begin, end_instant),
             friction,
         )
     elif normal_rate < 0 and slips_forward == slips_in_reverse:
-        yield from _unloading_spans(curve, begin_instant, end_instant, friction, delay)
+        yield from _unloading_spans(memory_curve, begin_instant, end_instant, friction, delay)
     elif slips_forward or slips_in_reverse:
         yield from _slip_spans(
-            curve, 1 if slips_forward else -1, begin_instant, end_instant, friction, delay
+            memory_curve, 1 if slips_forward else -1, begin_instant, end_instant, friction, delay
         )
     else:
-        yield Span(begin_instant, end_instant, delay, 0, curve, friction)
+        yield Span(begin_instant, end_instant, delay, 0, memory_curve, friction)
 
 
 def _slip_spans(
-    curve: Curve,
+    sticking_piece: Curve,
     direction: int,
     begin_instant: Instant,
     end_instant: Instant,
@@ -386,20 +392,23 @@ def _slip_spans(
     """Time spans of slip in one direction, on a part of a load segment: one span for each smooth
     piece of the memory curve through which the stick edge moves.
 
-    The memory curve M(eta) is the tangential force of the flat punches up to the load eta; P_c is
-    the load at the stick edge. The level s Q - f P grows in slip. The stick edge goes down through
-    a piece while s Q - f P, s = `direction`, grows to s M(eta) - f eta of the piece's lower end. A
-    piece goes from `bottom_load` to `top_load` in eta; `curve_below` is the curve under it. It has
-    its slope dM/d eta and its `anchor`, the instant of the path from which it is measured.
+    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. In slip
+    of direction s it is erased from above, down to the stick edge P_c. There s M(P_c) - f P_c is
+    the level s Q - f P of the loads, which grows. The edge has passed a piece when the level has
+    grown to that of the piece's lower end.
 
     Parameters
     ----------
-    curve
-        the memory curve at the begin; None out of contact
+    sticking_piece
+        uppermost piece of the memory curve at the begin, None out of contact. A piece goes from
+        `bottom_load` to `top_load` in eta; `curve_below` is the next lower piece. `anchor` is the
+        instant of the path from which it is measured
     direction
-        1 of forward, -1 of reverse slip
+        s, 1 of forward, -1 of reverse slip
     begin_instant, end_instant
         ends of the part of a load segment: time, P and Q
+    friction
+        f
     delay
         how much later than the segment itself the spans are: whole periods of the cycle
     """
@@ -410,24 +419,28 @@ def _slip_spans(
     force_roundoff = _STICK_EDGE_ROUNDOFF_SHARE * friction * end_instant.normal_load
     span_begin = begin_instant
     # A piece at the Coulomb limit slips already: the stick edge begins below it.
-    if curve is not None and is_at_coulomb_limit(curve, direction, friction):
-        curve = curve.curve_below
-    while curve is not None:
-        if is_at_coulomb_limit(curve, direction, friction):
+    if sticking_piece is not None and is_at_coulomb_limit(sticking_piece, direction, friction):
+        sticking_piece = sticking_piece.curve_below
+    while sticking_piece is not None:
+        if is_at_coulomb_limit(sticking_piece, direction, friction):
             # A piece at the limit is passed at once. If only round-off would take the stick edge
             # through it, the edge stays at its upper end.
             if growth_in_part <= force_roundoff:
-                # a piece without length, of slope -s f
-                curve = Piece(curve, curve.top_load, begin_instant, -direction * friction)
+                # a piece of no length, with slope dM/d eta = -s f
+                sticking_piece = Piece(
+                    sticking_piece, sticking_piece.top_load, begin_instant, -direction * friction
+                )
                 break
-            curve = curve.curve_below
+            sticking_piece = sticking_piece.curve_below
             continue
         # Both relative to the level at the instant from which the piece is measured.
         level_at_begin = float(
-            combination_change(curve.anchor, segment, combination, begin_instant.time)
+            combination_change(sticking_piece.anchor, segment, combination, begin_instant.time)
         )
         level_at_bottom = float(
-            slip_combination_on_piece(curve, direction, friction, curve.bottom_load)
+            slip_combination_on_piece(
+                sticking_piece, direction, friction, sticking_piece.bottom_load
+            )
         )
         growth_to_bottom = level_at_bottom - level_at_begin
         # A stick edge that meets the lower end of the piece at the very end of the part, to
@@ -445,67 +458,73 @@ def _slip_spans(
         )
         passing_instant = instant(segment, float(passing_time))
         if passing_instant.time > span_begin.time:
-            yield Span(span_begin, passing_instant, delay, direction, curve, friction)
+            yield Span(span_begin, passing_instant, delay, direction, sticking_piece, friction)
             span_begin = passing_instant
-        curve = curve.curve_below
+        sticking_piece = sticking_piece.curve_below
     if end_instant.time > span_begin.time:
-        yield Span(span_begin, end_instant, delay, direction, curve, friction)
+        yield Span(span_begin, end_instant, delay, direction, sticking_piece, friction)
 
 
 def _unloading_spans(
-    curve: Curve, begin_instant: Instant, end_instant: Instant, friction: float, delay: float
+    memory_curve: Curve, begin_instant: Instant, end_instant: Instant, friction: float, delay: float
 ) -> Iterator[Span]:
     """Time spans of full stick, or of slip in one direction, on a part of a load segment on which P
     falls and |dQ/dP| <= f.
 
-    The memory curve M(eta) is the tangential force of the flat punches up to the load eta; `curve`
-    is that at the begin. The contact slips forward where the path runs above M(P) in the P-Q plane,
-    in reverse below it, and not along it. Each later point of the path lies inside the Coulomb
-    limits |dQ| <= f |dP| of the earlier ones, so that a cut of the path does not change the state.
-    The spans are `delay` later than the load segment itself: whole periods of the cycle.
-    `begin_instant` and `end_instant` hold time, P and Q.
+    `memory_curve` is M(eta) at the begin, the tangential force of the flat punches up to the load
+    eta. The contact slips forward where the path runs above M(P) in the P-Q plane, in reverse below
+    it, and not along it. Each later point of the path lies inside the Coulomb limits |dQ| <= f |dP|
+    of the earlier ones, so that a cut of the path does not change the state. The spans are `delay`
+    later than the load segment itself: whole periods of the cycle. `begin_instant` and
+    `end_instant` hold time, P and Q.
     """
     # begin, end and direction of slip: 1 above the curve, -1 below, 0 along it
     for begin_time, end_time, direction in slip_directions(
-        curve, begin_instant, end_instant, friction
+        memory_curve, begin_instant, end_instant, friction
     ):
         begin_of_part = instant(begin_instant.segment, begin_time)
         end_of_part = instant(begin_instant.segment, end_time)
         if direction:
-            for span in _slip_spans(curve, direction, begin_of_part, end_of_part, friction, delay):
+            for span in _slip_spans(
+                memory_curve, direction, begin_of_part, end_of_part, friction, delay
+            ):
                 yield span
-                curve = span.curve(span.end.time)
+                memory_curve = span.curve(span.end.time)
         else:
-            yield from _retracing_spans(curve, begin_of_part, end_of_part, friction, delay)
-            # what lies below P
-            curve = unload_to(curve, end_of_part.normal_load)
+            yield from _retracing_spans(memory_curve, begin_of_part, end_of_part, friction, delay)
+            # of the memory curve there remains what lies below P
+            memory_curve = unload_to(memory_curve, end_of_part.normal_load)
 
 
 def _retracing_spans(
-    curve: Curve, begin_instant: Instant, end_instant: Instant, friction: float, delay: float
+    sticking_piece: Curve,
+    begin_instant: Instant,
+    end_instant: Instant,
+    friction: float,
+    delay: float,
 ) -> Iterator[Span]:
     """Time spans of unloading without slip, Q = M(P): one span for each smooth piece of the memory
     curve that P goes down.
 
-    The memory curve M(eta) is the tangential force of the flat punches up to the load eta; `curve`
-    is that at the begin. The spans are `delay` later than the load segment itself: whole periods of
-    the cycle. `begin_instant` and `end_instant` hold time, P and Q. A piece ends at `bottom_load`;
-    below it is `curve_below`.
+    The memory curve M(eta) is the tangential force of the flat punches up to the load eta.
+    `sticking_piece` is its uppermost piece at the begin, None out of contact. A piece ends at
+    `bottom_load`; `curve_below` is the next lower one. `begin_instant` and `end_instant` hold time,
+    P and Q. The spans are `delay` later than the load segment itself: whole periods of the cycle.
     """
     span_begin = begin_instant
-    while curve is not None and curve.bottom_load > end_instant.normal_load:
-        load_change = curve.bottom_load - begin_instant.normal_load
+    while sticking_piece is not None and sticking_piece.bottom_load > end_instant.normal_load:
+        load_change = sticking_piece.bottom_load - begin_instant.normal_load
         # at which P is at the lower end of the piece
         time_at_bottom = begin_instant.segment.time_of(
             NORMAL_LOAD, load_change, begin_instant.time, end_instant.time
         )
         span_end = instant(begin_instant.segment, float(time_at_bottom))
         if span_end.time > span_begin.time:
-            yield Span(span_begin, span_end, delay, 0, curve, friction)
+            yield Span(span_begin, span_end, delay, 0, sticking_piece, friction)
             span_begin = span_end
-        curve = curve.curve_below
+        sticking_piece = sticking_piece.curve_below
     if end_instant.time > span_begin.time:
-        yield Span(span_begin, end_instant, delay, 0, curve, friction)
+        yield Span(span_begin, end_instant, delay, 0, sticking_piece, friction)
 
 
 def slip_directions(
@@ -526,19 +545,21 @@ def slip_directions(
     parts_by_direction: list[tuple[float, float, int]] = []
     part_begin = begin_instant.time
     # from the uppermost piece down
-    for piece in pieces(curve):
-        change_to_bottom = piece.bottom_load - begin_instant.normal_load
-        leaves_piece = change_in_path < change_to_bottom
+    for memory_piece in pieces(curve):
+        change_to_bottom = memory_piece.bottom_load - begin_instant.normal_load
+        load_leaves_piece = change_in_path < change_to_bottom
         part_end = end_time
         # when P is at the lower end of the piece
-        if leaves_piece:
+        if load_leaves_piece:
             part_end = float(
                 segment.time_of(NORMAL_LOAD, change_to_bottom, begin_instant.time, end_time)
             )
         if part_end > part_begin:
-            parts_by_direction += _directions_on(piece, segment, part_begin, part_end, friction)
+            parts_by_direction += _directions_on(
+                memory_piece, segment, part_begin, part_end, friction
+            )
         part_begin = max(part_begin, part_end)
-        if not leaves_piece:
+        if not load_leaves_piece:
             break
 
     # merge neighbouring parts of one direction
@@ -555,25 +576,26 @@ def slip_directions(
 
 
 def _directions_on(
-    piece: Piece, segment: LoadSegment, begin: float, end: float, friction: float
+    memory_piece: Piece, segment: LoadSegment, begin: float, end: float, friction: float
 ) -> list[tuple[float, float, int]]:
     """Parts by direction of slip of an unloading path between two times, while P is within one
-    `piece` of the memory curve M(P): begin time, end time and direction of each.
+    piece of the memory curve M(P): begin time, end time and direction of each.
 
     M(eta) is the tangential force of the flat punches up to the load eta. The direction is the sign
-    of Q - M(P), 1, -1 or 0. It is sampled at some times, and changes where Q - M(P) = 0. Q - M(P)
-    counts as 0 up to 1e-14 of f times P plus |Q| at the upper end of the piece (`anchor`).
+    of Q - M(P): 1, -1, or 0 where the path retraces the curve without slip. It is sampled at some
+    times, and the zero of Q - M(P) between two samples of opposite sign is found. Q - M(P) counts
+    as 0 up to 1e-14 of f P + |Q| at the upper end of the piece, its `anchor`.
     """
-    force_above_piece = _ForceAbovePiece(piece, segment)
+    force_above_piece = _ForceAbovePiece(memory_piece, segment)
     sample_times = force_above_piece.sample_times(begin, end)
-    forces = force_above_piece(sample_times)
+    force_above_curve = force_above_piece(sample_times)
     # _ROUND_OFF_SHARE: 1e-14
     force_roundoff = _ROUND_OFF_SHARE * (
-        friction * piece.anchor.normal_load + abs(piece.anchor.tangential_load)
+        friction * memory_piece.anchor.normal_load + abs(memory_piece.anchor.tangential_load)
     )
-    direction_at_samples = np.where(np.abs(forces) <= force_roundoff, 0, np.sign(forces)).astype(
-        int
-    )
+    direction_at_samples = np.where(
+        np.abs(force_above_curve) <= force_roundoff, 0, np.sign(force_above_curve)
+    ).astype(int)
     if not np.any(direction_at_samples):
         return [(begin, end, 0)]
 
@@ -583,17 +605,17 @@ def _directions_on(
     directions = [int(direction_at_samples[samples_off_curve[0]])]
     # _STICK_EDGE_ROUNDOFF_SHARE: 2e-15
     time_tolerance = _STICK_EDGE_ROUNDOFF_SHARE * (end - begin)
-    for sample_number, next_sample_number in pairwise(samples_off_curve):
-        if direction_at_samples[sample_number] != direction_at_samples[next_sample_number]:
+    for sample_before, sample_after in pairwise(samples_off_curve):
+        if direction_at_samples[sample_before] != direction_at_samples[sample_after]:
             crossing_time = scipy.optimize.brentq(
                 force_above_piece,
-                sample_times[sample_number],
-                sample_times[next_sample_number],
+                sample_times[sample_before],
+                sample_times[sample_after],
                 xtol=time_tolerance,
                 rtol=_STICK_EDGE_ROUNDOFF_SHARE,
             )
             begin_times.append(float(crossing_time))
-            directions.append(int(direction_at_samples[next_sample_number]))
+            directions.append(int(direction_at_samples[sample_after]))
     return list(zip(begin_times, [*begin_times[1:], end], directions, strict=True))
 
 
@@ -606,20 +628,20 @@ class _ForceAbovePiece:
     parabola, or an arc: the course of the curved load path itself.
     """
 
-    piece: Piece
+    memory_piece: Piece
     segment: LoadSegment
 
     @property
     def is_line(self) -> bool:
         """Whether the piece is straight: no arc, and no `bend`, half of d2M/d eta2."""
-        return self.piece.arc_times is None and self.piece.bend == 0
+        return self.memory_piece.arc_times is None and self.memory_piece.bend == 0
 
     @property
     def along_line(self) -> Combination:
         """The load combination Q - slope P, which is constant along the line of the piece's slope
         dM/d eta at its `anchor`.
         """
-        return Combination(-self.piece.slope, 1.0)
+        return Combination(-self.memory_piece.slope, 1.0)
 
     def __call__(self, time: ArrayLike) -> Array:
         """Q - M(P) at times of the segment, any shape [force per thickness].
@@ -627,12 +649,13 @@ class _ForceAbovePiece:
         The `anchor` is the instant of the path (P and Q) from which the piece is measured. Of a
         line it is the change of Q - slope P since then.
         """
-        piece = self.piece
+        memory_piece = self.memory_piece
         if self.is_line:
-            return combination_change(piece.anchor, self.segment, self.along_line, time)
+            return combination_change(memory_piece.anchor, self.segment, self.along_line, time)
         normal_load, tangential_load = self.segment.loads(time)
         return tangential_load - force_on_piece(
-            piece, np.clip(normal_load, piece.bottom_load, piece.anchor.normal_load)
+            memory_piece,
+            np.clip(normal_load, memory_piece.bottom_load, memory_piece.anchor.normal_load),
         )
 
     def sample_times(self, begin: float, end: float) -> Array:
@@ -642,7 +665,7 @@ class _ForceAbovePiece:
         # _SAMPLES_OF_CURVED_PIECE: 33
         n_samples = 3 if self.is_line else _SAMPLES_OF_CURVED_PIECE
         turning_times: Sequence[float] = []
-        if self.piece.arc_times is None:
+        if self.memory_piece.arc_times is None:
             turning_times = self.segment.turning_points(self.along_line)
         turning_times_inside = [time for time in turning_times if begin < time < end]
         return np.unique([*np.linspace(begin, end, n_samples), *turning_times_inside])

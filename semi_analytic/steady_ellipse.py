@@ -1412,24 +1412,26 @@ def _integrals_by_group(
     converged_share: float,
     least_work: float = 0.0,
 ) -> tuple[Array, Array]:
-    """Integrals for the friction work of each ellipse, summed by group, (n_groups, m), and the
-    error of their sum, (m,); NaN where fifteen halvings do not converge.
+    """Friction work W of m load ellipses by adaptive quadrature over the angle: integrals summed by
+    group, (n_groups, m), and the error of W of each ellipse, (m,).
 
-    A group is a phase of slip, or one load, P or P_c at the stick edge, through a phase; its range
-    of angles is given cut into intervals, the `pieces`: group, ellipse, begin, end and number of
-    the rule. P0 is `mean_load`. Intervals whose error checks are too large are halved and
-    integrated again.
+    A group is a phase of slip, or one load in it, P or that at the stick edge. Its angles are cut
+    into intervals. An interval whose error check is too large is halved and integrated again. Where
+    fifteen halvings do not converge the integral is NaN.
 
     Parameters
     ----------
+    pieces
+        the intervals: number of group and ellipse, first and last angle, number of the rule
     integrand
-        of arrays: group (n,), ellipse (n,) and angle (nodes, n) of n intervals
+        function of arrays: group (n,), ellipse (n,) and angle (nodes, n) of n intervals
     rules
-        quadrature rules, of which each interval names one
+        quadrature rules. The error check of a rule is a sum over its nodes that is 0 but for the
+        error of the integral
     converged_share, least_work
         an interval has converged if its error check is below `converged_share` times W, or times
-        `least_work` P0^2 where that is more; fewer than 100 ellipses take neither `least_work` nor
-        any rule but the last
+        `least_work` P0^2 where that is more, P0 the mean load. Fewer than 100 ellipses take neither
+        `least_work` nor any rule but the last
     """
     n_ellipses = len(ellipses.mean_load)
     if n_ellipses < _FEW_ELLIPSES:  # one rule: the number of calls costs, not the nodes
@@ -1438,11 +1440,11 @@ def _integrals_by_group(
     squared_mean_load = np.square(ellipses.mean_load)
     sums = _SumsOfPieces(np.zeros((n_groups, n_ellipses)), np.zeros(n_ellipses))
     largest_check_allowed = np.zeros(n_ellipses)
-    for n_halvings in range(_MOST_HALVINGS + 1):
-        # of each interval, (n,): its integral, and the largest of sums that are 0 but for the error
+    for n_halvings_so_far in range(_MOST_HALVINGS + 1):
+        # of each interval, (n,): its integral, and the largest of its error checks
         integrals, largest_checks = _piece_integrals(pieces, integrand, rules)
         ellipse_of_piece = pieces.ellipse
-        if not n_halvings:
+        if not n_halvings_so_far:
             work_of_ellipse = np.bincount(ellipse_of_piece, integrals, n_ellipses)
             reference_work = np.maximum(work_of_ellipse, least_work * squared_mean_load)
             largest_check_allowed = converged_share * reference_work
@@ -1450,7 +1452,7 @@ def _integrals_by_group(
             largest_checks,
             largest_check_allowed[ellipse_of_piece],
             squared_mean_load[ellipse_of_piece],
-            n_halvings,
+            n_halvings_so_far,
         )
         sums.add(pieces.take(has_converged), integrals[has_converged], piece_errors[has_converged])
         # the others are halved
@@ -1982,10 +1984,13 @@ def _phase_parameters(ellipses: Ellipses, least_share: float) -> Array:
 
 
 def phase_integrals(
-    parameters: Array, rule: tuple[Array, Array], lam_kernel: BufferedKernel, memory: Array
+    parameters: Array, rule: tuple[Array, Array], lam_kernel: BufferedKernel, buffer: Array
 ) -> tuple[Array, Array, Array]:
-    """Integrals of the friction work of m ellipses over reverse slip (E-G), later forward slip
-    (J-M) and earlier forward slip (I-J), (m,) each, without factors that are constant in a phase.
+    """Friction work of m load ellipses in each phase of slip, by quadrature over the angle: reverse
+    slip (E-G), later (J-M) and earlier (I-J) forward slip, (m,) each.
+
+    Factors that are constant in a phase are left out. P_c and P - P_c are written so that they are
+    sums of positive terms, which lose no digits.
 
     # notation: P normal load, P_c load at the edge of stick, P_T least P_c, P_min least P, P1
     #           amplitude of P; u, v forward and reverse amplitude, of (Q -+ f P)/f; D angle from E
@@ -2003,9 +2008,8 @@ def phase_integrals(
         I-J  s = 2 g y       rate 2 f u Z X   P_c = P_min + (alpha X - beta Z)^2
                                               P - P_c = k Z X
 
-    The integrand is `lam_kernel` times S C in E-G and J-M, times P - P_c in I-J. No difference is
-    taken but one that is squared. One tangent a node stands for sine and cosine: numpy has it in
-    vector code.
+    The integrand is `lam_kernel` times S C in E-G and J-M, times P - P_c in I-J. One tangent a node
+    stands for sine and cosine: numpy has it in vector code.
 
     Parameters
     ----------
@@ -2016,14 +2020,14 @@ def phase_integrals(
     lam_kernel
         from P_c and P - P_c a multiple of Lam = int_{P_c}^P [ln a(eta) - ln a(P_c)] d eta, (phases,
         n, m) each
-    memory
+    buffer
         array for intermediate values, 12 n m at least: what is allocated once stays in the cache
     """
     nodes, weights = rule
     h, g, permanent_stick_load, least_load, u, v, alpha, beta, k = parameters
     shape = (4, 3, len(nodes), len(h))
     # P_c and P - P_c of all three phases, and arrays of intermediate values (3, n, m)
-    stick_edge_loads, slip_zone_loads, scratch_arrays, kernel_buffer = memory[
+    stick_edge_loads, slip_zone_loads, scratch_arrays, kernel_buffer = buffer[
         : math.prod(shape)
     ].reshape(shape)
     (

@@ -21,8 +21,8 @@ from scenes.array_types import Array
 
 # Phases closer than this are alike but for rounding.
 _ROUND_OFF_OF_PHASE = 1e-9
-# Sigma of U beyond which rows do not come back to the first one: three of a difference of two.
-_LARGEST_GAP_IN_SIGMAS = 4.2
+# Misclosure in sigma of U beyond which a loop is not closed: three of a difference of two.
+_TOLERATED_MISCLOSURE_IN_SIGMAS = 4.2
 # Error of the area of a fitted loop by the samples of its curve, of itself: 2e-9 was measured.
 _RELATIVE_ERROR_BY_SAMPLES = 1e-8
 # Of the scatter of W: the rows choose branches, sigma and run-in too. Fitted on 1,156 loops (seeds
@@ -98,8 +98,8 @@ def polygon_area(
 ) -> LoopArea:
     """Area W of a measured loop of Q over U per cycle [energy per thickness], by the polygon
     through its rows. With it come its errors by the distance of the rows and by their noise (95 %).
-    As many whole cycles count as the rows cover, at least one; where they cover less, the gap
-    between last and first row counts as an error.
+    As many whole cycles count as the rows cover, at least one; where they cover less, the
+    misclosure between last and first row counts as an error.
 
     Parameters
     ----------
@@ -130,15 +130,17 @@ def polygon_area(
         rows_at_end > 0.5 * len(phase) * n_cycles / max(covered_cycles, n_cycles)
     ]
     # area that is uncertain since the loop does not close
-    error_by_gap = 0.0
+    error_by_misclosure = 0.0
     if len(rows_at_end):
         noise = (displacement_noise, load_noise)
-        displacement, load, error_by_gap = _closed_loop_and_gap_error(
+        displacement, load, error_by_misclosure = _closed_loop_and_misclosure_error(
             displacement, load, phase, rows_at_end, end_phase, noise
         )
     elif end_phase - phase[-1] > missing_cycles:
         # the loop may lie anywhere between the chord and its end tangents
-        error_by_gap = abs(float((displacement[-1] - displacement[0]) * (load[-1] - load[0]))) / 2
+        error_by_misclosure = (
+            abs(float((displacement[-1] - displacement[0]) * (load[-1] - load[0]))) / 2
+        )
 
     # the error of a polygon grows with the square of its step: it is found from every second row
     area = _area_of_polygon(displacement, load)
@@ -151,13 +153,13 @@ def polygon_area(
     area_scatter = math.sqrt(
         float(np.sum((displacement_noise * load_step) ** 2 + (load_noise * displacement_step) ** 2))
     )
-    error_by_distance = abs(area - area_by_half_the_rows) / 2 + error_by_gap
+    error_by_distance = abs(area - area_by_half_the_rows) / 2 + error_by_misclosure
     return LoopArea(
         area / n_cycles, error_by_distance / n_cycles, 1.96 * area_scatter / n_cycles, n_cycles
     )
 
 
-def _closed_loop_and_gap_error(
+def _closed_loop_and_misclosure_error(
     displacement: Array,
     load: Array,
     phase: Array,
@@ -165,9 +167,12 @@ def _closed_loop_and_gap_error(
     end_phase: float,
     noise: tuple[float, float],
 ) -> tuple[Array, Array, float]:
-    """Close a measured loop at the end of its last whole cycle: U and Q of the rows up to there,
-    with the closing point, interpolated between two rows, as the last. With them the error of the
-    area [energy per thickness] where U does not return to its first value.
+    """Close a measured loop of Q over U at the end of its last whole cycle: U and Q of the rows up
+    to there, and the error of the loop's area [energy per thickness] by its misclosure.
+
+    The closing point, interpolated between two rows, is the last of these rows. The misclosure is
+    the U by which it misses the first row. It makes an error if noise and the distance of the rows
+    do not explain it.
 
     Parameters
     ----------
@@ -176,7 +181,7 @@ def _closed_loop_and_gap_error(
     rows_at_end
         indices of the rows behind the end of the last whole cycle
     end_phase
-        phase there
+        phase at the end of the last whole cycle
     noise
         sigma of U and of Q
 
@@ -188,8 +193,8 @@ def _closed_loop_and_gap_error(
     phase_before = phase[row_after - 1]
     phase_step = max(phase[row_after] - phase_before, 1e-300)
     fraction_of_step = float(np.clip((end_phase - phase_before) / phase_step, 0.0, 1.0))
-    # gap in U that noise may make: 4.2 sigma
-    largest_scatter_of_displacement = _LARGEST_GAP_IN_SIGMAS * displacement_noise
+    # misclosure that noise may make: 4.2 sigma
+    tolerated_misclosure = _TOLERATED_MISCLOSURE_IN_SIGMAS * displacement_noise
     # phase in which Q changes by 4 sigma: with less, Q can stand still at a turning point
     phase_of_standstill = 4 * load_noise / (2 * float(np.ptp(load))) + _ROUND_OFF_OF_PHASE
     rows_in_standstill = rows_at_end[phase[rows_at_end] <= end_phase + phase_of_standstill]
@@ -200,26 +205,25 @@ def _closed_loop_and_gap_error(
             largest_displacement_step = float(
                 np.max(np.abs(np.diff(displacement[rows_in_standstill])))
             )
-            largest_scatter_of_displacement = max(
-                largest_scatter_of_displacement, 1.6 * largest_displacement_step
-            )
+            # 1.6 is a margin: the missing step may be longer than those in the record
+            tolerated_misclosure = max(tolerated_misclosure, 1.6 * largest_displacement_step)
     displacement_at_end, load_at_end = (
         float(
             values[row_after - 1] + fraction_of_step * (values[row_after] - values[row_after - 1])
         )
         for values in (displacement, load)
     )
-    # Where U does not come back, a chord at the first Q closes the loop: an error of the gap in U
-    # times the distance of this Q from the middle.
-    error_by_gap = 0.0
-    gap_of_displacement = displacement_at_end - float(displacement[0])
-    if abs(gap_of_displacement) > largest_scatter_of_displacement:
+    # A loop that stays open is closed by a chord at the first Q. Its area may be wrong by the
+    # misclosure times the distance of this Q from the middle of the loop.
+    error_by_misclosure = 0.0
+    misclosure = displacement_at_end - float(displacement[0])
+    if abs(misclosure) > tolerated_misclosure:
         middle_load = float(load.max() + load.min()) / 2
-        error_by_gap = abs(gap_of_displacement) * abs(float(load[0]) - middle_load)
+        error_by_misclosure = abs(misclosure) * abs(float(load[0]) - middle_load)
     return (
         np.append(displacement[:row_after], displacement_at_end),
         np.append(load[:row_after], load_at_end),
-        error_by_gap,
+        error_by_misclosure,
     )
 
 
