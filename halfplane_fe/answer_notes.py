@@ -56,7 +56,7 @@ def notes_of_answer(
     ----------
     task
         the scene, its mesh settings, solver settings, and the scales of its variables;
-        `element` is the size of the elements at the edges over the contact half-width
+        `element_size` is that of the elements at the edges over the contact half-width
     condensed_bodies
         compliance of the lower and upper body, condensed to the nodes of their faces
     problem, run
@@ -82,7 +82,7 @@ def notes_of_answer(
         notes += _drift_notes(run, scales)
         notes += _thinned_notes(run)
         notes += _creep_notes(scene, arrays)
-        element_size = task.element * scales.half_width
+        element_size = task.element_size * scales.half_width
         revolution = revolution_of(task, run, arrays)
         notes += resolution_notes(scene.profile, revolution, element_size, task.mesh)
 

@@ -148,7 +148,7 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
     return float(step_uncertainty) + friction_unit * uncertainty(
         dissipation / friction_unit,
         abs(dissipation - coarse_dissipation) / friction_unit,
-        task.scales.element,
+        task.scales.element_size,
         task.mesh,
         edge_scatter,
         task.has_errors_of_low_order,
@@ -196,7 +196,8 @@ def _share_of_flanks(task: Task, run: PathRun, arrays: Mapping[str, Any]) -> flo
     Parameters
     ----------
     task
-        the scene; size of the elements at the edges over the contact half-width (`element`)
+        the scene; size of the elements at the edges over the contact half-width
+        (`element_size`)
     run
         friction work of each increment, and indices of the states that are stored
     arrays
@@ -211,7 +212,7 @@ def _share_of_flanks(task: Task, run: PathRun, arrays: Mapping[str, Any]) -> flo
     work_at_instants = np.maximum(np.append(0.0, works)[loaded_rows], 0.0)
     if not work_at_instants.any():
         return 0.0
-    element_size = task.element * task.scales.half_width
+    element_size = task.element_size * task.scales.half_width
     shares = [
         share_of_flanks(scene.profile, half_width, element_size)
         for half_width in arrays["contact_half_width"][loaded_rows].tolist()
@@ -300,7 +301,7 @@ def value_uncertainties(
     task
         the scene, its meshes, and the values of the run on the coarse mesh (`scales.values`; None
         where there was none); element sizes at the edges over the contact half-width, of the run
-        (`element`) and of the coarse run (`scales.element`)
+        (`element_size`) and of the coarse run (`scales.element_size`)
     problem, run
         the contact problem (its `interface.coupling` is None of like bodies), and its states along
         the load path
@@ -372,7 +373,7 @@ def _density_uncertainty(
     density_error = density_uncertainty(arrays["x"], arrays["dissipation_density"])
     change_from_coarse_run = _density_change_from_coarse_run(values_of_cycle, task.scales.values)
     if not task.has_errors_of_low_order:
-        refinement = task.scales.element / task.element
+        refinement = task.scales.element_size / task.element_size
         # DENSITY_RULE: uncertainty from a difference of two meshes, with an error of order 1
         change_from_coarse_run = DENSITY_RULE.uncertainty(0.0, change_from_coarse_run, refinement)
     # NaN without an estimate by neighbouring nodes, whatever the coarse run
@@ -407,8 +408,8 @@ def _displacement_uncertainties(
     Parameters
     ----------
     task
-        the scene, size of the elements at the edges over the half-width, and scales with that of
-        the coarse run (`scales.element`), its values
+        the scene; size of the elements at the edges over the half-width, of the run
+        (`element_size`) and of the coarse run (`scales.element_size`); values of the coarse run
         (`scales.values`), and E*
     values_of_fine_run
         displacements of the fine run at the instants of the load cycle that is compared
@@ -418,7 +419,8 @@ def _displacement_uncertainties(
     scales = task.scales
     # ratio of the element sizes; whether errors are of low order
     meshes = Meshes(
-        refinement=scales.element / task.element, has_low_order=task.has_errors_of_low_order
+        refinement=scales.element_size / task.element_size,
+        has_low_order=task.has_errors_of_low_order,
     )
     estimates = displacement_uncertainties(
         values_of_fine_run, scales.values, meshes, needs_shear(task.scene)
@@ -695,7 +697,7 @@ def _peak_uncertainty(task: Task, arrays: Mapping[str, Any], is_coupled: bool) -
     return peak_uncertainty(
         peak,
         profile,
-        coarse_size=scales.element * scales.half_width,
+        coarse_size=scales.element_size * scales.half_width,
         fine_sizes=surface_grading(task.mesh, scales, profile, max(task.mesh.upper_ratio, 1.0)),
         growth=task.mesh.growth,
         depth=least_depth(task.scene),

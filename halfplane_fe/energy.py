@@ -283,6 +283,9 @@ def increment_energies(
     """Energies of the m increments between m + 1 contact states that follow each other: friction
     work, work of the loads, elastic energy and step errors, over P^2/E*.
 
+    An increment solves the chord of the load path. What a curved path adds to the work of the loads
+    is friction work.
+
     # notation: p, q nodal forces, pressure and shear; P, Q loads; U tangential displacement
 
     Parameters
@@ -302,11 +305,13 @@ def increment_energies(
     Returns
     -------
     Energies
-        Friction work of each node, (m, n). Of each increment, (m,): Q dU with the work of shear by
-        bulk stress; work of the loads along the chord of the path, that with the loads at the end,
-        and what the curve of the path adds; changes of elastic energy, and of that of the penalty
-        layer alone; work at the interface, by mean forces and by those at the end; bound of the
-        error of the friction work, and the part of it by kinks of pressure and slip.
+        `dissipation` (m, n) is the friction work of each node. The others are of each increment,
+        (m,). `loop_work`: Q dU, with the work of q in the slip by bulk stress. `external`: work of
+        the loads along the chord; `curve`: what the curved path adds. `elastic`, `layer`: changes
+        of the elastic energy, and of that of the penalty layer alone. `interface`: work of q in the
+        slip minus that of p in the gap, by mean forces; `end_of_step`, `external_end_of_step`: both
+        works by the forces and loads at the end. `step_error`: bound of the error of the friction
+        work; `kink_work`: part of the friction work by kinks of p and slip.
     """
     solved_node_states = np.stack(solved_by_increment)
     increments = _Increments.between(contact_states, solved_node_states, problem.friction)
@@ -315,13 +320,15 @@ def increment_energies(
     mean_q = (increments.q_at_start + increments.q_at_end) / 2
     slip_sense = slip_sign(solved_node_states)  # 1 forward, -1 in reverse, 0 without slip
 
-    # Friction work along the chord of the load path, and the work of Q with it.
+    # Friction work along the chord, with the share of the increment (`mean_onset`) after which
+    # nodes start to slide; and Q dU.
     friction_work = _friction_work(problem, increments, slip_sense)
     loop_work = _loop_work_along_chord(
         problem.interface, increments, movements, slip_sense, friction_work
     )
 
     # What the curvature of the load path adds: while the node states before hold, and those after.
+    # Of this work of the loads, Q dU has what is left without the normal work.
     curve_work = np.zeros_like(increments.slip_change)
     if areas_of_curve is not None:
         work_before, work_after = _curve_work_by_node_states(
@@ -571,7 +578,7 @@ def work_by_kinks(
 
 
 def _work_by_curve(
-    problem: ContactProblem, node_states: States, sense: Array, areas: Array
+    problem: ContactProblem, node_states: States, slip_sense: Array, areas_of_curve: Array
 ) -> _CurveWork:
     """What the curvature of the load path adds to the work of m increments: to the dissipation of
     the nodes (m, n), and to the normal work (m,): that of the loads which is neither Q dU nor the
@@ -591,57 +598,55 @@ def _work_by_curve(
         and gap of the nodes, by the k loads, (k, 3 + 4 n)
     node_states
         (m, n) open, stick or slip of the nodes, as they stay along the curve
-    sense
+    slip_sense
         (m, n) 1 where a node slides forward, -1 in reverse, 0 where it does not slide
-    areas
+    areas_of_curve
         (k, k, m) that the path encloses with its chord, by pairs of loads: integral of F_i dF_j
         along the path minus that along the chord; it changes sign where i and j are exchanged
     """
-    n_loads = len(areas)
-    added_dissipation = np.zeros(sense.shape)
-    added_normal_work = np.zeros(len(sense))
-    pairs = np.argwhere(np.tril(areas.any(axis=2))).tolist()  # each pair once
-    if not pairs:
+    n_loads = len(areas_of_curve)
+    added_dissipation = np.zeros(slip_sense.shape)
+    added_normal_work = np.zeros(len(slip_sense))
+    load_pairs = np.argwhere(np.tril(areas_of_curve.any(axis=2))).tolist()  # each pair once
+    if not load_pairs:
         return _CurveWork(added_dissipation, added_normal_work)
     rates = np.array([problem.rates(states, n_loads) for states in node_states])
-    for i, j in pairs:
+    for i, j in load_pairs:
         rates_by_i = rates[:, i]
         rates_by_j = rates[:, j]
         slip_by_i, p_by_i, _, _ = nodal_values(rates_by_i)
         slip_by_j, p_by_j, _, _ = nodal_values(rates_by_j)
-        area = areas[i, j]
+        area_of_pair = areas_of_curve[i, j]  # (m,)
         work_per_area = p_by_i * slip_by_j - p_by_j * slip_by_i
-        added_dissipation += problem.friction * sense * work_per_area * area[:, None]
+        added_dissipation += problem.friction * slip_sense * work_per_area * area_of_pair[:, None]
+        # work of load i in the displacement by load j, minus that of j in the displacement by i
         normal_work_per_area = _normal_work_rate(
             problem, i, j, rates_by_i, rates_by_j
         ) - _normal_work_rate(problem, j, i, rates_by_j, rates_by_i)
-        added_normal_work += normal_work_per_area * area
+        added_normal_work += normal_work_per_area * area_of_pair
     return _CurveWork(added_dissipation, added_normal_work)
 
 
 def _work_with_onsets(problem: ContactProblem, increments: _Increments) -> _FrictionWork:
-    """Friction work of k increments of a contact `problem` in which nodes start to slide: onsets of
-    slip. Returned are the friction work of each node, the part of it by kinks, and the middle of
-    the first and last onset.
+    """Friction work of the nodes in k increments in which some of them start to slide (onsets of
+    slip): f times the integral of p ds, in parts between the onsets. Also the part of it by kinks,
+    and the middle of the first and last onset.
 
     At an onset p and s have a kink, and all nodes that slide already slide faster from there on.
     With the mean p of the increment W is too large, by 1e-4 of a cycle. So the increment is cut at
     its first onset and at its last one. Up to the first onset the node states before the increment
-    hold, from the last one on those after it. Both have known rates. With one onset, or two, that
-    is all.
+    hold, from the last one on those after it. Both have known rates. One or two onsets need no
+    more.
 
     Between the first and the last onset, a share z of the increment, m nodes start one after the
-    other at nearly equal intervals. That makes m - 2 kinks, each with an area u (1 - u) z^2/2 over
-    the chord, u the share of z up to it. With rates ' per increment, the rates of slip growing by
-    equal amounts,
+    other at nearly equal intervals. Each changes the rates of p and s by 1/m of the way from those
+    before to those after. The m - 2 kinks in between add the work by kinks, f times
 
         int p ds - (mean p) ds = [(m - 2)/(m - 1)] (z^2/12) (p'_before s'_after - p'_after
         s'_before).
 
-    This times f is the work by kinks.
-
-    # notation: p pressure, s slip, W friction work, f coefficient of friction, z share of the
-    # increment between the first and the last onset
+    # notation: p pressure, s slip, p' and s' their changes in an increment at unchanged node
+    # states, W friction work, f coefficient of friction
 
     Parameters
     ----------
@@ -651,9 +656,9 @@ def _work_with_onsets(problem: ContactProblem, increments: _Increments) -> _Fric
         pressure of the nodes at start and end, slip, node states before and after, (k, n) each
     """
     friction = problem.friction
-    # A node that has just touched counts as sliding before.
+    # A node that has just touched and starts to slide counts as sliding from the start.
     increments = increments._replace(node_states_before=_states_with_rates(increments))
-    sense = slip_sign(increments.node_states_after)
+    slip_sense = slip_sign(increments.node_states_after)
 
     # Changes of slip and p, as if the states before, or those after, held throughout the increment;
     # shares (k,) of the increment up to its first and its last onset.
@@ -686,8 +691,8 @@ def _work_with_onsets(problem: ContactProblem, increments: _Increments) -> _Fric
     kink_integral = ((last_onset - first_onset) ** 2 * kink_factor)[:, None] * (
         p_change_before * slip_change_after - p_change_after * slip_change_before
     )
-    dissipation = friction * sense * (doubled_integral / 2 + kink_integral)
-    kink_work_of_nodes = friction * sense * kink_integral
+    dissipation = friction * slip_sense * (doubled_integral / 2 + kink_integral)
+    kink_work_of_nodes = friction * slip_sense * kink_integral
     return _FrictionWork(
         dissipation=np.maximum(dissipation, 0.0),
         kink_work=np.abs(kink_work_of_nodes.sum(axis=1)),
@@ -712,12 +717,12 @@ def _changes_at_constant_states(
 def _first_and_last_onset(
     increments: _Increments, changes_before: Array, changes_after: Array, friction: float
 ) -> tuple[Array, Array]:
-    """Shares (k,) of k increments after which the first node starts to slide, and the last one;
-    both 0 where none starts.
+    """Onsets of slip in k increments: shares (k,) of the increment after which the first node
+    starts to slide, and the last one; both 0 where none starts.
 
-    These are the instants at which the edge of the stick zone meets the first and the last of the
-    nodes. For the first it is the force to the Coulomb limit, f p - q in the sense of slip, over
-    its rate before. For the last it is the slip over its rate after.
+    Forces and slip are linear between onsets. So the first node starts where its force to the
+    Coulomb limit, f p - q in the sense of slip, has fallen to 0 at its rate before the onset.
+    The last one has slid from its onset to the end of the increment, at the rate after.
 
     Parameters
     ----------
@@ -729,24 +734,28 @@ def _first_and_last_onset(
     friction
         coefficient f
     """
-    sense = slip_sign(increments.node_states_after)
+    slip_sense = slip_sign(increments.node_states_after)
     is_onset = _is_slip_onset(increments.node_states_before, increments.node_states_after)
     _, p_change_before, q_change_before, _ = changes_before
     slip_change_after, _, _, _ = changes_after
     with np.errstate(divide="ignore", invalid="ignore"):
-        force_to_coulomb_limit = force_to_limit(
-            increments.p_at_start, increments.q_at_start, sense, friction
+        force_to_limit_at_start = force_to_limit(
+            increments.p_at_start, increments.q_at_start, slip_sense, friction
         )
-        change_of_force_to_limit = force_to_limit(p_change_before, q_change_before, sense, friction)
-        onset_by_force = force_to_coulomb_limit / -change_of_force_to_limit
-        onset_by_slip = 1 - increments.slip_change / slip_change_after
-    onset_by_force = np.where(onset_by_force >= 0, onset_by_force, 1.0)
-    # What slid the other way turns round somewhere.
-    onset_by_force = np.where(slip_sign(increments.node_states_before) != 0, 0.0, onset_by_force)
-    first_onset = np.where(is_onset, onset_by_force, 1.0).min(axis=1).clip(0.0, 1.0)
+        change_of_force_to_limit = force_to_limit(
+            p_change_before, q_change_before, slip_sense, friction
+        )
+        onset_share_by_force = force_to_limit_at_start / -change_of_force_to_limit
+        onset_share_by_slip = 1 - increments.slip_change / slip_change_after
+    onset_share_by_force = np.where(onset_share_by_force >= 0, onset_share_by_force, 1.0)
+    # A node that slid the other way turns round at an unknown instant: the earliest is taken.
+    onset_share_by_force = np.where(
+        slip_sign(increments.node_states_before) != 0, 0.0, onset_share_by_force
+    )
+    first_onset = np.where(is_onset, onset_share_by_force, 1.0).min(axis=1).clip(0.0, 1.0)
     first_onset = np.where(is_onset.any(axis=1), first_onset, 0.0)
-    is_known = is_onset & np.isfinite(onset_by_slip)
-    last_onset = np.where(is_known, onset_by_slip, 0.0).max(axis=1).clip(first_onset, 1.0)
+    is_known = is_onset & np.isfinite(onset_share_by_slip)
+    last_onset = np.where(is_known, onset_share_by_slip, 0.0).max(axis=1).clip(first_onset, 1.0)
     return first_onset, last_onset
 
 
@@ -781,8 +790,9 @@ def _length_of_longest_run(is_onset: Mask) -> Indices:
 def _normal_work_rate(
     problem: ContactProblem, i: int, j: int, rates_by_i: Array, rates_by_j: Array
 ) -> Array:
-    """(m,) normal work per unit of load i and unit change of load j at m instants: the work of the
-    loads that is neither Q dU nor that of shear in the slip by bulk stress,
+    """Normal work (m,) at m instants: that of the forces by a unit of load i in the displacement by
+    a unit of load j. It is the work of the loads that is neither Q dU nor the work of shear in the
+    slip by bulk stress,
 
         dP/di d(approach)/dj - dM/di d(tilt)/dj,   with - sum dp/di G_j where j is a bulk stress
 

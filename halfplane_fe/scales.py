@@ -105,8 +105,8 @@ class Scales:
         largest normal load of the path [force per thickness]
     modulus
         E* [stress]
-    element
-        size of the surface elements of the coarse run, over the half-width
+    element_size
+        of the surface elements of the coarse run, over the half-width
     dissipation
         friction work of its last revolution [energy / thickness]; NaN in scales that are shared
         with scenes of other loads or friction
@@ -122,7 +122,7 @@ class Scales:
     reach: float
     load: float
     modulus: float
-    element: float
+    element_size: float
     dissipation: float
     largest_pressure: float
     values: RunValues | None
@@ -411,7 +411,7 @@ def _scales_of_run(
         if scene.load.states_approach
         else load_unit,
         modulus=modulus,
-        element=1 / (_N_ELEMENTS * scaled_half_width),
+        element_size=1 / (_N_ELEMENTS * scaled_half_width),
         dissipation=float(run.nodal_work_by_cycle[-1].sum()) * load_unit**2 / modulus,
         largest_pressure=float(
             np.max(state_at_largest_load.pressure / problem.interface.face_lengths)

@@ -55,7 +55,7 @@ class Task:
         return is_plain_record(self.scene) and not self.has_errors_of_low_order
 
     @property
-    def element(self) -> float:
+    def element_size(self) -> float:
         """Size of the elements at the edges of contact and stick, of the body with the larger ones,
         over the contact half-width.
         """
@@ -64,7 +64,7 @@ class Task:
     @property
     def spacing(self) -> float:
         """Distance of the nodes at the edges of contact and stick [length]."""
-        return self.element * self.scales.half_width / self.mesh.order
+        return self.element_size * self.scales.half_width / self.mesh.order
 
     @property
     def work_unit(self) -> float:

@@ -713,7 +713,7 @@ def test_flanks_count_by_the_work_that_is_done_on_them() -> None:
         failure=None,
     )
     task: Any = SimpleNamespace(
-        scene=scene, element=0.01, scales=SimpleNamespace(half_width=float(flat))
+        scene=scene, element_size=0.01, scales=SimpleNamespace(half_width=float(flat))
     )
     wide, narrow = (
         share_of_flanks(scene.profile, half_width, 0.01 * flat)
