@@ -106,13 +106,16 @@ def stress(
     """Stress s_xx, s_yy, s_xy, s_zz inside one half-plane, or on its face, at instants of the load
     path.
 
+    It includes the bulk stress. The coupling of unlike materials is neglected.
+
     Parameters
     ----------
     source
         the scene, its name or file, or a solution of it
     x, y
-        (n_points,) places, or numbers that go with each other [length]; y points out of the lower
-        body: y <= 0 in the lower one, y >= 0 in the upper one, 0 on its face
+        (n_points,) coordinates of the points, or one number for all [length]. y points from the
+        lower body to the upper one: y <= 0 in the lower body, y >= 0 in the upper one, 0 on both
+        faces
     instants
         (n_instants,) times of the load path
     body
@@ -122,15 +125,14 @@ def stress(
     -------
     Array
         (n_instants, n_points, 4) s_xx, s_yy, s_xy and s_zz = nu (s_xx + s_yy), tension positive
-        [stress]. To about 1e-11 of the largest pressure; infinite at the tip of a sharp wedge. With
-        bulk stress, tilt or unequal sides the bulk stress is in it, and it is as exact as the shear
-        of `solve`, at most to about 1e-3 of f times the largest pressure. Out of contact it is the
-        bulk stress alone. The coupling of unlike materials is neglected.
+        [stress]. Infinite at the tip of a sharp wedge. The error is about 1e-11 of the largest
+        pressure p0. With bulk stress, tilt or unequal sides it is about 1e-3 f p0, or the error of
+        the shear traction of `solve` where that is larger.
 
     Raises
     ------
     InputError
-        For a `body` of another name, a place outside it, a time outside the path, or numbers that
+        For a `body` of another name, a point outside it, a time outside the path, or numbers that
         are missing or not finite.
     InadmissibleLoadError
         For gross sliding or separation anywhere in the path.
@@ -146,67 +148,111 @@ def stress(
     0.3003
     """
     scene = source.scene if isinstance(source, ContactSolution) else scene_of(source)
-    x_places, y_places, times = _places_and_times(x, y, instants)
+    x_of_points, y_of_points, times = _points_and_times(x, y, instants)
     if body not in ("lower", "upper"):
         raise InputError(f"body: {body!r} is neither 'lower' nor 'upper'")
     sign_of_body = 1.0 if body == "lower" else -1.0
-    if np.any(sign_of_body * y_places > 0):
+    # The upper body is computed as its mirror image, which lies at y <= 0 as the lower body does.
+    # In the mirror image the shear traction and the stress s_xy have the other sign.
+    mirrored_y = sign_of_body * y_of_points
+    if np.any(mirrored_y > 0):
         raise InputError(
-            f"y: {sign_of_body * float(np.max(sign_of_body * y_places)):.6g} is outside the {body}"
+            f"y: {sign_of_body * float(np.max(mirrored_y)):.6g} is outside the {body}"
             " body; y points out of the lower one"
         )
-    depth = sign_of_body * y_places  # <= 0: the upper body as the mirror image of a lower one
-    poisson_ratio = getattr(scene.material, body).poisson_ratio
 
-    # In the upper body, mirrored to a lower one, shear and xy stress change their sign.
-    stresses = np.zeros((len(times), len(x_places), 4))
-    if scene.unsymmetric:  # bulk stress, tilt or unequal sides: from the tractions of solutions
-        # For each instant a solution, and the number (row) of the instant in it.
-        answers = _answers_with_tractions(source, times)
-        _, profile = path_loads_and_contact(scene)
-        for instant_number, (answer, row) in enumerate(answers):
-            stresses[instant_number, :, :3] = _stress_by_sine_series(
-                answer, row, profile, x_places, depth, sign_of_body
-            )
-        stresses[..., 0] += _bulk_stresses(answers)[:, int(body == "upper"), None]
+    stresses = np.zeros((len(times), len(x_of_points), 4))
+    if scene.unsymmetric:  # bulk stress, tilt or unequal sides
+        answers_and_rows = _answers_with_tractions(source, times)
+        stresses[..., :3] = _stresses_by_tractions(
+            scene, answers_and_rows, x_of_points, mirrored_y, sign_of_body
+        )
+        stresses[..., 0] += _bulk_stresses(answers_and_rows)[:, int(body == "upper"), None]
     else:
-        # From the memory curves of the instants, and Muskhelishvili's potentials N of pressure and
-        # T of shear, with their derivatives.
-        contact, snapshot = memory_at(scene, times)
-        for instant_number in np.flatnonzero(snapshot.load > 0).tolist():
-            normal_potential, tangential_potential, normal_derivative, tangential_derivative = (
-                _potentials(contact, _curve_parts(snapshot, instant_number), x_places, depth)
-            )
-            stresses[instant_number, :, :3] = _stress_from_potentials(
-                normal_potential,
-                sign_of_body * tangential_potential,
-                depth * normal_derivative,
-                depth * sign_of_body * tangential_derivative,
-            )
+        stresses[..., :3] = _stresses_by_memory_curves(
+            scene, times, x_of_points, mirrored_y, sign_of_body
+        )
     stresses[..., 2] *= sign_of_body
+    poisson_ratio = getattr(scene.material, body).poisson_ratio
     stresses[..., 3] = poisson_ratio * (stresses[..., 0] + stresses[..., 1])
     return stresses
 
 
-def _places_and_times(
+def _stresses_by_memory_curves(
+    scene: Scene, times: Array, x: Array, y: Array, sign_of_body: float
+) -> Array:
+    """Stress s_xx, s_yy, s_xy of a body below y = 0, of a scene without bulk stress, tilt and
+    unequal sides: (n, k, 3) at n times and k points x, y [stress]. 0 out of contact.
+
+    The contact is a superposition of flat punches. The memory curve M(eta) is the tangential force
+    of those up to the normal load eta. Both give Muskhelishvili's potentials of the tractions.
+
+    `sign_of_body` is 1 for the lower body. It is -1 for the mirror image of the upper one, on which
+    the shear traction acts the other way.
+    """
+    # Normal contact P(a) of the profile; P (`load`) and M at each time.
+    contact, snapshot = memory_at(scene, times)
+    stresses = np.zeros((len(times), len(x), 3))
+    for instant_number in np.flatnonzero(snapshot.load > 0).tolist():
+        normal_potential, tangential_potential, normal_derivative, tangential_derivative = (
+            _potentials(contact, _curve_parts(snapshot, instant_number), x, y)
+        )
+        stresses[instant_number] = _stress_from_potentials(
+            normal_potential,
+            sign_of_body * tangential_potential,
+            y * normal_derivative,
+            y * sign_of_body * tangential_derivative,
+        )
+    return stresses
+
+
+def _stresses_by_tractions(
+    scene: Scene,
+    answers_and_rows: list[tuple[ContactSolution, int]],
+    x: Array,
+    y: Array,
+    sign_of_body: float,
+) -> Array:
+    """Stress s_xx, s_yy, s_xy of a body below y = 0 from the tractions of half-plane solutions,
+    without the bulk stress: (n, k, 3) at n instants and k points x, y [stress].
+
+    `answers_and_rows` has for each instant a solution, and the number (row) of the instant in it.
+    `sign_of_body` is 1 for the lower body. It is -1 for the mirror image of the upper one, on which
+    the shear traction acts the other way.
+    """
+    _, tilted_contact = path_loads_and_contact(scene)
+    stresses = np.zeros((len(answers_and_rows), len(x), 3))
+    for instant_number, (answer, row) in enumerate(answers_and_rows):
+        stresses[instant_number] = _stress_by_sine_series(
+            answer, row, tilted_contact, x, y, sign_of_body
+        )
+    return stresses
+
+
+def _points_and_times(
     x: ArrayLike, y: ArrayLike, instants: ArrayLike
 ) -> tuple[Array, Array, Array]:
-    """Checked places x and y, broadcast to one length (n,) [length], and times (m,) of the
-    instants; InputError where one is missing, or x and y differ in length and neither is single.
+    """Checked coordinates x and y of n points, (n,) each [length], and times (m,) of the instants.
 
-    `checked_numbers` returns a caller's finite numbers as an array, or None where none are given.
+    A single x or y is that of all points.
+
+    Raises
+    ------
+    InputError
+        Where x, y or `instants` is missing, or x and y differ in length and neither is single.
     """
-    x_places = checked_numbers(x, "x")
-    y_places = checked_numbers(y, "y")
+    # `checked_numbers`: a caller's finite numbers as an array, or None where none are given.
+    x_of_points = checked_numbers(x, "x")
+    y_of_points = checked_numbers(y, "y")
     times = checked_numbers(instants, "instants")
-    if x_places is None or y_places is None or times is None:
+    if x_of_points is None or y_of_points is None or times is None:
         raise InputError("stress: x, y and instants are needed")
-    if len(x_places) != len(y_places) and min(len(x_places), len(y_places)) > 1:
+    if len(x_of_points) != len(y_of_points) and min(len(x_of_points), len(y_of_points)) > 1:
         raise InputError(
-            f"x and y: {len(x_places)} and {len(y_places)} places; give as many of both"
+            f"x and y: {len(x_of_points)} and {len(y_of_points)} places; give as many of both"
         )
-    x_places, y_places = np.broadcast_arrays(x_places, y_places)
-    return x_places, y_places, times
+    x_of_points, y_of_points = np.broadcast_arrays(x_of_points, y_of_points)
+    return x_of_points, y_of_points, times
 
 
 def edge_tension(
@@ -215,10 +261,10 @@ def edge_tension(
     """Stress s_xx along both faces at the edges of contact, where fretting cracks start, and its
     uncertainty [stress], at instants of the load path; tension is positive.
 
-    Without bulk stress, tilt and unequal sides it is +-(2/pi) int_0^P M'(eta) d eta / sqrt(a(P)^2 -
-    a(eta)^2). M(eta) is the tangential force carried by the flat punches up to the load eta. For Q
-    > 0 at constant P that is tension at the left edge of the lower body and at the right one of the
-    upper. With bulk stress, tilt or unequal sides the bulk stress is in it.
+    It includes the bulk stress. Without bulk stress, tilt and unequal sides it is +-(2/pi) int_0^P
+    M'(eta) d eta / sqrt(a(P)^2 - a(eta)^2). There a is the half-width of the contact, and M(eta)
+    the tangential force carried by the flat punches up to the load eta. For Q > 0 at constant P it
+    is tension at the left edge of the lower body and at the right edge of the upper body.
 
     Parameters
     ----------
@@ -233,7 +279,7 @@ def edge_tension(
     -------
     values, uncertainties
         (n_instants, 2, 2) by body (lower, upper) and edge (left, right); out of contact the bulk
-        stress alone; an uncertainty is NaN where coarse grids do not follow the path
+        stress alone. An uncertainty is NaN where the coarse grids that estimate it do not converge
 
     Raises
     ------
@@ -255,34 +301,63 @@ def edge_tension(
     times = checked_numbers(instants, "instants")
     if times is None:
         raise InputError("edge_tension: instants are needed")
-    values = np.zeros((len(times), 2, 2))
-    uncertainties = np.zeros((len(times), 2, 2))
-    sign_of_body = np.array([[1.0], [-1.0]])  # lower, upper
-    if scene.unsymmetric:
-        # For each instant a solution, and the number (row) of the instant in it.
-        answers = _answers_with_tractions(source, times)
-        path_loads, profile = path_loads_and_contact(scene)
-        for instant_number, (answer, row) in enumerate(answers):
-            coarse_grids = _ratio_on_coarse_grids(answer, path_loads, profile)
-            tension, uncertainties[instant_number] = _edge_tensions_of_answer(
-                answer, row, profile, coarse_grids
-            )
-            values[instant_number] = sign_of_body * tension
-        return values + _bulk_stresses(answers)[..., None], uncertainties
+    if scene.unsymmetric:  # bulk stress, tilt or unequal sides
+        answers_and_rows = _answers_with_tractions(source, times)
+        lower_tensions, edge_uncertainties = _edge_tensions_by_tractions(scene, answers_and_rows)
+        bulk_stresses = _bulk_stresses(answers_and_rows)
+    else:
+        lower_tensions, edge_uncertainties = _edge_tensions_by_memory_curves(scene, times)
+        bulk_stresses = np.zeros((len(times), 2))
+    # The shear traction acts on the upper body the other way.
+    sign_of_body = np.array([[1.0], [-1.0]])
+    values = sign_of_body * lower_tensions[:, None, :] + bulk_stresses[:, :, None]
+    uncertainties = np.repeat(edge_uncertainties[:, None, :], 2, axis=1)
+    return values, uncertainties
 
-    # Memory curves of all instants; P is `snapshot.load`. At most 128 curves are summed at once.
+
+def _edge_tensions_by_tractions(
+    scene: Scene, answers_and_rows: list[tuple[ContactSolution, int]]
+) -> tuple[Array, Array]:
+    """Stress s_xx of the lower face at the left and right edge of contact, and its uncertainty, by
+    the tractions of half-plane solutions at n instants: (n, 2) each [stress], without bulk stress.
+
+    `answers_and_rows` has for each instant a solution, and the number (row) of the instant in it.
+    An uncertainty is NaN where the coarse grids that estimate it do not converge.
+    """
+    path_loads, tilted_contact = path_loads_and_contact(scene)
+    tensions = np.zeros((len(answers_and_rows), 2))
+    uncertainties = np.zeros((len(answers_and_rows), 2))
+    for instant_number, (answer, row) in enumerate(answers_and_rows):
+        coarse_grids = _ratio_on_coarse_grids(answer, path_loads, tilted_contact)
+        tensions[instant_number], uncertainties[instant_number] = _edge_tensions_of_answer(
+            answer, row, tilted_contact, coarse_grids
+        )
+    return tensions, uncertainties
+
+
+def _edge_tensions_by_memory_curves(scene: Scene, times: Array) -> tuple[Array, Array]:
+    """Stress s_xx of the lower face at the left and right edge of contact, and its uncertainty, of
+    a scene without bulk stress, tilt and unequal sides, at n times: (n, 2) each [stress].
+
+    They follow from the memory curve M(eta) at each time: the tangential force of the flat punches
+    up to the load eta, of whose superposition the contact consists. The uncertainty is the error of
+    the quadrature, 1e-11 of P/a. Both are 0 out of contact.
+    """
+    # Normal contact P(a) of the profile; P (`load`) and M at each time.
     contact, snapshot = memory_at(scene, times)
+    tensions = np.zeros((len(times), 2))
+    uncertainties = np.zeros((len(times), 2))
     instants_in_contact = np.flatnonzero(snapshot.load > 0)
-    signs_of_tensions = sign_of_body * [1.0, -1.0]  # (bodies, edges)
+    # 128 instants at once bound the memory that the sums take.
     for first_index in range(0, len(instants_in_contact), _CURVES_AT_ONCE):
         instant_numbers = instants_in_contact[first_index : first_index + _CURVES_AT_ONCE]
-        load = snapshot.load[instant_numbers]
-        half_width = np.atleast_1d(contact.half_width(load))
-        tensions = _edge_tensions_of_curves(contact, snapshot, instant_numbers, half_width)
-        values[instant_numbers] = signs_of_tensions * tensions[:, None, None]
-        # _ROUNDOFF_OF_TENSION: 1e-11 of P/a.
-        uncertainties[instant_numbers] = (_ROUNDOFF_OF_TENSION * load / half_width)[:, None, None]
-    return values, uncertainties
+        normal_load = snapshot.load[instant_numbers]
+        half_width = np.atleast_1d(contact.half_width(normal_load))
+        left_tension = _edge_tensions_of_curves(contact, snapshot, instant_numbers, half_width)
+        # The contact is symmetric: what is tension at its left edge is compression at the right.
+        tensions[instant_numbers] = left_tension[:, None] * [1.0, -1.0]
+        uncertainties[instant_numbers] = (_ROUNDOFF_OF_TENSION * normal_load / half_width)[:, None]
+    return tensions, uncertainties
 
 
 # ------------------------------------------------- from memory curves: all instants in one sum
@@ -304,50 +379,52 @@ def _edge_tensions_of_curves(
     instants_in_contact: Indices,
     contact_half_widths: Array,
 ) -> Array:
-    """Stress s_xx of the lower face at its left edge of contact at instants in contact, without the
-    bulk stress, (n,) [stress]: (2/pi) int_0^P M'(eta) d eta / sqrt(a(P)^2 - a(eta)^2).
+    """Stress s_xx of the lower face at its left edge of contact at n instants in contact, without
+    the bulk stress, (n,) [stress]: (2/pi) int_0^P M'(eta) d eta / sqrt(a(P)^2 - a(eta)^2).
 
-    M(eta) is the tangential force carried by the flat punches up to the load eta, the friction
-    memory of each instant. The integral is summed over panels of half-widths between kinks of M and
-    corners of the profile.
+    The contact is a superposition of flat punches of half-widths a(eta), 0 < eta <= P. M(eta), the
+    memory curve of an instant, is the tangential force of those up to the normal load eta.
 
     Parameters
     ----------
     contact
-        P(a) and dP/da (`stiffness`) of the profile on half-planes
-    instants_in_contact
-        (n,) numbers of the instants in the `snapshot`, which holds M of several instants
+        normal contact of the profile: its load P(a), and dP/da (`stiffness`)
+    snapshot, instants_in_contact
+        M of several instants, and the numbers (n,) of the wanted ones
     contact_half_widths
         (n,) half-widths a(P) of the contact then [length]
     """
-    # Each panel has its instant, first and last half-width, and M' as a function of the load.
+    # Ranges of half-widths over which the integrand is smooth, each with its instant and its M'.
     panels = _panels_of_curves(contact, snapshot, instants_in_contact, contact_half_widths)
-    instant_numbers = np.array([panel.instant for panel in panels])
-    panel_begin = np.array([panel.first_half_width for panel in panels])[:, None]
-    panel_end = np.array([panel.last_half_width for panel in panels])[:, None]
-    # Half-widths a(eta) at the quadrature nodes of each panel, and their distances from the edge.
-    edge_half_width = contact_half_widths[instant_numbers, None]
-    half_widths = _distances_to_nodes(0.0, panel_begin, panel_end)
-    distance_from_edge = _distances_to_nodes(
-        edge_half_width, panel_begin, panel_end
-    )  # a(eta) - a(P)
-    loads = contact.load(half_widths)
-    slopes_at_nodes = np.empty_like(loads)  # M'
-    for panel_number, panel in enumerate(panels):
-        slopes_at_nodes[panel_number] = panel.slope(loads[panel_number])
-    # RULE_FOR_INVERSE_ROOTS: quadrature on a range of length 1, with nodes crowded at both ends.
-    load_steps = (
-        contact.stiffness(half_widths) * (panel_end - panel_begin) * RULE_FOR_INVERSE_ROOTS.weight
-    )  # d eta
-    panel_integrals = (
-        load_steps
-        * slopes_at_nodes
-        / np.sqrt(-distance_from_edge * (2 * edge_half_width + distance_from_edge))
-    ).sum(axis=1)
-    sums_over_panels = np.bincount(
-        instant_numbers, weights=panel_integrals, minlength=len(instants_in_contact)
+    panel_instants = np.array([panel.instant for panel in panels])
+    first_half_width = np.array([panel.first_half_width for panel in panels])[:, None]
+    last_half_width = np.array([panel.last_half_width for panel in panels])[:, None]
+    contact_half_width = contact_half_widths[panel_instants, None]
+
+    # Quadrature nodes of each panel, (panels, nodes): a(eta), a(eta) - a(P), eta, M'(eta), d eta.
+    punch_half_width = _distances_to_nodes(0.0, first_half_width, last_half_width)
+    half_width_difference = _distances_to_nodes(
+        contact_half_width, first_half_width, last_half_width
     )
-    return np.asarray(2 / math.pi * sums_over_panels)
+    punch_load = contact.load(punch_half_width)
+    tangential_per_normal_load = np.empty_like(punch_load)
+    for panel_number, panel in enumerate(panels):
+        tangential_per_normal_load[panel_number] = panel.slope(punch_load[panel_number])
+    panel_width = last_half_width - first_half_width
+    load_increment = (
+        contact.stiffness(punch_half_width) * panel_width * RULE_FOR_INVERSE_ROOTS.weight
+    )
+
+    # The root is that of a(P)^2 - a(eta)^2, from their difference without cancellation.
+    panel_integrals = (
+        load_increment
+        * tangential_per_normal_load
+        / np.sqrt(-half_width_difference * (2 * contact_half_width + half_width_difference))
+    ).sum(axis=1)
+    instant_integrals = np.bincount(
+        panel_instants, weights=panel_integrals, minlength=len(instants_in_contact)
+    )
+    return np.asarray(2 / math.pi * instant_integrals)
 
 
 def _panels_of_curves(
@@ -356,52 +433,56 @@ def _panels_of_curves(
     instants_in_contact: Indices,
     contact_half_widths: Array,
 ) -> list[_Panel]:
-    """Panels of half-widths between kinks of the memory curve M(eta) of each instant in contact,
-    also cut at corners of the profile. M is the tangential force of the flat punches up to the load
-    eta.
+    """Ranges (panels) of punch half-widths over which an integral with M'(eta) is smooth, of n
+    instants in contact.
+
+    M(eta), the memory curve of an instant, is the tangential force of the flat punches up to the
+    normal load eta. A panel ends at a kink of M, or at a half-width with a corner of the profile.
 
     Parameters
     ----------
     contact
-        half-widths a(P) of the profile on half-planes
-    instants_in_contact
-        (m,) numbers of the instants in the `snapshot`, which holds M of several instants; a panel
-        counts its instant among these
+        normal contact of the profile, with half-widths a(P)
+    snapshot, instants_in_contact
+        M and P (`load`) of several instants, and the numbers (n,) of the wanted ones. The panels
+        count their instants from 0 to n - 1
     contact_half_widths
-        (m,) half-widths a(P) of the contact then [length]
+        (n,) half-widths a(P) of the contact then [length]
     """
-    instant_numbers: list[int] = []
+    # For each part of a curve between two kinks: its instant, its loads eta, and M' there.
+    part_instants: list[int] = []
     lower_loads: list[float] = []
     upper_loads: list[float] = []
     slope_functions: list[Slope] = []
-
-    # The parts of M between two kinks, each with its loads and its slope M' as a function of eta.
     for instant_number, snapshot_number in enumerate(instants_in_contact.tolist()):
         for lower_load, upper_load, slope_function in _curve_parts(snapshot, snapshot_number):
-            instant_numbers.append(instant_number)
+            part_instants.append(instant_number)
             lower_loads.append(lower_load)
             upper_loads.append(upper_load)
             slope_functions.append(slope_function)
-    begin_half_widths = np.atleast_1d(contact.half_width(np.array(lower_loads)))
+    least_half_widths = np.atleast_1d(contact.half_width(np.array(lower_loads)))
 
-    # The half-width at P is the edge to the last digit: one digit more or less would move the
-    # integral of the root by 1e-8.
-    edge_half_width = contact_half_widths[instant_numbers]
-    reaches_edge = np.array(upper_loads) == snapshot.load[instants_in_contact][instant_numbers]
-    half_width_at_upper_load = np.minimum(
-        contact.half_width(np.array(upper_loads)), edge_half_width
+    # A part that ends at P ends at a(P) to the last digit: one digit more or less would move the
+    # integral of an inverse root by 1e-8.
+    contact_half_width = contact_half_widths[part_instants]
+    normal_load = snapshot.load[instants_in_contact][part_instants]
+    largest_half_widths = np.where(
+        np.array(upper_loads) == normal_load,
+        contact_half_width,
+        np.minimum(contact.half_width(np.array(upper_loads)), contact_half_width),
     )
-    end_half_widths = np.where(reaches_edge, edge_half_width, half_width_at_upper_load)
     return [
-        _Panel(instant_number, panel_begin, panel_end, slope_function)
+        _Panel(instant_number, first_half_width, last_half_width, slope_function)
         for instant_number, least_half_width, largest_half_width, slope_function in zip(
-            instant_numbers,
-            begin_half_widths.tolist(),
-            end_half_widths.tolist(),
+            part_instants,
+            least_half_widths.tolist(),
+            largest_half_widths.tolist(),
             slope_functions,
             strict=True,
         )
-        for panel_begin, panel_end in _panels_between(contact, least_half_width, largest_half_width)
+        for first_half_width, last_half_width in _panels_between(
+            contact, least_half_width, largest_half_width
+        )
     ]
 
 
@@ -409,30 +490,33 @@ def _panels_of_curves(
 def _answers_with_tractions(
     source: ContactSolution | Scene | str | Path, times: Array
 ) -> list[tuple[ContactSolution, int]]:
-    """For each time a half-plane solution that has pressure and shear then, and the number of its
-    instant: the source itself where it has enough points in the contact, or a new solution.
+    """For each of n times a half-plane solution with pressure and shear then, and the number (row)
+    of the instant in it.
 
-    New solutions have points across several of the contacts, and close to the edges of all.
+    It is the `source` itself where that has 60 points in the contact then. For all other times the
+    scene is solved, at points across several of the contacts, and close to the edges of all.
     """
-    # Key: time. Value: a solution, and the number (row) of the instant in it.
-    answers: dict[float, tuple[ContactSolution, int]] = {}
+    # by time
+    answers_and_rows: dict[float, tuple[ContactSolution, int]] = {}
     if isinstance(source, ContactSolution):
         scene = source.scene
-        answers = _rows_with_tractions(source, times)
+        answers_and_rows = _rows_with_tractions(source, times)
     else:
         scene = scene_of(source)
-    missing_times = np.array(sorted(set(times.tolist()) - answers.keys()))
+    missing_times = np.array(sorted(set(times.tolist()) - answers_and_rows.keys()))
     if len(missing_times):
         # At most 20 instants in one solution.
-        block_count = math.ceil(len(missing_times) / _INSTANTS_AT_ONCE)
-        for times_at_once in np.array_split(missing_times, block_count):
-            # The points are placed by the edges of contact, which follow from the loads alone.
+        n_blocks = math.ceil(len(missing_times) / _INSTANTS_AT_ONCE)
+        for times_at_once in np.array_split(missing_times, n_blocks):
+            # They follow from the loads alone, before the scene is solved.
             contact_edges = _contact_edges_at(scene, times_at_once)
             order_by_length = np.argsort(contact_edges[:, 1] - contact_edges[:, 0])
             places = _places_for_tractions(contact_edges[order_by_length])
             answer = solve(scene, x=places, time=times_at_once, fields=("pressure", "shear"))
-            answers |= {time: (answer, row) for row, time in enumerate(times_at_once.tolist())}
-    return [answers[time] for time in times.tolist()]
+            answers_and_rows |= {
+                time: (answer, row) for row, time in enumerate(times_at_once.tolist())
+            }
+    return [answers_and_rows[time] for time in times.tolist()]
 
 
 def _contact_edges_at(scene: Scene, times: Array) -> Array:
@@ -448,60 +532,60 @@ def _contact_edges_at(scene: Scene, times: Array) -> Array:
 def _rows_with_tractions(
     answer: ContactSolution, times: Array
 ) -> dict[float, tuple[ContactSolution, int]]:
-    """By time, the answer and the number of its instant, for those `times` that the answer covers.
+    """By time: a half-plane solution (`answer`) and the number (row) of the instant in it, for
+    those `times` at which its tractions are known well enough.
 
-    It covers an instant if it has pressure and shear then at 60 points of the contact or more, or
-    if there is no contact. Empty where pressure or shear is NaN anywhere in the answer.
+    They are if the solution has 60 points in the contact then, or if there is no contact. Times
+    agree within 1e-9 of themselves. Empty where pressure or shear is NaN anywhere in the solution.
     """
     if not (np.isfinite(answer.pressure).all() and np.isfinite(answer.shear).all()):
         return {}
-    rows = np.argmin(np.abs(answer.time[:, None] - times), axis=0)
-    places_in_contact = np.sum(answer.pressure[rows] > 0, axis=1)
-    has_enough_places = (places_in_contact >= _FEWEST_PLACES_IN_CONTACT) | (
-        answer.normal_load[rows] <= 0
-    )
-    # Times differ by at most 1e-9 of themselves.
-    has_instant = np.abs(answer.time[rows] - times) <= 1e-9 * np.abs(times)
-    time_numbers = np.flatnonzero(has_enough_places & has_instant)
+    nearest_rows = np.argmin(np.abs(answer.time[:, None] - times), axis=0)
+    n_points_in_contact = np.sum(answer.pressure[nearest_rows] > 0, axis=1)
+    has_enough_points = n_points_in_contact >= _FEWEST_PLACES_IN_CONTACT
+    is_out_of_contact = answer.normal_load[nearest_rows] <= 0
+    has_instant = np.abs(answer.time[nearest_rows] - times) <= 1e-9 * np.abs(times)
+    time_numbers = np.flatnonzero((has_enough_points | is_out_of_contact) & has_instant)
     return {
-        float(times[time_number]): (answer, int(rows[time_number])) for time_number in time_numbers
+        float(times[time_number]): (answer, int(nearest_rows[time_number]))
+        for time_number in time_numbers
     }
 
 
-def _places_for_tractions(edges: Array) -> Array:
-    """Places x, ascending [length], at which tractions are to be solved for: across at most four of
-    the n contacts with the given edges, and close to the edges of all.
+def _places_for_tractions(contact_edges: Array) -> Array:
+    """Places x, ascending [length], at which tractions are to be solved for at n instants: across
+    at most four of the contacts, and close to the edges of all.
 
-    `edges` (n, 2) are left and right edge of each contact, in the order of their lengths.
+    `contact_edges` (n, 2) are the left and right edge of each contact, the shortest contact first.
     """
     # The shortest, the longest and two between; 601 places across each.
     contact_numbers = np.unique(
-        np.linspace(0, len(edges) - 1, _MOST_CONTACTS_WITH_PLACES).round().astype(int)
+        np.linspace(0, len(contact_edges) - 1, _MOST_CONTACTS_WITH_PLACES).round().astype(int)
     )
-    chosen_edges = edges[contact_numbers]
+    chosen_edges = contact_edges[contact_numbers]
+    middle = chosen_edges.mean(axis=1)[:, None]
+    half_width = np.diff(chosen_edges) / 2
     cosines = np.cos(np.linspace(0, math.pi, _PLACE_COUNT_ACROSS_CONTACT))
-    places_across = chosen_edges.mean(axis=1)[:, None] - np.diff(chosen_edges) / 2 * cosines
+    places_across = middle - half_width * cosines
     # Distances from each edge: 1e-7 to 2.5e-2 of the contact's length.
     inwards = np.array([[1.0], [-1.0]])
-    places_at_edges = (
-        edges[:, :, None] + np.diff(edges)[:, :, None] * inwards * _WIDTH_SHARES_FROM_EDGE
-    )
+    contact_length = np.diff(contact_edges)[:, :, None]
+    places_at_edges = contact_edges[:, :, None] + contact_length * inwards * _WIDTH_SHARES_FROM_EDGE
     return np.unique(np.concatenate([places_across.ravel(), places_at_edges.ravel()]))
 
 
-def _bulk_stresses(answers: list[tuple[ContactSolution, int]]) -> Array:
-    """Bulk stress of the lower and the upper body at the instant of each answer, (n, 2) [stress],
-    tension positive.
+def _bulk_stresses(answers_and_rows: list[tuple[ContactSolution, int]]) -> Array:
+    """Bulk stress of the lower and the upper body at n instants, (n, 2) [stress], tension positive.
 
-    `answers` are pairs of a solution and the number (row) of the instant in it. 0 where the
-    solution has no bulk stress.
+    `answers_and_rows` has for each instant a solution, and the number (row) of the instant in it.
+    0 where the solution has no bulk stress.
     """
-    stresses = np.zeros((len(answers), 2))
-    for answer_number, (answer, row) in enumerate(answers):
+    stresses = np.zeros((len(answers_and_rows), 2))
+    for instant_number, (answer, row) in enumerate(answers_and_rows):
         if answer.bulk_stress_lower is not None:
-            stresses[answer_number, 0] = answer.bulk_stress_lower[row]
+            stresses[instant_number, 0] = answer.bulk_stress_lower[row]
         if answer.bulk_stress_upper is not None:
-            stresses[answer_number, 1] = answer.bulk_stress_upper[row]
+            stresses[instant_number, 1] = answer.bulk_stress_upper[row]
     return stresses
 
 
@@ -511,35 +595,37 @@ _coarse_ratio_by_answer: WeakKeyDictionary[ContactSolution, RatioOnGrids] = Weak
 
 
 def _ratio_on_coarse_grids(
-    answer: ContactSolution, path_loads: PathLoads, profile: TiltedProfile
+    answer: ContactSolution, path_loads: PathLoads, tilted_contact: TiltedProfile
 ) -> RatioOnGrids | None:
-    """q/(f p) at the n instants and k points of an answer, by grids of half as many cells and
-    increments, along as many cycles; None where the answer is not from grids, NaN where the coarse
-    ones do not follow its path. It is followed once.
+    """q/(f p) at the n instants and k points of a half-plane solution (`answer`), by grids of half
+    as many cells and increments, followed for as many cycles.
+
+    None where the solution is not from grids. NaN where an increment of the coarse grids does not
+    converge. The path is followed once; later calls take the cached ratio.
 
     Parameters
     ----------
-    answer
-        half-plane solution
     path_loads
-        P, Q, bulk strain and tilt of its scene over time
-    profile
-        its gap, as a contact under load and tilt
+        P, Q, bulk strain and tilt of the scene over time
+    tilted_contact
+        normal contact of its profile under load and tilt
     """
-    if "grids" not in answer.work.counts:
+    # Of a solution on grids `work.counts` has the number of grids, and that of the cycles solved.
+    counts = answer.work.counts
+    if "grids" not in counts:
         return None
     if answer not in _coarse_ratio_by_answer:
         scene = answer.scene
         # Half of the usual 160 cells across the contact, and of 320 increments a cycle.
         request = GridRequest(
-            most_cycles=answer.work.counts["cycles_solved"],
+            most_cycles=counts["cycles_solved"],
             cells=CELLS_ACROSS_CONTACT // 2,
             increments=INCREMENTS_PER_CYCLE // 2,
         )
         try:
             coarse_ratio = friction_ratio_on_grids(
                 path_loads,
-                profile,
+                tilted_contact,
                 scene.profile.height,
                 scene.friction.coefficient,
                 answer.x,
@@ -547,247 +633,322 @@ def _ratio_on_coarse_grids(
                 request,
             )
         except InputError:  # near sliding all of the coarse cells may slip
-            nowhere_known = np.full((len(answer.time), len(answer.x)), np.nan)
-            coarse_ratio = RatioOnGrids(nowhere_known, math.nan)
+            unknown_ratio = np.full((len(answer.time), len(answer.x)), np.nan)
+            coarse_ratio = RatioOnGrids(unknown_ratio, math.nan)
         _coarse_ratio_by_answer[answer] = coarse_ratio
     return _coarse_ratio_by_answer[answer]
+
+
+class _TensionOfSliding(NamedTuple):
+    """Tension s_xx of the lower face at both edges of one contact if all of it slipped, q = f p,
+    as the mean of the contributions of nodes across the contact.
+    """
+
+    # (512,) places of the nodes, from the left edge on [length]
+    x_of_nodes: Array
+    # (2, 512) contribution of each node at the left and at the right edge [stress]
+    by_node: Array
+
+    def times_ratio(self, x_of_points: Array, friction_ratio: Array) -> Array:
+        """Tension at the left and at the right edge (2,) under q = f p times `friction_ratio`: the
+        ratio q/(f p) at points (k,), linear between them.
+        """
+        ratio_at_nodes = np.interp(self.x_of_nodes, x_of_points, friction_ratio)
+        return np.mean(self.by_node * ratio_at_nodes, axis=1)
+
+
+def _tension_of_sliding(
+    answer: ContactSolution, row: int, tilted_contact: TiltedProfile
+) -> _TensionOfSliding:
+    """Tension s_xx of the lower face at both edges of contact if all of the contact slipped, q = f
+    p, of a half-plane solution (`answer`) at its instant number `row`.
+
+    The tension is (2/pi) int q/|x - edge| dx at the left edge, and minus that at the right one.
+    With x = middle - half_width cos(phi) it is the mean over phi, from 0 to pi, of 2 q cot(phi/2)
+    at the left edge, and of -2 q tan(phi/2) at the right one.
+
+    `tilted_contact` is the normal contact of the profile, whose exact pressure is taken.
+    """
+    phi, x_of_nodes = _places_across(answer, row, _PLACES_OF_TENSION)
+    pressure = _pressure_across(answer, row, tilted_contact, x_of_nodes)
+    friction_limit = answer.scene.friction.coefficient * pressure
+    by_node = 2 * friction_limit * np.stack([1 / np.tan(phi / 2), -np.tan(phi / 2)])
+    return _TensionOfSliding(x_of_nodes, by_node)
 
 
 def _edge_tensions_of_answer(
     answer: ContactSolution,
     row: int,
-    profile: TiltedProfile,
+    tilted_contact: TiltedProfile,
     coarse_grids: RatioOnGrids | None = None,
 ) -> tuple[Array, Array]:
-    """Stress s_xx of the lower face at the left and the right edge of contact, without the bulk
-    stress, and its uncertainty, (2,) each [stress].
+    """Stress s_xx of the lower face at the left and the right edge of contact, by the tractions of
+    a half-plane solution, and its uncertainty: (2,) each [stress]; without the bulk stress.
 
-    The stress is +-(2/pi) int q/|x - edge| dx; tension is positive. With x = middle - half_width
-    cos(phi) that is the mean over phi of 2 q cot(phi/2) at the left edge, of -2 q tan(phi/2) at the
-    right one.
+    The stress is (2/pi) int q/|x - edge| dx at the left edge, and minus that at the right one.
+    Tension is positive. q is q/(f p), linear between the points of the solution, times the exact
+    f p.
 
-    The uncertainty is the root of a sum of squares of errors:
+    The uncertainty is the root of the sum of the squares of
 
-    - a third of the change if half of the points are used, as q/p is linear between points;
-    - the tension of a slip zone narrower than a cell, or than the distance of the first point;
-    - for an answer from grids, the change by coarse grids, NaN where these do not follow its path;
-    - for it also a fraction of the stated error of the shear;
-    - for other answers 1e-3 of f times the largest pressure.
+    - the error of the lines between the points;
+    - the tension of a slip zone too narrow for the points and cells;
+    - of a solution on grids, the change by coarse grids, and a share of the error of its shear;
+    - of any other solution, 1e-3 of f times the largest pressure.
 
     Stress and uncertainty are 0 where no point is in contact.
 
     Parameters
     ----------
     answer, row
-        half-plane solution, and the number of its instant
-    profile
-        the gap, as a contact under load and tilt
+        the solution, and the number of its instant
+    tilted_contact
+        normal contact of the profile, whose exact pressure is taken
     coarse_grids
-        q/(f p) at the instants and points of the answer by grids of cells twice as wide; None of
-        other answers
+        of a solution on grids: q/(f p) at its instants and points by cells twice as wide, and
+        their width; NaN where these grids did not converge
     """
-    pressure_at_points = answer.pressure[row]
-    points_in_contact = np.flatnonzero(pressure_at_points > 0)
-    if not len(points_in_contact):
+    is_in_contact = answer.pressure[row] > 0
+    if not is_in_contact.any():
         return np.zeros(2), np.zeros(2)
-    friction = answer.scene.friction.coefficient
+    friction_coefficient = answer.scene.friction.coefficient
+    x_of_points = answer.x[is_in_contact]
+    friction_limit = friction_coefficient * answer.pressure[row, is_in_contact]
+    friction_ratio = answer.shear[row, is_in_contact] / friction_limit
+    sliding_tension = _tension_of_sliding(answer, row, tilted_contact)
+    tensions = sliding_tension.times_ratio(x_of_points, friction_ratio)
+    error_between_points = _tension_error_between_points(
+        sliding_tension, x_of_points, friction_ratio
+    )
 
-    # Angles phi and 512 places across the contact, with the exact f p there.
-    phi, places = _places_across(answer, row, _PLACES_OF_TENSION)
-    friction_limit = friction * _pressure_across(answer, row, profile, places)
-    # Tension at the left and at the right edge by q = f p, for each place: (2, 512).
-    tension_of_sliding = 2 * friction_limit * np.stack([1 / np.tan(phi / 2), -np.tan(phi / 2)])
-
-    def tensions_by(friction_ratio: Array, points: Indices) -> Array:
-        """The stress at both edges from q/(f p) at some of the points, (2,) [stress]."""
-        ratio_at_places = np.interp(places, answer.x[points], friction_ratio[points])
-        return np.mean(tension_of_sliding * ratio_at_places, axis=1)
-
-    limit_at_points = friction * np.where(pressure_at_points > 0, pressure_at_points, math.inf)
-    friction_ratio = answer.shear[row] / limit_at_points
-    tension = tensions_by(friction_ratio, points_in_contact)
-    changes_by_points = [
-        np.abs(tensions_by(friction_ratio, half_of_points) - tension)
-        for half_of_points in (points_in_contact[::2], points_in_contact[1::2])
-        if len(half_of_points)
-    ]
-    error_between_points = _ERROR_OVER_CHANGE_BY_POINTS * np.max(changes_by_points, axis=0)
-
-    largest_friction = friction * float(pressure_at_points.max())
-    cell_width = 0.0
-    change_by_grids = np.zeros(2)
-    error_by_shear = _TENSION_ERROR_SHARE_BETWEEN_PLACES * largest_friction
-    if coarse_grids is not None:
+    # largest f p at the instant
+    largest_friction = friction_coefficient * float(answer.pressure[row].max())
+    if coarse_grids is None:
+        cell_width = 0.0
+        change_by_grids = np.zeros(2)
+        error_by_shear = _TENSION_ERROR_SHARE_BETWEEN_PLACES * largest_friction
+    else:
         cell_width = coarse_grids.cell_width / 2
-        coarse_tension = tensions_by(coarse_grids.friction_ratio[row], points_in_contact)
-        change_by_grids = coarse_tension - tension
-        share_of_shear_error = _TENSION_ERROR_OVER_SHEAR_ERROR * answer.record.errors.get(
-            "shear", 0.0
-        )
-        error_by_shear = share_of_shear_error * largest_friction
+        coarse_ratio = coarse_grids.friction_ratio[row, is_in_contact]
+        change_by_grids = sliding_tension.times_ratio(x_of_points, coarse_ratio) - tensions
+        # stated error of the shear, over the largest shear
+        shear_error_share = answer.record.errors.get("shear", 0.0)
+        error_by_shear = _TENSION_ERROR_OVER_SHEAR_ERROR * shear_error_share * largest_friction
 
-    # Tension of slip zones beside either edge: points and places by their distance from it.
-    tension_of_slip_zones = np.array(
+    # of the left edge and of the right one
+    slip_zone_tensions = np.array(
         [
             _tension_of_narrow_slip_zone(
-                np.abs(answer.x[points_in_contact] - contact_edge),
-                friction_ratio[points_in_contact],
+                np.abs(x_of_points - contact_edge),
+                friction_ratio,
                 cell_width,
-                np.abs(places - contact_edge),
-                np.abs(tension_of_sliding[edge_number]),
+                np.abs(sliding_tension.x_of_nodes - contact_edge),
+                np.abs(sliding_tension.by_node[edge_number]),
             )
             for edge_number, contact_edge in enumerate(answer.contact_edges[row].tolist())
         ]
     )
     uncertainty = np.sqrt(
-        error_between_points**2 + change_by_grids**2 + error_by_shear**2 + tension_of_slip_zones**2
+        error_between_points**2 + change_by_grids**2 + error_by_shear**2 + slip_zone_tensions**2
     )
-    return tension, uncertainty
+    return tensions, uncertainty
 
 
-def _tension_of_narrow_slip_zone(
-    distances: Array,
-    friction_ratio: Array,
-    cell_width: float,
-    distances_of_places: Array,
-    tension_of_sliding: Array,
-) -> float:
-    """Estimate of the tension that a narrow slip zone may add at an edge of contact [stress]. The
-    zone has just begun there, and is too narrow for the cells and points of an answer.
+def _tension_error_between_points(
+    sliding_tension: _TensionOfSliding, x_of_points: Array, friction_ratio: Array
+) -> Array:
+    """Error of the tension at the left and the right edge of contact (2,) [stress], as q/(f p) is
+    taken as linear between points.
 
-    Beside an edge p = K sqrt(d) at the distance d. Where a load has turned, a slip zone of width z
-    changes q by -F (sqrt(d) - sqrt(d - z)), with F = f K |s - r|: r is q/(f p) before, s = +-1 its
-    value in slip. Farther in that is F z/(2 sqrt(d)); of the tension it is 2 F sqrt(z).
-
-    The answer holds only what the zone changes farther in, which grows as z. So the tension grows
-    as the root of two factors:
-
-    - q/(f p) at the edge minus that at the width of a cell farther in, in size;
-    - |s - r|, s being the sign of that difference.
-
-    Where the cell beside the edge slips that way already, the zone is wider than the cell, and
-    nothing is added.
+    Straight lines err by the square of the distance of the points. So the error is a third of the
+    change if every second point is left out. The larger change counts of leaving out the points of
+    odd and those of even number.
 
     Parameters
     ----------
-    distances, friction_ratio
+    sliding_tension
+        tension if all of the contact slipped; `times_ratio` gives that under q/(f p)
+    x_of_points, friction_ratio
+        (k,) places of the points in contact [length], and q/(f p) there
+    """
+    tensions = sliding_tension.times_ratio(x_of_points, friction_ratio)
+    changes = [
+        np.abs(sliding_tension.times_ratio(x_of_points[half], friction_ratio[half]) - tensions)
+        for half in (slice(0, None, 2), slice(1, None, 2))
+        if len(x_of_points[half])
+    ]
+    return _ERROR_OVER_CHANGE_BY_POINTS * np.max(changes, axis=0)
+
+
+def _tension_of_narrow_slip_zone(
+    point_distances: Array,
+    friction_ratio: Array,
+    cell_width: float,
+    node_distances: Array,
+    sliding_tension_of_nodes: Array,
+) -> float:
+    """Estimate of the tension at an edge of contact [stress] by a slip zone that has just begun
+    there, and is too narrow for the cells and points of a solution.
+
+    Beside an edge p = K sqrt(d) at the distance d. Where a load has turned, a slip zone of width z
+    changes q by -F (sqrt(d) - sqrt(d - z)), with F = f K |s - r|. Here r is q/(f p) before, and s =
+    +-1 its value in slip. Farther in that is F z/(2 sqrt(d)); of the tension it is 2 F sqrt(z).
+
+    The solution holds only the change of q farther in, which grows as z. So the tension grows as
+    the root of two factors:
+
+    - the size of the difference of q/(f p) between the edge and one cell farther in;
+    - |s - r|, where s is the sign of that difference.
+
+    It is 0 where the cell beside the edge slips that way already: the zone is wider than the cell.
+
+    Parameters
+    ----------
+    point_distances, friction_ratio
         (k,) distances of points in contact from the edge [length], and q/(f p) there
     cell_width
         of the grids; 0 without grids [length]
-    distances_of_places, tension_of_sliding
-        (m,) distances of places across the contact from the edge, and the tension by q = f p there,
-        whose mean is that of the whole contact [stress]
+    node_distances, sliding_tension_of_nodes
+        (m,) distances of quadrature nodes across the contact from the edge [length], and the
+        contribution of each to the tension by q = f p, which is their mean [stress]
     """
-    # numbers of the points from the edge inwards
-    order_from_edge = np.argsort(distances)
-    # Nothing is known nearer to the edge than the nearest point, and within a cell.
-    unresolved_width = cell_width + float(distances[order_from_edge[0]])
+    order_from_edge = np.argsort(point_distances)
+    # The solution resolves nothing nearer to the edge than its nearest point, or within a cell.
+    unresolved_width = cell_width + float(point_distances[order_from_edge[0]])
     ratio_at_edge, ratio_farther_in = np.interp(
-        [0.0, unresolved_width], distances[order_from_edge], friction_ratio[order_from_edge]
+        [0.0, unresolved_width], point_distances[order_from_edge], friction_ratio[order_from_edge]
     )
     ratio_difference = float(ratio_at_edge - ratio_farther_in)
+    # |s - r|, of which r is q/(f p) at the edge
     ratio_left_to_slip = 1 - math.copysign(1.0, ratio_difference) * float(ratio_at_edge)
-    tension_of_cell = float(np.mean(tension_of_sliding * (distances_of_places < unresolved_width)))
+    # tension by q = f p in the unresolved width alone
+    sliding_tension_of_width = float(
+        np.mean(sliding_tension_of_nodes * (node_distances < unresolved_width))
+    )
     share_of_sliding_tension = math.sqrt(abs(ratio_difference) * max(ratio_left_to_slip, 0.0) / 2)
-    return _TENSION_OF_NARROW_SLIP_ZONE * tension_of_cell * share_of_sliding_tension
+    return _TENSION_OF_NARROW_SLIP_ZONE * sliding_tension_of_width * share_of_sliding_tension
 
 
-def _places_across(answer: ContactSolution, row: int, count: int) -> tuple[Array, Array]:
+def _places_across(answer: ContactSolution, row: int, n_places: int) -> tuple[Array, Array]:
     """Angles phi between 0 and pi, and places middle - half_width cos(phi) [length] across the
-    contact of an answer at the instant number `row`, (count,) each, from the left edge on.
+    contact of an answer at the instant number `row`, (n_places,) each, from the left edge on.
     """
     left_edge, right_edge = answer.contact_edges[row]
-    phi = math.pi * (np.arange(count) + 0.5) / count
+    phi = math.pi * (np.arange(n_places) + 0.5) / n_places
     return phi, (left_edge + right_edge) / 2 - (right_edge - left_edge) / 2 * np.cos(phi)
 
 
 def _pressure_across(
-    answer: ContactSolution, row: int, profile: TiltedProfile, places: Array
+    answer: ContactSolution, row: int, tilted_contact: TiltedProfile, places: Array
 ) -> Array:
     """Exact pressure at places x (n,) in the contact of an answer at the instant number `row`, (n,)
-    [stress]. `profile` is the gap, as a contact whose pressure follows from centre and half-width.
+    [stress], from the middle and the half-width of the contact. `tilted_contact` is the normal
+    contact of the profile under load and tilt.
     """
-    edges = answer.contact_edges[row]
-    return profile.pressure_over(places, edges.mean(keepdims=True), np.diff(edges) / 2)[0]
+    contact_edges = answer.contact_edges[row]
+    middle = contact_edges.mean(keepdims=True)
+    half_width = np.diff(contact_edges) / 2
+    return tilted_contact.pressure_over(places, middle, half_width)[0]
 
 
 def _stress_by_sine_series(
-    answer: ContactSolution, row: int, profile: TiltedProfile, x: Array, y: Array, side: float
+    answer: ContactSolution,
+    row: int,
+    tilted_contact: TiltedProfile,
+    x: Array,
+    y: Array,
+    sign_of_body: float,
 ) -> Array:
-    """Stress s_xx, s_yy, s_xy of a body below y = 0 at places x, y (n,), (n, 3), by sine series of
-    the tractions of an answer at the instant number `row`; without the bulk stress.
+    """Stress s_xx, s_yy, s_xy of a body below y = 0 at n points x, y, (n, 3) [stress], by sine
+    series of the tractions of a half-plane solution at one instant; without the bulk stress.
+
+    A traction sum A_k sin(k phi) on the face, with x = middle + half_width cos(phi), has
+    Muskhelishvili's potential pi sum A_k omega^k. Here omega = zeta - sqrt(zeta^2 - 1), and zeta =
+    (x + i y - middle)/half_width. The stress follows from N, the potential of the pressure, and T,
+    that of the shear. It is 0 where no point of the solution is in contact.
 
     Parameters
     ----------
     answer, row
-        half-plane solution with pressure and shear, and the number of its instant
-    profile
-        the gap, as a contact whose pressure follows from centre and half-width
+        the solution, and the number of its instant
+    tilted_contact
+        normal contact of the profile, whose exact pressure is taken
     x, y
-        (n,) places [length], y <= 0
-    side
-        1 for the lower body, -1 for the upper one, whose shear acts the other way
-
-    # notation: zeta = (x + i y - middle)/half-width, omega = zeta - sqrt(zeta^2 - 1); N, T
-    #           potentials of pressure and shear, N = pi sum A_k omega^k for p = sum A_k sin(k phi)
-
-    p is exact, q/p linear between the points of the answer. The series of p and q across the
-    contact are summed by Horner's rule. The stress is 0 where no point of the answer is in contact.
+        (n,) coordinates of the points [length], y <= 0
+    sign_of_body
+        1 for the lower body, -1 for the mirror image of the upper one, on which the shear acts the
+        other way
     """
-    is_in_contact = answer.pressure[row] > 0
-    if not is_in_contact.any():
+    if not np.any(answer.pressure[row] > 0):
         return np.zeros((len(x), 3))
     left_edge, right_edge = answer.contact_edges[row]
     middle = (left_edge + right_edge) / 2
     half_width = (right_edge - left_edge) / 2
+    sine_coefficients = _sine_coefficients_of_tractions(answer, row, tilted_contact)
+    sine_coefficients[1] *= sign_of_body
 
-    # As many places as terms, with the exact pressure there.
-    # _SERIES_TERMS: 2048.
-    _, places = _places_across(answer, row, _SERIES_TERMS)
-    pressure = _pressure_across(answer, row, profile, places)
-    ratio_at_points = answer.shear[row, is_in_contact] / answer.pressure[row, is_in_contact]
-    shear = pressure * np.interp(places, answer.x[is_in_contact], ratio_at_points)
-
-    # phi of the sine series is counted from the right edge, so that places are reversed.
-    # A_k of pressure and of shear, (2, terms).
-    sine_series = scipy.fft.dst(np.stack([pressure, side * shear])[:, ::-1], 2) / _SERIES_TERMS
-    # Summed at the mirror image x - i y, above the cut of the root. The coefficients are real, so
-    # that the conjugate of the sum is its value at x + i y.
+    # The sums are taken at the mirror image x - i y, above the branch cut of the root. The
+    # coefficients are real, so that the sum at x + i y is the conjugate.
     zeta = (x - middle + 0j) / half_width
     zeta.imag = np.abs(y) / half_width
     root_of_zeta = np.sqrt(zeta - 1) * np.sqrt(zeta + 1)
     omega = zeta - root_of_zeta
-    # Sums of N and T over pi, then those with k A_k in the place of A_k for their derivatives.
-    series_sums = np.zeros((4, len(x)), dtype=complex)
+    power_sums, weighted_power_sums = _power_sums(sine_coefficients, omega)
+    potentials = math.pi * power_sums.conj()
+    with np.errstate(divide="ignore", invalid="ignore"):
+        # y dN/dz and y dT/dz by d omega/dz = -omega/(half_width root_of_zeta)
+        y_derivatives = math.pi * np.where(
+            y == 0, 0.0, -y * (weighted_power_sums / (half_width * root_of_zeta)).conj()
+        )
+    return _stress_from_potentials(*potentials, *y_derivatives)
+
+
+def _sine_coefficients_of_tractions(
+    answer: ContactSolution, row: int, tilted_contact: TiltedProfile
+) -> Array:
+    """Coefficients A_k of p = sum A_k sin(k phi) and of q, (2, 2048) from k = 1 on [stress], across
+    the contact of a half-plane solution (`answer`) at its instant number `row`.
+
+    phi is the angle from the right edge of contact: x = middle + half_width cos(phi). p is the
+    exact pressure by `tilted_contact`, the normal contact of the profile. q is p times q/p, which
+    is linear between the points of the solution.
+    """
+    is_in_contact = answer.pressure[row] > 0
+    # As many places as terms, from the left edge on.
+    _, places = _places_across(answer, row, _SERIES_TERMS)
+    pressure = _pressure_across(answer, row, tilted_contact, places)
+    ratio_at_points = answer.shear[row, is_in_contact] / answer.pressure[row, is_in_contact]
+    shear = pressure * np.interp(places, answer.x[is_in_contact], ratio_at_points)
+    tractions_from_right_edge = np.stack([pressure, shear])[:, ::-1]
+    return scipy.fft.dst(tractions_from_right_edge, 2) / _SERIES_TERMS
+
+
+def _power_sums(coefficients: Array, omega: Complex) -> tuple[Complex, Complex]:
+    """Sums of A_k omega^k and of k A_k omega^k over k = 1 to m, (2, n) each, of two sets of
+    coefficients A_k, (2, m), at n complex numbers |omega| <= 1.
+
+    Horner's rule runs from the last term to the first. At each omega it starts where |omega|^k is
+    above 1e-17.
+    """
+    n_terms = coefficients.shape[1]
     with np.errstate(divide="ignore"):
         log_of_omega = np.log(np.minimum(np.abs(omega), 1 - 1e-12))
-        terms_needed = np.minimum(
-            np.ceil(math.log(_NEGLIGIBLE_POWER) / log_of_omega), _SERIES_TERMS
-        )
-
-    # Terms of which |omega|^k is above 1e-17; points with most terms first.
+        terms_needed = np.minimum(np.ceil(math.log(_NEGLIGIBLE_POWER) / log_of_omega), n_terms)
+    # Numbers with most terms come first: those with a term k are the first n_with_term[k - 1].
     order_by_terms = np.argsort(-terms_needed, kind="stable")
     omega = omega[order_by_terms]
-    points_with_term = np.searchsorted(
-        -terms_needed[order_by_terms], -np.arange(1, _SERIES_TERMS + 1), side="right"
+    n_with_term = np.searchsorted(
+        -terms_needed[order_by_terms], -np.arange(1, n_terms + 1), side="right"
     )
-    for k in range(_SERIES_TERMS, 0, -1):  # Horner's rule, from where omega^k counts
-        n_points = points_with_term[k - 1]
-        series_sums[:2, :n_points] = (
-            series_sums[:2, :n_points] + sine_series[:, k - 1, None]
-        ) * omega[:n_points]
-        series_sums[2:, :n_points] = (
-            series_sums[2:, :n_points] + k * sine_series[:, k - 1, None]
-        ) * omega[:n_points]
-    series_sums[:, order_by_terms] = series_sums.copy()
-    with np.errstate(divide="ignore", invalid="ignore"):
-        # y N', y T'; d omega/dz = -omega/(half_width root_of_zeta)
-        derivatives_times_y = np.where(
-            y == 0, 0.0, -y * (series_sums[2:] / (half_width * root_of_zeta)).conj()
-        )
-    return _stress_from_potentials(
-        *math.pi * series_sums[:2].conj(), *math.pi * derivatives_times_y
-    )
+    # Two sums of A_k omega^k, then two of k A_k omega^k.
+    sums = np.zeros((4, len(omega)), dtype=complex)
+    for k in range(n_terms, 0, -1):
+        n_numbers = n_with_term[k - 1]
+        coefficient = coefficients[:, k - 1, None]
+        sums[:2, :n_numbers] = (sums[:2, :n_numbers] + coefficient) * omega[:n_numbers]
+        sums[2:, :n_numbers] = (sums[2:, :n_numbers] + k * coefficient) * omega[:n_numbers]
+    sums[:, order_by_terms] = sums.copy()
+    return sums[:2], sums[2:]
 
 
 def _stress_from_potentials(
@@ -831,14 +992,18 @@ def _curve_parts(snapshot: Snapshot, instant_number: int) -> Iterator[tuple[floa
     - `direction`: of slip, 1 forward, -1 in reverse, 0 for none;
     - `piece_number`: of each, the index in `sticking_pieces` of the piece at the stick edge.
     """
-    load = float(snapshot.load[instant_number])
+    normal_load = float(snapshot.load[instant_number])
     stick_edge_load = float(snapshot.load[instant_number] - snapshot.slip_zone_load[instant_number])
-    # The slip zone: M' is f in the direction of slip.
-    if stick_edge_load < load:
-        slope = float(snapshot.direction[instant_number] * snapshot.friction)
-        yield max(stick_edge_load, 0.0), load, lambda eta: np.full(eta.shape, slope)
+    if stick_edge_load < normal_load:
+        slip_zone_slope = float(snapshot.direction[instant_number] * snapshot.friction)
+        yield (
+            max(stick_edge_load, 0.0),
+            normal_load,
+            lambda eta: np.full(eta.shape, slip_zone_slope),
+        )
     piece_at_edge = snapshot.sticking_pieces[snapshot.piece_number[instant_number]]
-    for piece in pieces(piece_at_edge):  # from there down
+    # The pieces that are linked to it, from the one with the largest loads down.
+    for piece in pieces(piece_at_edge):
         if piece.bottom_load < stick_edge_load:
             upper_load = min(piece.top_load, stick_edge_load)
             yield piece.bottom_load, upper_load, _slope_of_piece(piece, snapshot.friction)
@@ -860,30 +1025,30 @@ def _potentials(
     x: Array,
     y: Array,
 ) -> Complex:
-    """Muskhelishvili's potentials N of pressure and T of shear, and their derivatives, at x + i y,
-    y <= 0: complex (4, n), summed over the flat punches of a contact.
+    """Muskhelishvili's potentials N of pressure and T of shear, and their derivatives, at n points
+    x + i y, y <= 0: complex (4, n), summed over the flat punches of a contact.
 
-    The memory curve M(eta) is the tangential force of the punches up to the load eta. The
-    derivatives are left 0 on the face, where they only occur times y. Places with x < 0 follow by
-    symmetry.
+    The memory curve M(eta) is the tangential force of the punches up to the normal load eta. The
+    derivatives are left 0 on the face, where they only occur times y.
 
     Parameters
     ----------
     contact
-        half-widths a(P) of the profile
+        normal contact of the profile, with half-widths a(P)
     curve_parts
         lower load, upper load and slope M' of each smooth part of M; M' is the tangential load of a
         punch per normal load
     x, y
-        (n,) places [length]
+        (n,) coordinates of the points [length]
     """
     potentials = np.zeros((4, len(x)), dtype=complex)
     distance_from_middle = np.abs(x)
     for lower_load, upper_load, slope in curve_parts:
-        begin_half_width = float(contact.half_width(lower_load))
-        end_half_width = float(contact.half_width(upper_load))
-        for panel_ends in _panels_between(contact, begin_half_width, end_half_width):
+        least_half_width = float(contact.half_width(lower_load))
+        largest_half_width = float(contact.half_width(upper_load))
+        for panel_ends in _panels_between(contact, least_half_width, largest_half_width):
             _add_panel_of_punches(potentials, contact, slope, panel_ends, distance_from_middle, y)
+    # To the left of the middle the potentials and derivatives follow by symmetry.
     potentials[:2, x < 0] = -potentials[:2, x < 0].conj()
     potentials[2:, x < 0] = potentials[2:, x < 0].conj()
     return potentials
@@ -908,90 +1073,130 @@ def _panels_between(
 
 
 def _distances_to_nodes(place: ArrayLike, begin: ArrayLike, end: ArrayLike) -> Array:
-    """Distances from `place` of the quadrature nodes between `begin` and `end`, without
+    """Signed distances from `place` to the quadrature nodes between `begin` and `end`, without
     cancellation at either end; a new last axis is that of the nodes.
 
     The nodes are crowded at both ends, for integrands with inverse roots there. The arrays
     broadcast.
     """
-    # RULE_FOR_INVERSE_ROOTS: quadrature rule on a range of length 1.
+    # Distances of its nodes from the begin and from the end of a range of length 1.
     rule = RULE_FOR_INVERSE_ROOTS
-    # Distances of the nodes from 0 and from 1, on a range of length 1.
-    span_length = np.subtract(end, begin)
-    distance_from_begin = np.subtract(begin, place) + span_length * rule.distance_from_begin
-    distance_from_end = np.subtract(end, place) - span_length * rule.distance_from_end
-    return np.where(rule.distance_from_begin < 0.5, distance_from_begin, distance_from_end)
+    range_length = np.subtract(end, begin)
+    distance_by_begin = np.subtract(begin, place) + range_length * rule.distance_from_begin
+    distance_by_end = np.subtract(end, place) - range_length * rule.distance_from_end
+    return np.where(rule.distance_from_begin < 0.5, distance_by_begin, distance_by_end)
 
 
 def _add_panel_of_punches(
     potentials: Complex,
     contact: SymmetricContact,
     slope: Slope,
-    ends: tuple[float, float],
+    panel_ends: tuple[float, float],
     x: Array,
     y: Array,
 ) -> None:
-    """Add to Muskhelishvili's potentials (4, n) at places x >= 0, y <= 0 (n,) a panel of flat
-    punches: those with half-widths between the two `ends` [length].
+    """Add to Muskhelishvili's potentials at n points x >= 0, y <= 0 the flat punches of one panel,
+    a range of half-widths.
 
-    The potentials are N of pressure, T of shear and their derivatives. `slope` is their tangential
-    load per normal load, M', as a function of the load eta. `contact` gives eta of a half-width.
-    The potential of a punch is singular at |x| equal to its half-width. The panel is cut there for
-    points x between its ends.
+    The potential of a punch is singular on the face where x is its half-width. So the quadrature
+    over the half-widths is cut at x for a point with x inside the panel.
+
+    Parameters
+    ----------
+    potentials
+        complex (4, n): N of pressure, T of shear and their derivatives
+    contact
+        normal contact of the profile: the load eta of a half-width
+    slope
+        tangential load of a punch per normal load, M', as a function of eta
+    panel_ends
+        least and largest half-width [length]
+    x, y
+        (n,) coordinates of the points [length]
     """
-    begin_half_width, end_half_width = ends
-    panel_width = end_half_width - begin_half_width
+    least_half_width, largest_half_width = panel_ends
     rule = RULE_FOR_INVERSE_ROOTS
-    # A rule for inverse roots at both ends: distances of its nodes from 0 and from 1, and weights.
-    # Nodes in the lower half of the panel are placed from its begin, the others from its end.
-    is_in_lower_half = rule.distance_from_begin < 0.5
-    half_widths = _distances_to_nodes(0.0, begin_half_width, end_half_width)
+    half_widths = _distances_to_nodes(0.0, least_half_width, largest_half_width)
+    panel_width = largest_half_width - least_half_width
+    # Normal and tangential load of the punches at the nodes, (2, nodes).
+    punch_loads = _loads_of_punches(contact, slope, half_widths, panel_width * rule.weight)
+    # A million pairs of point and node at once bound the memory.
+    points_at_once = _KERNELS_AT_ONCE // len(rule.weight)
 
-    # Normal and tangential load at each node, (2, nodes).
-    loads_of_panel = _loads_of_punches(contact, slope, half_widths, panel_width * rule.weight)
-    is_in_panel = (x > begin_half_width) & (x < end_half_width)
-    # _KERNELS_AT_ONCE: a million pairs of point and node, which bounds the memory.
-    points_at_once = _KERNELS_AT_ONCE // len(rule.distance_from_begin)
-
-    # Points beside the panel, many at once.
+    is_in_panel = (x > least_half_width) & (x < largest_half_width)
     points_beside = np.flatnonzero(~is_in_panel)
     for point_numbers in np.array_split(points_beside, 1 + len(points_beside) // points_at_once):
         distance_to_punch = _distances_to_nodes(
-            x[point_numbers, None], begin_half_width, end_half_width
+            x[point_numbers, None], least_half_width, largest_half_width
         )
-        _add_punches(potentials, point_numbers, loads_of_panel, distance_to_punch, x, y)
+        _add_punches(potentials, point_numbers, punch_loads, distance_to_punch, x, y)
 
-    # Points whose |x| is a half-width of the panel: the panel is cut there into two parts.
     points_in_panel = np.flatnonzero(is_in_panel)
     for point_numbers in np.array_split(
         points_in_panel, 1 + len(points_in_panel) // points_at_once
     ):
-        x_of_points = x[point_numbers, None]
-        # Part of narrower punches, sign -1, then part of wider ones, sign 1.
-        for sign, part_end_half_width in ((-1.0, begin_half_width), (1.0, end_half_width)):
-            part_width = sign * (part_end_half_width - x_of_points)
-            distance_to_punch = sign * part_width * rule.distance_from_begin
-            half_widths = np.where(
-                is_in_lower_half,
-                x_of_points + distance_to_punch,
-                part_end_half_width - sign * part_width * rule.distance_from_end,
-            )
-            loads_of_part = _loads_of_punches(contact, slope, half_widths, part_width * rule.weight)
-            _add_punches(potentials, point_numbers, loads_of_part, distance_to_punch, x, y)
+        for panel_end in panel_ends:
+            _add_punches_up_to_end(potentials, contact, slope, panel_end, point_numbers, x, y)
+
+
+def _add_punches_up_to_end(
+    potentials: Complex,
+    contact: SymmetricContact,
+    slope: Slope,
+    panel_end: float,
+    point_numbers: Indices,
+    x: Array,
+    y: Array,
+) -> None:
+    """Add to Muskhelishvili's potentials at some points x >= 0, y <= 0 the flat punches of
+    half-widths between x itself and `panel_end`, narrower or wider ones [length].
+
+    Parameters
+    ----------
+    potentials
+        complex (4, n): N of pressure, T of shear and their derivatives at all points
+    contact
+        normal contact of the profile: the load eta of a half-width
+    slope
+        tangential load of a punch per normal load, M', as a function of eta
+    point_numbers
+        (m,) numbers of the points
+    x, y
+        (n,) coordinates of all points [length]
+    """
+    # Distances of its nodes from the begin and from the end of a range of length 1, and weights.
+    rule = RULE_FOR_INVERSE_ROOTS
+    x_of_points = x[point_numbers, None]
+    sign = np.where(panel_end > x_of_points, 1.0, -1.0)
+    range_width = sign * (panel_end - x_of_points)
+    distance_to_punch = sign * range_width * rule.distance_from_begin
+    # Without cancellation: each node from the end of the range that is nearer to it.
+    half_widths = np.where(
+        rule.distance_from_begin < 0.5,
+        x_of_points + distance_to_punch,
+        panel_end - sign * range_width * rule.distance_from_end,
+    )
+    punch_loads = _loads_of_punches(contact, slope, half_widths, range_width * rule.weight)
+    _add_punches(potentials, point_numbers, punch_loads, distance_to_punch, x, y)
 
 
 def _loads_of_punches(
     contact: SymmetricContact, slope: Slope, half_widths: Array, node_weights: Array
 ) -> Array:
-    """Normal load d eta and tangential load M' d eta that belong to the flat punches at quadrature
-    nodes, (2, ...) [force per thickness].
+    """Normal load d eta and tangential load M' d eta of the flat punches at quadrature nodes,
+    (2, ...) [force per thickness].
 
-    `slope` is M' as a function of the load eta. `half_widths` (...) are those of the punches,
-    `node_weights` (...) the weights of the nodes as half-widths [length]. `contact.stiffness` is d
-    eta/da.
+    Parameters
+    ----------
+    contact
+        normal contact of the profile: the load eta of a half-width, and d eta/da (`stiffness`)
+    slope
+        tangential load of a punch per normal load, M', as a function of eta
+    half_widths, node_weights
+        (...) half-widths a of the punches, and weights d a of the nodes [length]
     """
-    load_steps = contact.stiffness(half_widths) * node_weights
-    return np.stack([load_steps, load_steps * slope(contact.load(half_widths))])
+    normal_loads = contact.stiffness(half_widths) * node_weights
+    return np.stack([normal_loads, normal_loads * slope(contact.load(half_widths))])
 
 
 def _add_punches(
@@ -1002,21 +1207,23 @@ def _add_punches(
     x: Array,
     y: Array,
 ) -> None:
-    """Add flat punches to Muskhelishvili's potentials (4, n) at some points: N of pressure, T of
-    shear, and their derivatives with respect to z = x + i y.
-
-    A punch of half-width a and unit load adds 1/sqrt(z^2 - a^2).
+    """Add to Muskhelishvili's potentials at some points those of flat punches, 1/sqrt(z^2 - a^2)
+    times the load of a punch of half-width a, z = x + i y.
 
     Parameters
     ----------
+    potentials
+        complex (4, n): N of pressure (normal loads), T of shear (tangential loads), dN/dz, dT/dz at
+        all points. The derivatives are left 0 on the face y = 0
     point_numbers
         (m,) numbers of the points
     punch_loads
-        (2, nodes), or (2, m, nodes): normal and tangential load of the punches at the nodes
+        normal and tangential load of each punch, (2, punches) alike for all points, or (2, m,
+        punches)
     distance_to_punch
-        (m, nodes) a - x [length], of which z^2 - a^2 is formed without cancellation
+        (m, punches) a - x [length], of which z^2 - a^2 is formed without cancellation
     x, y
-        (n,) places of all points [length]
+        (n,) coordinates of all points [length]
     """
     x_of_points = x[point_numbers, None]
     y_of_points = y[point_numbers, None]
@@ -1027,12 +1234,11 @@ def _add_punches(
         -distance_to_punch * (2 * x_of_points + distance_to_punch) - y_of_points * y_of_points
     )
     difference_of_squares.imag = 2 * x_of_points * -np.abs(y_of_points)
-    # 1/sqrt(z^2 - a^2), (m, nodes); the sum over the nodes with the loads of the punches.
     inverse_root = 1 / np.sqrt(difference_of_squares)
     potentials[:2, point_numbers] += np.einsum(
         "...mn,mn->...m" if punch_loads.ndim == 3 else "kn,mn->km", punch_loads, inverse_root
     )
-    # Derivatives -z/(z^2 - a^2)^(3/2) inside the body; on the face they are left 0.
+    # Derivatives -z/(z^2 - a^2)^(3/2), of the points inside the body.
     numbers_in_body = np.flatnonzero(y_of_points[:, 0] != 0)
     if len(numbers_in_body):
         inverse_root_cubed = inverse_root[numbers_in_body] / difference_of_squares[numbers_in_body]
