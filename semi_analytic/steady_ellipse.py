@@ -35,7 +35,7 @@ which P or P_c is the load P_b of a corner of the profile:
 Between corners all three phases are smooth in s. Where P - P_c is no small share of P0, W is taken
 apart into two courses of loads, P and P_c, by parts: w~ is w from the end of slip on, at G or M,
 and L = ln a is all that is asked of the profile, a lookup in one table. Each course is cut at its
-own corners, and pieces crowd to their lower loads: L is a smooth function of sqrt(P - P_b).
+own corners, and intervals crowd to their lower loads: L is a smooth function of sqrt(P - P_b).
 
     W    = (f A/pi) [ -int w~ P' L(P) dt + int (w~ P_c' - w' (P - P_c)) L(P_c) dt ]
 """
@@ -63,7 +63,7 @@ Indices = NDArray[np.intp]
 PHASE_NAMES = ("E-G", "I-J", "J-M")
 # Quadrature nodes that are evaluated at once: arrays of 128 kB and more get fresh memory at every
 # call, which costs half as much again. Places x at once.
-_PIECE_NODES_AT_ONCE = 16000
+_INTERVAL_NODES_AT_ONCE = 16000
 _POINTS_AT_ONCE = 500
 # An interval has converged where every second node alone changes this share of W, which leaves
 # 2e-14 or less (10 times as much where P hardly grows). After a few halvings this share of P0^2 is
@@ -420,12 +420,13 @@ def work_density_of(
 def _work_density_of_phases(
     ellipses: Ellipses, contact: Contact, x: Array, node_stride: int
 ) -> Array:
-    """Friction work per area W(x) pi E*/(2 f^2) in each phase of slip, (3, m), for ellipse k at |x|
-    = x[k]: the integral of p w'/f arccosh(|x|/c) over the time.
+    """Friction work per area W(x) in each phase of slip of m load ellipses, times pi E*/(2 f^2),
+    (3, m), at one |x| for each: the integral of p w'/f arccosh(|x|/c) over the time.
 
-    w = +-Q - f P grows in slip; c is the half-width of stick. The phases are E-G (reverse slip),
-    I-J and J-M (forward slip). `contact` gives P(a), p(x, P) and arccosh(|x|/c). `ellipses` and `x`
-    are columns (m, 1); `node_stride` 2 takes every second node of the rule.
+    w = +-Q - f P grows in slip, and (A/pi) w' arccosh(|x|/c) is the slip rate at x; c is the
+    half-width of stick, A = 2/E*. The phases are E-G (reverse slip), I-J and J-M (forward slip).
+    `contact` gives P(a), p(x, P) and arccosh(|x|/c). `ellipses` and `x` are columns (m, 1);
+    `node_stride` 2 takes every second node of the quadrature rule.
     """
     # P_x, under which the edge of contact is at x
     load_at_x = contact.load(x)
@@ -439,30 +440,30 @@ def _work_density_of_phases(
     )
     density = np.zeros((len(PHASE_NAMES), len(x)))
     for phase_number, begin, end in ranges_of_slip:
-        # pieces of the range of slip, between cuts, of every ellipse
+        # intervals of the range of slip, between cuts, of every ellipse
         inner_cut_angles = np.clip(cuts_of_phases[phase_number].T, begin, np.maximum(begin, end))
         cut_angles = np.concatenate([begin, inner_cut_angles, end], axis=1)
-        ellipse_of_piece, cut_number = np.nonzero(cut_angles[:, 1:] > cut_angles[:, :-1])
-        if not len(ellipse_of_piece):
+        ellipse_of_interval, cut_number = np.nonzero(cut_angles[:, 1:] > cut_angles[:, :-1])
+        if not len(ellipse_of_interval):
             continue
 
-        # graded to singular ends: angles and weights, (pieces, nodes)
+        # graded to singular ends: angles and weights, (intervals, nodes)
         angle_in_phase, weights = graded_nodes(
-            cut_angles[ellipse_of_piece, cut_number],
-            cut_angles[ellipse_of_piece, cut_number + 1],
+            cut_angles[ellipse_of_interval, cut_number],
+            cut_angles[ellipse_of_interval, cut_number + 1],
             node_stride,
         )
         density_at_nodes = _weighted_work_rate_at_points(
             rate_and_loads_in_phase(
-                PHASE_NAMES[phase_number], ellipses.take(ellipse_of_piece), angle_in_phase
+                PHASE_NAMES[phase_number], ellipses.take(ellipse_of_interval), angle_in_phase
             ),
             weights,
             contact,
-            x[ellipse_of_piece],
-            load_at_x[ellipse_of_piece],
+            x[ellipse_of_interval],
+            load_at_x[ellipse_of_interval],
         )
-        # add the pieces of each ellipse
-        np.add.at(density[phase_number], ellipse_of_piece, np.sum(density_at_nodes, axis=1))
+        # add the intervals of each ellipse
+        np.add.at(density[phase_number], ellipse_of_interval, np.sum(density_at_nodes, axis=1))
     return density
 
 
@@ -563,10 +564,10 @@ _LEAST_DIVISOR = 1e-100
 _LEAST_SHARE_OF_MEAN_LOAD = 1e-200
 
 
-# ------------------------------------------------- any profile: pieces of phases, and series of Lam
+# ---------------------------------------------- any profile: intervals of phases, and series of Lam
 
 
-class PieceRule(NamedTuple):
+class IntervalRule(NamedTuple):
     """Quadrature rule on [0, 1], whose nodes are held as signed distances from an end.
 
     Attributes
@@ -587,7 +588,7 @@ class PieceRule(NamedTuple):
     error_checks: Array
 
 
-def _graded_piece_rule() -> PieceRule:
+def _graded_interval_rule() -> IntervalRule:
     """The graded quadrature rule on [0, 1], for integrands singular at the ends, with its error
     check. That takes every second node alone: weights -w and w in turn, whose sum over an integrand
     is 0 but for the error.
@@ -603,10 +604,10 @@ def _graded_piece_rule() -> PieceRule:
         GRADED_RULE.distance_from_begin[:, None],
         -GRADED_RULE.distance_from_end[:, None],
     )
-    return PieceRule(distance_from_end, is_in_lower_half, weights, error_check[None])
+    return IntervalRule(distance_from_end, is_in_lower_half, weights, error_check[None])
 
 
-def _legendre_piece_rule(n_nodes: int, n_crowded_ends: int) -> PieceRule:
+def _legendre_interval_rule(n_nodes: int, n_crowded_ends: int) -> IntervalRule:
     """Gauss' rule of `n_nodes` nodes on [0, 1] for integrands with square roots at the ends: nodes
     as signed distances from an end, and weights. Its error checks are the last three Legendre
     coefficients of the integrand.
@@ -634,16 +635,16 @@ def _legendre_piece_rule(n_nodes: int, n_crowded_ends: int) -> PieceRule:
         starts_at_lower_end = nodes[:, None] < 0.5
         distance_from_end = np.where(starts_at_lower_end, crowded_distance, -crowded_distance)
     # distances, the end from which they count, weights, weights of the error checks
-    return PieceRule(
+    return IntervalRule(
         distance_from_end, starts_at_lower_end, weights, weights * coefficients_of_values
     )
 
 
 # For all that is singular; for intervals of slip phases without corners, and for others; for those
 # of one course of a load, by length up to these [rad].
-_GRADED_RULES = (_graded_piece_rule(),)
-_PHASE_RULES = (_legendre_piece_rule(20, 0), _legendre_piece_rule(24, 2))
-_COURSE_RULES = tuple(_legendre_piece_rule(n_nodes, 1) for n_nodes in (8, 10, 12, 16, 24))
+_GRADED_RULES = (_graded_interval_rule(),)
+_PHASE_RULES = (_legendre_interval_rule(20, 0), _legendre_interval_rule(24, 2))
+_COURSE_RULES = tuple(_legendre_interval_rule(n_nodes, 1) for n_nodes in (8, 10, 12, 16, 24))
 _COURSE_RULE_LENGTHS = np.array([0.1, 0.3, 0.6, 1.0])
 # The share of W below which the three last coefficients have converged: they fall like a power
 # where two corners are close, and leave 1e-3 of themselves. In courses of loads the share is one of
@@ -663,10 +664,10 @@ _FEW_ELLIPSES = 100
 _ELLIPSES_WITHOUT_TABLE = 8
 
 Kernel = Callable[[Array, Array], Array]
-"""Lam from P and P - P_c, (nodes, pieces) each."""
+"""Lam from P and P - P_c, (nodes, intervals) each."""
 
 
-class AnglePieces(NamedTuple):
+class AngleIntervals(NamedTuple):
     """Intervals of angle [rad] over which the work of ellipses is integrated, sorted by group.
 
     A group is a phase of slip, or a course: one load, P or P_c, through a phase.
@@ -692,23 +693,23 @@ class AnglePieces(NamedTuple):
     @classmethod
     def of_group(
         cls, group: int, ellipse: Indices, begin: Array, end: Array, rule: Indices
-    ) -> AnglePieces:
+    ) -> AngleIntervals:
         """Intervals of one group from the angles `begin` to `end`."""
         return cls(np.full(len(ellipse), group), ellipse, begin, end, rule)
 
     @classmethod
-    def joined(cls, parts: Sequence[AnglePieces]) -> AnglePieces:
+    def joined(cls, parts: Sequence[AngleIntervals]) -> AngleIntervals:
         """The intervals of all `parts`, one after the other."""
         return cls._make(np.concatenate(column) for column in zip(*parts, strict=True))
 
-    def take(self, numbers: Indices | NDArray[np.bool_]) -> AnglePieces:
+    def take(self, numbers: Indices | NDArray[np.bool_]) -> AngleIntervals:
         """The intervals of the given numbers, or of a mask."""
-        return AnglePieces._make(column[numbers] for column in self)
+        return AngleIntervals._make(column[numbers] for column in self)
 
-    def halved(self) -> AnglePieces:
+    def halved(self) -> AngleIntervals:
         """Both halves of each interval, side by side so that groups stay in order."""
         middle_angle = (self.begin_angle + self.end_angle) / 2
-        return AnglePieces(
+        return AngleIntervals(
             group=np.repeat(self.group, 2),
             ellipse=np.repeat(self.ellipse, 2),
             begin_angle=np.ravel([self.begin_angle, middle_angle], order="F"),
@@ -919,8 +920,8 @@ def _dissipation_of_group(
     """Friction work of forward and of reverse slip times pi E*/(2 f^2), and an upper bound of the
     error of their sum, (3, m).
 
-    The method follows from `slip_zone_load_scale`, the largest P - P_c to a factor of two, over the
-    mean load P0:
+    The method follows from how deep the slip zones are: `slip_zone_load_scale`, the largest P - P_c
+    to a factor of two, over the mean load P0:
 
     - above 0.002, integrals over the loads P and P_c;
     - above 1e-6, the kernel Lam = int ln(a(eta)/a(P_c)) d eta by a table of ln a;
@@ -1005,33 +1006,33 @@ def _work_over_phases(
     ellipses: Ellipses,
     contact: Contact,
     kernel: Kernel,
-    rules: tuple[PieceRule, ...],
+    rules: tuple[IntervalRule, ...],
     converged_share: float,
 ) -> Array:
     """Friction work of forward and of reverse slip times pi E*/(2 f^2), and the error of their sum,
     (3, m), by integrals over time.
 
-    The integrand in each phase of slip is w'/f `kernel`(P, P - P_c), the kernel int
-    ln(a(eta)/a(P_c)) d eta over P_c < eta < P. w = +-Q - f P grows in slip; w' is its rate. P_c is
-    the load at the stick edge, a the contact half-width. Phases are cut where an edge passes a
-    corner of the profile. Each interval of angle is integrated by one of the `rules` and halved
-    until its error check is below `converged_share` of W.
+    The integrand in each phase of slip is w'/f Lam, with Lam = int ln(a(eta)/a(P_c)) d eta from P_c
+    to P, which is `kernel`(P, P - P_c). w = +-Q - f P grows in slip; w' is its rate. P_c is the
+    load at the stick edge, a the contact half-width. Phases are cut where an edge passes a corner
+    of the profile. Each interval is integrated by one of the quadrature `rules`, and halved until
+    its error check is below `converged_share` of W.
     """
 
-    def work_rate(phase: Indices, ellipse_of_piece: Indices, angle_in_phase: Array) -> Array:
+    def work_rate(phase: Indices, ellipse_of_interval: Indices, angle_in_phase: Array) -> Array:
         """w'/f Lam at angles (nodes, n) in the given phases (n,) of the given ellipses (n,).
         w = +-Q - f P grows in slip; `kernel` gives Lam, the kernel of the friction work, from P and
         P - P_c, P_c the load at the stick edge.
         """
-        rate_of_w, slip_zone_load, load = _rates_and_loads_of_pieces(
-            ellipses, phase, ellipse_of_piece, angle_in_phase
+        rate_of_w, slip_zone_load, load = _rates_and_loads_in_intervals(
+            ellipses, phase, ellipse_of_interval, angle_in_phase
         )
         return rate_of_w * kernel(load, np.minimum(slip_zone_load, load))
 
     # (phases, m) and (m,)
     works_of_phases, error = _integrals_by_group(
         ellipses,
-        _pieces_of_phases(ellipses, contact.corner_loads, len(rules)),
+        _intervals_of_phases(ellipses, contact.corner_loads, len(rules)),
         len(PHASE_NAMES),
         work_rate,
         rules,
@@ -1041,12 +1042,13 @@ def _work_over_phases(
     return np.stack([early_forward_work + later_forward_work, reverse_work, error])
 
 
-def _pieces_of_phases(ellipses: Ellipses, corner_loads: Array, n_rules: int) -> AnglePieces:
-    """Intervals of angle [rad] of the phases of slip, E-G (reverse), I-J and J-M (forward), of m
-    ellipses; cut where the edge of contact or of stick passes a corner of the profile.
+def _intervals_of_phases(ellipses: Ellipses, corner_loads: Array, n_rules: int) -> AngleIntervals:
+    """Intervals of angle [rad] in which the friction work is smooth, in each phase of slip of m
+    load ellipses: E-G (reverse), I-J and J-M (forward).
 
-    `corner_loads` (n,) are the loads of these corners. Where there are two rules (`n_rules`), whole
-    phases take the first one, intervals that end at a corner the second one. Ellipses in which
+    A phase is cut where the edge of contact or of stick passes a corner of the profile, of which
+    `corner_loads` (n,) are the loads. Where there are two quadrature rules (`n_rules`), a whole
+    phase takes the first one, an interval that ends at a corner the second one. Ellipses in which
     nothing slips have no interval.
     """
     # A corner that is nearly met counts too; permanent_stick_load: least load at the stick edge.
@@ -1057,44 +1059,44 @@ def _pieces_of_phases(ellipses: Ellipses, corner_loads: Array, n_rules: int) -> 
         ellipses.mean_load + ellipses.load_amplitude, initial=0.0
     )
     corners_in_range = corner_loads[is_above_least_load & is_below_largest_load, None]
-    pieces_of_phases = []
+    intervals_of_phases = []
     # (cuts, m) ascending, for each phase
     for phase_number, cut_angles in enumerate(
         cut_angles_of_phases(ellipses, corners_in_range).values()
     ):
         has_length = np.diff(cut_angles, axis=0) > 1e-14 * cut_angles[-1]
-        # pieces with a length, of ellipses in which something slips
-        ellipse_of_piece, cut_number = np.nonzero(
+        # intervals with a length, of ellipses in which something slips
+        ellipse_of_interval, cut_number = np.nonzero(
             has_length.T & (ellipses.slip_zone_load_scale > 0)[:, None]
         )
-        begin_angle = cut_angles[cut_number, ellipse_of_piece]
-        end_angle = cut_angles[cut_number + 1, ellipse_of_piece]
+        begin_angle = cut_angles[cut_number, ellipse_of_interval]
+        end_angle = cut_angles[cut_number + 1, ellipse_of_interval]
         # The second rule, if there is one, for intervals that end at a corner.
-        is_part_of_phase = end_angle - begin_angle < cut_angles[-1, ellipse_of_piece]
+        is_part_of_phase = end_angle - begin_angle < cut_angles[-1, ellipse_of_interval]
         rule_number = np.minimum(is_part_of_phase, n_rules - 1)
-        pieces_of_phases.append(
-            AnglePieces.of_group(
-                phase_number, ellipse_of_piece, begin_angle, end_angle, rule_number
+        intervals_of_phases.append(
+            AngleIntervals.of_group(
+                phase_number, ellipse_of_interval, begin_angle, end_angle, rule_number
             )
         )
-    return AnglePieces.joined(pieces_of_phases)
+    return AngleIntervals.joined(intervals_of_phases)
 
 
-def _rates_and_loads_of_pieces(
-    ellipses: Ellipses, phase: Indices, ellipse_of_piece: Indices, angle_in_phase: Array
+def _rates_and_loads_in_intervals(
+    ellipses: Ellipses, phase: Indices, ellipse_of_interval: Indices, angle_in_phase: Array
 ) -> Array:
     """Rate of w/f = (+-Q - f P)/f per rad, P - P_c and P at angles (nodes, n) of n intervals,
     (3, nodes, n); P_c is the load at the stick edge.
 
     `phase` (n,) is the number of each interval's phase of slip, in ascending order, and
-    `ellipse_of_piece` (n,) that of its ellipse. Angles count as in `rate_and_loads_in_phase`: from
-    the begin of E-G and I-J, back from the end of J-M.
+    `ellipse_of_interval` (n,) that of its ellipse. Angles count from the begin of E-G (reverse
+    slip) and I-J, and back from the end of J-M (forward slip).
     """
     rates_and_loads = np.empty((3, *angle_in_phase.shape))
     for phase_number, name in enumerate(PHASE_NAMES):
-        # the pieces of one phase, which stand side by side
+        # the intervals of one phase, which stand side by side
         columns = slice(*np.searchsorted(phase, [phase_number, phase_number + 1]))
-        ellipses_of_columns = ellipses.take(ellipse_of_piece[columns])
+        ellipses_of_columns = ellipses.take(ellipse_of_interval[columns])
         for values, values_in_phase in zip(
             rates_and_loads,
             rate_and_loads_in_phase(name, ellipses_of_columns, angle_in_phase[:, columns]),
@@ -1111,28 +1113,32 @@ def _work_over_loads(
     ellipses: Ellipses, corner_loads: Array, log_half_width: Callable[[Array], Array]
 ) -> Array:
     """Friction work of forward and of reverse slip times pi E*/(2 f^2), and the error of their sum,
-    (3, m), by integration over loads instead of over time.
+    (3, m), from ln a alone; a is the contact half-width as a function of the load.
 
-    Integrated by parts, W is a sum of integrals of `log_half_width` = ln a over P and over P_c, the
-    load at the stick edge; a is the contact half-width as a function of the load. P0 and P1 are
-    `mean_load` and `load_amplitude`. A course is one of these loads through one phase of slip: E-G
-    (reverse), I-J or J-M (forward). Courses are cut at the `corner_loads` (n,) of the profile,
-    between which ln a is smooth.
+    The work in time is the integral of w'/f int_{P_c}^P ln(a(eta)/a(P_c)) d eta; w = +-Q - f P
+    grows in slip. Integrated by parts, it has ln a(P) and ln a(P_c) with a weight each, and no
+    inner integral.
+
+    A course is one of the loads, P or P_c at the stick edge, through one phase of slip: E-G
+    (reverse), I-J or J-M (forward); I-M is both of these. Courses are cut at the `corner_loads`
+    (n,) of the profile, between which `log_half_width`, ln a, is smooth.
     """
-    # ln a counts from that of P0: what is left of any constant is round-off.
+    # ln a counts from that of P0, the mean load: what is left of any constant is round-off.
     log_at_mean_load = log_half_width(ellipses.mean_load[None])[0]
 
-    def weighted_log(course: Indices, ellipse_of_piece: Indices, angle: Array) -> Array:
+    def weighted_log(course: Indices, ellipse_of_interval: Indices, angle: Array) -> Array:
         """Weight times ln(a/a(P0)) at angles (nodes, n) along the courses (n,) of ellipses (n,), a
         the contact half-width, P0 the mean load.
         """
-        weight, load = _log_weights_and_loads_of_pieces(ellipses, course, ellipse_of_piece, angle)
-        return weight * (log_half_width(load) - log_at_mean_load[ellipse_of_piece])
+        weight, load = _log_weights_and_loads_in_intervals(
+            ellipses, course, ellipse_of_interval, angle
+        )
+        return weight * (log_half_width(load) - log_at_mean_load[ellipse_of_interval])
 
     # (courses, m) and (m,); checks are taken relative to 50 P0^2 at least
     works_of_courses, error = _integrals_by_group(
         ellipses,
-        _pieces_of_courses(ellipses, corner_loads),
+        _intervals_of_courses(ellipses, corner_loads),
         len(_COURSE_NAMES),
         weighted_log,
         _COURSE_RULES,
@@ -1153,23 +1159,23 @@ def _work_over_loads(
     return np.stack([forward_work, reverse_work, error])
 
 
-def _log_weights_and_loads_of_pieces(
-    ellipses: Ellipses, course: Indices, ellipse_of_piece: Indices, angle: Array
+def _log_weights_and_loads_in_intervals(
+    ellipses: Ellipses, course: Indices, ellipse_of_interval: Indices, angle: Array
 ) -> Array:
     """Weight of ln a per rad in the friction work, and the load, at angles (nodes, n) of n
     intervals, (2, nodes, n); a is the contact half-width under that load.
 
     A course is P, or P_c at the stick edge, through a phase of slip. `course` (n,) is its number
-    for each interval, in ascending order, and `ellipse_of_piece` (n,) that of the ellipse. The
+    for each interval, in ascending order, and `ellipse_of_interval` (n,) that of the ellipse. The
     angle is the variable of `log_weight_and_load`: t along P, for instance.
     """
     weights_and_loads = np.empty((2, *angle.shape))
     # _COURSE_NAMES: "P, E-G", "P, I-M", "P_c, E-G", "P_c, I-J", "P_c, J-M"
     for course_number, name in enumerate(_COURSE_NAMES):
-        # the pieces of one course, which stand side by side
+        # the intervals of one course, which stand side by side
         columns = slice(*np.searchsorted(course, [course_number, course_number + 1]))
         weight, load = log_weight_and_load(
-            name, ellipses.take(ellipse_of_piece[columns]), angle[:, columns]
+            name, ellipses.take(ellipse_of_interval[columns]), angle[:, columns]
         )
         weights_and_loads[0][:, columns] = weight
         weights_and_loads[1][:, columns] = load
@@ -1186,7 +1192,7 @@ class _Course(NamedTuple):
         (m,) first and last angle
     inner_cuts
         angles, (c, m) each, at which the course is cut, if they lie within it
-    is_angle_of_cosine
+    load_is_cosine
         whether the load is P0 + P1 cos(angle), so that it grows from pi to 2 pi; else it grows with
         the angle
     """
@@ -1194,52 +1200,53 @@ class _Course(NamedTuple):
     begin: Array
     end: Array
     inner_cuts: tuple[Array, ...]
-    is_angle_of_cosine: bool
+    load_is_cosine: bool
 
 
-def _pieces_of_courses(ellipses: Ellipses, corner_loads: Array) -> AnglePieces:
-    """Intervals of angle [rad] for the integrals over P and over P_c, the load at the stick edge;
-    cut where P or P_c is one of the `corner_loads` (n,), the loads of the profile's corners.
+def _intervals_of_courses(ellipses: Ellipses, corner_loads: Array) -> AngleIntervals:
+    """Intervals of angle [rad] in which friction work is integrated along the courses of the loads;
+    in each the load is monotonic, and the contact half-width smooth.
 
-    Groups of intervals are courses, P or P_c through one phase of slip. In this order: P in E-G
-    (reverse slip), P in I-M (forward slip), P_c in E-G, in I-J and in J-M. An interval begins at
-    its lower load; within it the load is monotonic.
+    A course is P, or P_c at the stick edge, through one phase of slip. It is cut where its load is
+    one of the `corner_loads` (n,) of the profile. The groups of intervals are the five courses: P
+    in E-G (reverse slip), P in I-M (forward slip), P_c in E-G, in I-J and in J-M. An interval
+    begins at its lower load, to which the nodes of the rules crowd.
     """
-    pieces_of_courses = []
+    intervals_of_courses = []
     for course_number, course in enumerate(_courses_of_loads(ellipses, corner_loads)):
-        begin, end, inner_cuts, is_angle_of_cosine = course
+        # first and last angle (m,), and angles at which the course is cut if they are between
+        begin, end, inner_cuts, load_is_cosine = course
         unsorted_angles = np.concatenate([begin[None], *inner_cuts, end[None]])
         cut_angles = np.sort(np.clip(unsorted_angles, begin, np.maximum(begin, end)), axis=0)
-        ellipse_of_piece, cut_number = np.nonzero((np.diff(cut_angles, axis=0) > 1e-14).T)
-        begin_angle = cut_angles[cut_number, ellipse_of_piece]
-        end_angle = cut_angles[cut_number + 1, ellipse_of_piece]
-        if is_angle_of_cosine:
-            # The load grows from pi to 2 pi; else the ends change places.
+        ellipse_of_interval, cut_number = np.nonzero((np.diff(cut_angles, axis=0) > 1e-14).T)
+        begin_angle = cut_angles[cut_number, ellipse_of_interval]
+        end_angle = cut_angles[cut_number + 1, ellipse_of_interval]
+        if load_is_cosine:
+            # P0 + P1 cos(angle) grows from pi to 2 pi; where it falls the ends change places.
             load_grows = (begin_angle + end_angle) / (2 * math.pi) % 2 > 1
             begin_angle, end_angle = np.where(
                 load_grows, [begin_angle, end_angle], [end_angle, begin_angle]
             )
         # one of five rules, by the length of the interval, up to 0.1, 0.3, 0.6, 1 rad and more
         rule_number = np.searchsorted(_COURSE_RULE_LENGTHS, np.abs(end_angle - begin_angle))
-        pieces_of_courses.append(
-            AnglePieces.of_group(
-                course_number, ellipse_of_piece, begin_angle, end_angle, rule_number
+        intervals_of_courses.append(
+            AngleIntervals.of_group(
+                course_number, ellipse_of_interval, begin_angle, end_angle, rule_number
             )
         )
-    return AnglePieces.joined(pieces_of_courses)
+    return AngleIntervals.joined(intervals_of_courses)
 
 
 def _courses_of_loads(ellipses: Ellipses, corner_loads: Array) -> tuple[_Course, ...]:
-    """The five courses of loads over which the friction work is integrated: P in E-G (reverse slip)
-    and in I-M (forward slip), P_c in E-G, in I-J and in J-M.
+    """The five courses of loads along which the friction work is integrated, each with its range of
+    angle and the angles at which it is cut: P in E-G (reverse slip) and in I-M (forward slip), P_c
+    in E-G, in I-J and in J-M.
 
-    # notation: t time in P = P0 + P1 cos t; P_c load at the stick edge, `permanent_stick_load` its
-    #           least value; t_E the time at which E-G begins; D (`slip_angle`) length of E-G
-    #           and of J-M; P0, P1 `mean_load`, `load_amplitude`; t_I begin of forward slip
-
-    Cuts are where P or P_c is one of the `corner_loads` (n,), the loads of the profile's corners,
-    and where P is largest or least. Angles are t along P, 2 t_I - t along P_c in I-J, and count
-    back from the end of the phase along P_c in E-G and J-M.
+    P_c is the load at the stick edge, `permanent_stick_load` the least P_c. Cuts are where P or P_c
+    is one of the `corner_loads` (n,), the loads of the profile's corners, and where P is largest or
+    least. The angle is the time t of P = P0 + P1 cos t along P, 2 t_I - t along P_c in I-J, with
+    t_I the begin of forward slip. Along P_c in E-G and J-M it counts back from the end of the
+    phase. E-G and J-M are `slip_angle` long; E-G begins at `slip_start`, and I half a turn later.
     """
     is_in_range = (corner_loads > 0.99 * np.min(ellipses.permanent_stick_load)) & (
         corner_loads < np.max(ellipses.mean_load + ellipses.load_amplitude)
@@ -1247,7 +1254,7 @@ def _courses_of_loads(ellipses: Ellipses, corner_loads: Array) -> tuple[_Course,
     corner_loads = corner_loads[is_in_range, None]
     begin_of_reverse_slip = ellipses.slip_start
     full_turn = 2 * math.pi
-    # `load_moves` is False for constant P
+    # t in [0, pi] at which P is the load of a corner; `load_moves` is False for constant P
     cosine_at_corner = (corner_loads - ellipses.mean_load) / np.where(
         ellipses.load_moves, ellipses.load_amplitude, np.inf
     )
@@ -1271,6 +1278,7 @@ def _courses_of_loads(ellipses: Ellipses, corner_loads: Array) -> tuple[_Course,
         full_turn + angle_at_corner,
     )
     end_of_reverse_slip = begin_of_reverse_slip + ellipses.slip_angle
+    # True: the load is P0 + P1 cos(angle), P0 the mean load, P1 its amplitude
     return (
         _Course(begin_of_reverse_slip, end_of_reverse_slip, cuts_of_load_in_reverse_slip, True),
         _Course(
@@ -1379,7 +1387,7 @@ def _log_weight_and_stick_edge_load(
     return weight, ellipses.permanent_stick_load + load_above_permanent_stick
 
 
-class _SumsOfPieces(NamedTuple):
+class _SumsOfIntervals(NamedTuple):
     """Sums over intervals of angle that have converged.
 
     A group is a phase of slip, or one load, P or P_c at the stick edge, through a phase.
@@ -1395,20 +1403,20 @@ class _SumsOfPieces(NamedTuple):
     works_of_groups: Array
     error_of_ellipse: Array
 
-    def add(self, pieces: AnglePieces, integrals: Array, errors: Array) -> None:
+    def add(self, intervals: AngleIntervals, integrals: Array, errors: Array) -> None:
         """Add the integrals and errors of n intervals, (n,) each, to the sums of the groups and
         ellipses that these belong to.
         """
-        np.add.at(self.works_of_groups, (pieces.group, pieces.ellipse), integrals)
-        np.add.at(self.error_of_ellipse, pieces.ellipse, errors)
+        np.add.at(self.works_of_groups, (intervals.group, intervals.ellipse), integrals)
+        np.add.at(self.error_of_ellipse, intervals.ellipse, errors)
 
 
 def _integrals_by_group(
     ellipses: Ellipses,
-    pieces: AnglePieces,
+    intervals: AngleIntervals,
     n_groups: int,
     integrand: Callable[[Indices, Indices, Array], Array],
-    rules: tuple[PieceRule, ...],
+    rules: tuple[IntervalRule, ...],
     converged_share: float,
     least_work: float = 0.0,
 ) -> tuple[Array, Array]:
@@ -1421,7 +1429,7 @@ def _integrals_by_group(
 
     Parameters
     ----------
-    pieces
+    intervals
         the intervals: number of group and ellipse, first and last angle, number of the rule
     integrand
         function of arrays: group (n,), ellipse (n,) and angle (nodes, n) of n intervals
@@ -1435,36 +1443,40 @@ def _integrals_by_group(
     """
     n_ellipses = len(ellipses.mean_load)
     if n_ellipses < _FEW_ELLIPSES:  # one rule: the number of calls costs, not the nodes
-        pieces = pieces._replace(rule_number=np.full(len(pieces.rule_number), len(rules) - 1))
+        intervals = intervals._replace(
+            rule_number=np.full(len(intervals.rule_number), len(rules) - 1)
+        )
         least_work = 0.0
     squared_mean_load = np.square(ellipses.mean_load)
-    sums = _SumsOfPieces(np.zeros((n_groups, n_ellipses)), np.zeros(n_ellipses))
+    sums = _SumsOfIntervals(np.zeros((n_groups, n_ellipses)), np.zeros(n_ellipses))
     largest_check_allowed = np.zeros(n_ellipses)
     for n_halvings_so_far in range(_MOST_HALVINGS + 1):
         # of each interval, (n,): its integral, and the largest of its error checks
-        integrals, largest_checks = _piece_integrals(pieces, integrand, rules)
-        ellipse_of_piece = pieces.ellipse
+        integrals, largest_checks = _integrals_of_intervals(intervals, integrand, rules)
+        ellipse_of_interval = intervals.ellipse
         if not n_halvings_so_far:
-            work_of_ellipse = np.bincount(ellipse_of_piece, integrals, n_ellipses)
+            work_of_ellipse = np.bincount(ellipse_of_interval, integrals, n_ellipses)
             reference_work = np.maximum(work_of_ellipse, least_work * squared_mean_load)
             largest_check_allowed = converged_share * reference_work
-        has_converged, piece_errors = _convergence_of_pieces(
+        has_converged, interval_errors = _convergence_of_intervals(
             largest_checks,
-            largest_check_allowed[ellipse_of_piece],
-            squared_mean_load[ellipse_of_piece],
+            largest_check_allowed[ellipse_of_interval],
+            squared_mean_load[ellipse_of_interval],
             n_halvings_so_far,
         )
-        sums.add(pieces.take(has_converged), integrals[has_converged], piece_errors[has_converged])
+        sums.add(
+            intervals.take(has_converged), integrals[has_converged], interval_errors[has_converged]
+        )
         # the others are halved
-        pieces = pieces.take(~has_converged).halved()
-        if not len(pieces.ellipse):
+        intervals = intervals.take(~has_converged).halved()
+        if not len(intervals.ellipse):
             break
     # what has not converged after fifteen halvings
-    sums.works_of_groups[pieces.group, pieces.ellipse] = np.nan
+    sums.works_of_groups[intervals.group, intervals.ellipse] = np.nan
     return sums.works_of_groups, sums.error_of_ellipse
 
 
-def _convergence_of_pieces(
+def _convergence_of_intervals(
     largest_checks: Array, largest_check_allowed: Array, squared_mean_load: Array, n_halvings: int
 ) -> tuple[NDArray[np.bool_], Array]:
     """Whether the integral over each of n intervals of angle has converged, and an upper bound of
@@ -1491,44 +1503,51 @@ def _convergence_of_pieces(
     is_check_negligible = largest_checks <= _NEGLIGIBLE_CHECK_SHARE * squared_mean_load
     # _FEW_HALVINGS = 3
     has_converged = is_check_small | ((n_halvings >= _FEW_HALVINGS) & is_check_negligible)
-    piece_errors = largest_checks * np.where(
+    interval_errors = largest_checks * np.where(
         is_check_small, _ERROR_OVER_SMALL_CHECK, _ERROR_OVER_LARGE_CHECK
     )
-    return has_converged, piece_errors
+    return has_converged, interval_errors
 
 
-def _piece_integrals(
-    pieces: AnglePieces,
+def _integrals_of_intervals(
+    intervals: AngleIntervals,
     integrand: Callable[[Indices, Indices, Array], Array],
-    rules: tuple[PieceRule, ...],
+    rules: tuple[IntervalRule, ...],
 ) -> tuple[Array, Array]:
-    """Integral over each interval of angle by the quadrature rule that it names, (n,), and the
-    largest of that rule's error checks, (n,): sums that are 0 but for the error.
+    """Integral of a function over each of n intervals of angle [rad] by quadrature, (n,), and the
+    largest error check of each, (n,).
 
-    `integrand` takes arrays of group and ellipse (n,) and angle (nodes, n). Each of the `rules`
-    holds its nodes as signed distances from one end of the interval [0, 1], its weights and those
-    of its error checks. The `pieces` are intervals from `begin_angle` to `end_angle` with the
-    number of their rule. Intervals of one rule are taken together, as many as fit the cache: 16,000
-    nodes.
+    An error check is a weighted sum over the nodes that is 0 but for the error of the integral. The
+    intervals of one rule are taken together, as many as fit the cache: 16,000 nodes.
+
+    Parameters
+    ----------
+    intervals
+        from `begin_angle` to `end_angle`; numbers of group, ellipse and quadrature rule of each
+    integrand
+        function of arrays: group (n,), ellipse (n,) and angle (nodes, n)
+    rules
+        quadrature rules on [0, 1]: nodes as signed distances from one end, their weights, and those
+        of the error checks
     """
-    integrals = np.empty(len(pieces.ellipse))
-    largest_checks = np.empty(len(pieces.ellipse))
+    integrals = np.empty(len(intervals.ellipse))
+    largest_checks = np.empty(len(intervals.ellipse))
     for rule_number, rule in enumerate(rules):
-        numbers_of_rule = np.flatnonzero(pieces.rule_number == rule_number)
-        pieces_at_once = _PIECE_NODES_AT_ONCE // len(rule.weight)
-        for first_piece in range(0, len(numbers_of_rule), pieces_at_once):
-            numbers = numbers_of_rule[first_piece : first_piece + pieces_at_once]
-            begin_angle = pieces.begin_angle[numbers]
-            end_angle = pieces.end_angle[numbers]
+        numbers_of_rule = np.flatnonzero(intervals.rule_number == rule_number)
+        intervals_at_once = _INTERVAL_NODES_AT_ONCE // len(rule.weight)
+        for first_interval in range(0, len(numbers_of_rule), intervals_at_once):
+            numbers = numbers_of_rule[first_interval : first_interval + intervals_at_once]
+            begin_angle = intervals.begin_angle[numbers]
+            end_angle = intervals.end_angle[numbers]
             angle = (
                 np.where(rule.starts_at_lower_end, begin_angle, end_angle)
                 + (end_angle - begin_angle) * rule.distance_from_end
             )
-            values_at_nodes = integrand(pieces.group[numbers], pieces.ellipse[numbers], angle)
-            piece_length = np.abs(end_angle - begin_angle)
-            integrals[numbers] = rule.weight @ values_at_nodes * piece_length
+            values_at_nodes = integrand(intervals.group[numbers], intervals.ellipse[numbers], angle)
+            interval_length = np.abs(end_angle - begin_angle)
+            integrals[numbers] = rule.weight @ values_at_nodes * interval_length
             largest_checks[numbers] = (
-                np.max(np.abs(rule.error_checks @ values_at_nodes), axis=0) * piece_length
+                np.max(np.abs(rule.error_checks @ values_at_nodes), axis=0) * interval_length
             )
     return integrals, largest_checks
 
