@@ -293,17 +293,18 @@ class _NestedCompliance:
         load_or_movement: Array,
         actuator_compliance: float | None,
     ) -> tuple[Array, Array, Array]:
-        """Nodal forces F, rigid motion r of the body and nodal displacements C F - r, in m load
-        cases. The first k nodes are held at known displacements, the others carry known forces; C
-        is the compliance matrix (`self.compliance`).
+        """Nodal forces F, rigid motion r of the body and nodal displacements C F - r under a load,
+        in m load cases. The first k nodes are held at known displacements, the others carry known
+        forces.
 
-        Forces at r = 0 are found first, then those of the rigid motion: both add up to the load.
-        C = L L^T, so that the inverse of the leading k x k block of C is X_k^T X_k, X_k being the
-        leading block of L^-1 (`self.inverse_factor`), for every k.
+        Forces at r = 0 are found first. Then the body is moved by the r at which all forces add up
+        to the load. C is the compliance matrix (`self.compliance`).
 
-        Three further arrays hold in row k - 1 what belongs to k held nodes, which all move by 1:
-        the forces on them (`unit_motion_forces`), the displacements of all nodes by these forces
-        (`unit_motion_displacements`), and the sum of these forces (`load_per_motion`).
+        No k needs a factorisation of its own: with C = L L^T the inverse of the leading k x k block
+        of C is X_k^T X_k, X_k being the leading block of L^-1 (`self.inverse_factor`). Prepared for
+        each k, in row k - 1, is a motion of the k held nodes by 1: the forces on them
+        (`unit_motion_forces`), the sum of these (`load_per_motion`), and the displacements of all
+        nodes by these forces (`unit_motion_displacements`).
 
         Parameters
         ----------
@@ -470,8 +471,8 @@ class Systems:
             ]
 
     def _assembled_matrix(self) -> Array:
-        """Matrix (2 n + 2, 2 n + 5) of the contact of n nodes: gaps, slips and both loads by nodal
-        forces and rigid motions, whatever the states of the nodes.
+        """Matrix (2 n + 2, 2 n + 5) of the contact of n nodes: it turns nodal forces, rigid motions
+        and bulk stresses into gaps, slips, P and Q, whatever the states of the nodes.
 
         Rows: gap of the nodes, slip of the nodes, P, Q. Columns: p and q of the nodes, normal
         approach, tangential displacement U, both bulk stresses, tilt. With an actuator the row of
@@ -530,28 +531,29 @@ class Systems:
         equation_numbers: Indices | None = None,
         changes: Array | None = None,
     ) -> Array:
-        """Derivatives of the contact's values by its loads while the n nodes keep their states, and
-        the change of the values by given changes of single equations; all scaled.
+        """Change of the contact by a unit of each load while its n nodes keep their states, and by
+        given changes of what single nodes prescribe; all scaled.
 
-        The values are approach, displacement U and tilt, then slip, p, q and gap of the nodes. A
-        node has two equations, by its state: p = 0 or gap = 0; q = 0, constant slip, or q = +-f p.
+        The state of a node prescribes two quantities, by a normal and a tangential equation: p = 0
+        or gap = 0; q = 0, constant slip, or q - (+-f) p = 0.
 
         Parameters
         ----------
         node_states
             (n,) open, stick or slip
         n_loads
-            2 (P and Q) or 5 (bulk stresses and tilt too)
+            2 (P and Q) or 5 (both bulk stresses and tilt too)
         equation_numbers
-            numbers of equations whose right side changes: i is the normal one of node i, n + i the
-            tangential one
+            equations whose prescribed quantity changes: i is the normal one of node i, n + i the
+            tangential one; None for none
         changes
             (len(equation_numbers),) these changes, at constant loads
 
         Returns
         -------
         ndarray
-            (n_loads, 3 + 4 n), with one more row for the changes if there are any
+            A row for each load, and a last one for the changes, if there are any. Columns:
+            approach, displacement U and tilt, then slip, p, q and gap of the nodes, 3 + 4 n.
 
         Raises
         ------
@@ -602,13 +604,13 @@ class Systems:
         equation_numbers: Indices | None,
         changes: Array | None,
     ) -> Array:
-        """Derivatives of the contact's values by its loads, (n_loads, 3 + 4 n), for nested states:
-        by ascending x the first nodes stick, the next slide, the last are open. p does not depend
-        on q.
+        """Change of the contact by a unit of P and by a unit of Q while its nodes keep their
+        states, for nested states: by ascending x the first nodes stick, the next slide, the last
+        are open.
 
-        The normal problem comes first: the gap of touching nodes is prescribed. In the tangential
-        one the slip of sticking nodes is prescribed, and sliding ones carry q = (+-f) p. The values
-        are approach, U and tilt, then slip, p, q and gap of the n nodes.
+        Here p does not depend on q, so the normal problem is solved first: touching nodes have a
+        prescribed gap, open ones a prescribed p. In the tangential problem sticking nodes have a
+        prescribed slip, and sliding ones carry q = (+-f) p.
 
         Parameters
         ----------
@@ -617,52 +619,57 @@ class Systems:
         n_loads
             2, of P and Q
         equation_numbers, changes
-            equations whose right side changes at constant loads (i normal, n + i tangential), and
-            by how much: one more row of what is returned; None for none
+            numbers of prescribed quantities that change at constant loads (i normal, n + i
+            tangential), and by how much; None for none
+
+        Returns
+        -------
+        ndarray
+            A row for P and for Q, and a last one for `changes`, if there are any. Columns:
+            approach, U and tilt, then slip, p, q and gap of the n nodes; all scaled.
         """
         n = len(node_states)
         n_touching_nodes = int(np.count_nonzero(node_states))
         n_sticking_nodes = int(np.count_nonzero(node_states == STICK))
         n_cases = n_loads + (equation_numbers is not None)
 
-        # Right sides of the equations, normal and tangential: 0 but for the changes.
-        right_sides = np.zeros((2, n, n_cases))
+        # Prescribed quantities (n, n_cases), normal and tangential: 0 but for the changes.
+        prescribed = np.zeros((2, n, n_cases))
         if equation_numbers is not None:
-            right_sides[equation_numbers // n, equation_numbers % n, n_loads] = changes
-        normal_right_sides, tangential_right_sides = right_sides
-        # (n_cases,) P and Q in each case: 1 in its own, 0 in the others.
-        normal_load, tangential_load, *_ = np.eye(n_loads, n_cases)
+            prescribed[equation_numbers // n, equation_numbers % n, n_loads] = changes
+        prescribed_gap_or_pressure, prescribed_slip_or_shear = prescribed
+        # (n_cases,) P of each case, and Q of each: 1 in its own, 0 in the others.
+        normal_load_of_case, tangential_load_of_case, *_ = np.eye(n_loads, n_cases)
 
         values = np.zeros((n_cases, 3 + 4 * n))
         # views (n, n_cases): what is written to them is written to `values`
         slip, pressure, shear, gap = values[:, 3:].reshape(-1, 4, n).transpose(1, 2, 0)
 
-        # Normal problem: pressure, approach (column 0 of the values) and gap.
-        nested_normal_compliance = self._nested_compliances[0]
-        pressure[:], values[:, 0], gap[:] = nested_normal_compliance.forces_and_displacements(
+        # Normal problem: pressure, approach (column 0 of the values) and gap. A compliance of
+        # `actuators` is None where the load is given, and no actuator's movement.
+        normal_problem = self._nested_compliances[0]
+        pressure[:], values[:, 0], gap[:] = normal_problem.forces_and_displacements(
             n_touching_nodes,
             n_touching_nodes,
-            normal_right_sides,
-            normal_load,
+            prescribed_gap_or_pressure,
+            normal_load_of_case,
             self.actuators.normal_compliance,
         )
 
         # Tangential problem: shear, displacement U (column 1) and slip.
         if self.has_shear:
-            nested_tangential_compliance = self._nested_compliances[1]
+            tangential_problem = self._nested_compliances[1]
             # Shear displaces the faces against the slip: with the tangential compliance T the slip
             # is U - T q, the opposite of the displacement that is solved for.
-            tangential_right_sides[:n_sticking_nodes] *= -1
+            prescribed_slip_or_shear[:n_sticking_nodes] *= -1
             signed_friction = slip_sign(node_states) * self.friction  # q/p; 0 unless sliding
-            tangential_right_sides += signed_friction[:, None] * pressure
-            shear[:], values[:, 1], opposite_slip = (
-                nested_tangential_compliance.forces_and_displacements(
-                    n_sticking_nodes,
-                    n_touching_nodes,
-                    tangential_right_sides,
-                    tangential_load,
-                    self.actuators.tangential_compliance,
-                )
+            prescribed_slip_or_shear += signed_friction[:, None] * pressure
+            shear[:], values[:, 1], opposite_slip = tangential_problem.forces_and_displacements(
+                n_sticking_nodes,
+                n_touching_nodes,
+                prescribed_slip_or_shear,
+                tangential_load_of_case,
+                self.actuators.tangential_compliance,
             )
             slip[:] = -opposite_slip
         return values
@@ -674,20 +681,29 @@ class Systems:
         equation_numbers: Indices | None,
         changes: Array | None,
     ) -> Array:
-        """Derivatives of the contact's values by its loads, (n_loads, 3 + 4 n), for any states of
-        the nodes, by an update of low rank from cached responses for similar states (the base).
+        """Change of the contact by a unit of each load while its nodes keep their states, for any
+        states, from cached responses for similar states (the base).
 
-        The values are approach, U and tilt, then slip, p, q and gap of the n nodes.
+        Each node has two equations, i normal and n + i tangential. An equation of the base
+        prescribes a displacement or the force in its direction; the other of the two is its
+        response. New states are the base with other prescribed amounts (amplitudes) in the
+        equations that differ, such that the new equations are met.
 
         Parameters
         ----------
         node_states
             (n,) open, stick or slip
         n_loads
-            2 (P and Q) or 5 (bulk stresses and tilt too)
+            2 (P and Q) or 5 (both bulk stresses and tilt too)
         equation_numbers, changes
-            equations whose right side changes at constant loads (i normal, n + i tangential), and
-            by how much: one more row of what is returned; None for none
+            equations whose prescribed quantity changes at constant loads, and by how much; None
+            for none
+
+        Returns
+        -------
+        ndarray
+            A row for each load, and a last one for `changes`, if there are any. Columns: approach,
+            U and tilt, then slip, p, q and gap of the n nodes; all scaled.
         """
         n = len(node_states)
         # The base, and (2 n,) whether each of its equations differs from that of these states.
@@ -700,8 +716,7 @@ class Systems:
             right_sides = np.zeros((1, 2 * n))
             right_sides[0, equation_numbers] = changes
 
-        # Responses: of each equation the displacement or force that the base does not prescribe,
-        # then approach, U and tilt. Amplitudes: what it would prescribe in the updated equations.
+        # Responses to each load and to the changes, a row each; amplitudes, likewise.
         updated_equations = needs_update.nonzero()[0]
         equation_states = np.concatenate([node_states, node_states])
         load_numbers = np.arange(2 * n, 2 * n + n_loads)
@@ -713,7 +728,8 @@ class Systems:
             right_sides[:, updated_equations],
         )
 
-        # Values are picked from the responses and, after them, what the base prescribes.
+        # Each value is a response or a prescribed amount: `value_sources` is its index in a row of
+        # 2 n + 3 responses (with approach, U and tilt), then 2 n prescribed amounts.
         n_responses = 2 * n + 3
         responses_and_prescribed = np.zeros((len(update.responses), n_responses + 2 * n))
         responses_and_prescribed[:, :n_responses] = update.responses
@@ -734,19 +750,19 @@ class Systems:
         """Responses of the contact for one set of node states from cached ones for another set, the
         base, by an update of low rank (Sherman-Morrison-Woodbury).
 
-        Each of n nodes has an equation in the normal direction, number i, and one in the tangential
-        direction, number n + i; loads have the numbers from 2 n on. A unit case of the base is a
-        right side of 0 but for a 1 in one equation or load. A response is a row of what the base
-        does not prescribe: 2 n forces or displacements, then approach, U and tilt.
+        Each of n nodes has a normal equation, number i, and a tangential one, n + i; loads have the
+        numbers from 2 n on. An equation prescribes a displacement or the force in its direction. A
+        response is a row of what the base does not prescribe: in each equation the other of the
+        two, then approach, U and tilt. A unit case is a 1 in one equation or load, else 0.
 
-        The base's response to a 1 in each of `equation_numbers` is added with an amplitude, so that
-        the new set's equations of these numbers are met. With their left sides in the responses,
+        Where the sets differ, the base's response to a 1 in the equation is added, times an
+        amplitude. The amplitudes are such that the new set's equations are met there:
 
             left sides in unit_cases + amplitudes @ left sides in responses to a 1 = right sides
             responses = responses to unit_cases + amplitudes @ responses to a 1
 
-        The right sides are 0 in the unit cases. What is returned has a row for each of
-        `unit_cases`, then one for each further right side.
+        The right sides are 0 in the unit cases. What is returned (responses and amplitudes) has a
+        row for each of `unit_cases`, then one for each further right side.
 
         Parameters
         ----------
@@ -796,25 +812,26 @@ class Systems:
         cases: Indices,
         responses: Array,
     ) -> Array:
-        """Left sides (c, m) of m equations of one set of node states, evaluated in c responses of
-        another set, the base.
+        """Left sides (c, m) of m equations of a new set of node states, evaluated in c solutions
+        for another set, the base.
 
-        A normal equation prescribes p of an open node, else the gap; a tangential one the slip of
-        a node that sticks, else q - (+-f) p. That is its left side.
+        The left side is what an equation prescribes: the normal one p of an open node, else the
+        gap; the tangential one the slip of a sticking node, else q - (+-f) p. A solution for the
+        base holds both displacement and force of every node: one is prescribed, the other is the
+        base's response. So the left side of any other state can be read from it.
 
         Parameters
         ----------
         base
-            the set of states for which the responses were computed: its `is_held` (2 n,) are the
-            equations that prescribe a displacement, its `signed_friction` (n,) is +-f of the nodes
-            that slide in it, else 0
+            the set of the solutions: its `is_held` (2 n,) are the equations that prescribe a
+            displacement, its `signed_friction` (n,) is +-f of the nodes that slide in it, else 0
         equation_states
-            (2 n,) states of the n nodes in the other set, whose equations are evaluated: for normal
+            (2 n,) states of the n nodes in the new set, whose equations are evaluated: for normal
             equations, then for tangential ones
         equation_numbers
             (m,) numbers of the equations: i normal, n + i tangential
         cases
-            (c,) equation or load whose right side is 1 in each response of the base
+            (c,) number of the equation or load that is 1 in each solution; all others are 0
         responses
             (c, 2 n + 3) what the base does not prescribe: gap or p, slip or q of each node, then
             approach, U, tilt
@@ -831,7 +848,7 @@ class Systems:
                 values[:, ~is_response] = np.equal.outer(cases, prescribed_equations)
             return values
 
-        # In each equation: does the other set prescribe a displacement, or a force?
+        # In each equation: does the new set prescribe a displacement, or a force?
         node_of_equation = equation_numbers % n
         state_of_equation = equation_states[equation_numbers]
         is_normal = equation_numbers < n
@@ -843,7 +860,7 @@ class Systems:
         left_sides = values_in_equations(equation_numbers, is_response)
 
         # The base's force in a tangential equation is q minus its own (+-f) p; the left side is q
-        # minus that of the other set.
+        # minus that of the new set.
         friction_difference = base.signed_friction[node_of_equation] - self.friction * slip_sign(
             state_of_equation
         )
@@ -857,27 +874,28 @@ class Systems:
         return left_sides
 
     def newton_correction(self, node_states: States, n_loads: int, changes: Array) -> Array:
-        """Derivatives of the contact's values by its loads while the nodes keep their states, and
-        the correction of the values by given changes of all equations (a Newton step).
+        """Change of the contact by a unit of each load while its nodes keep their states, and by
+        given changes of what the states prescribe (a Newton step).
 
-        The equations of each set of states are factorised; the factors of the last eight sets are
-        cached. The values are approach, U and tilt, then slip, p, q and gap of the n nodes. A node
-        has two equations, by its state: p = 0 or gap = 0; slip constant, or q - (+-f) p = 0.
+        A node's states prescribe two quantities: p (open) or the gap; the slip (stick) or
+        q - (+-f) p. The equations of each set of states are factorised; the factors of the last
+        eight sets are cached.
 
         Parameters
         ----------
         node_states
             (n,) open, stick or slip
         n_loads
-            2 (P and Q) or 5 (bulk stresses and tilt too)
+            2 (P and Q) or 5 (both bulk stresses and tilt too)
         changes
-            (2 n,) changes of the right sides at constant loads: of p or gap of each node, then of
-            slip or q - (+-f) p
+            (2 n,) changes of the prescribed quantities at constant loads: p or gap of each node,
+            then slip or q - (+-f) p
 
         Returns
         -------
         ndarray
-            (n_loads + 1, 3 + 4 n), the last row by the changes
+            (n_loads + 1, 3 + 4 n): a row for each load, the last one for `changes`. Columns:
+            approach, U and tilt, then slip, p, q and gap of the n nodes; all scaled.
 
         Raises
         ------
@@ -896,9 +914,9 @@ class Systems:
         # prescribe a force.
         factorised_set = self._factorised_set(node_states)
 
-        # Columns: one case a load, then the changes. Rows, as the columns of the contact matrix: p,
-        # q, approach, U, bulk stresses, tilt. First what is known: forces of free equations, bulk
-        # stresses, tilt.
+        # What causes gaps, slips, P and Q, as the columns of the contact matrix: p, q, approach,
+        # U, bulk stresses, tilt; one column here for each load and for the changes. First what is
+        # known: forces of free equations, bulk stresses, tilt.
         load_numbers = np.arange(2 * n, 2 * n + n_loads)
         case_of_changes = n_loads
         forces_and_motions = np.zeros((2 * n + 5, n_loads + 1))
@@ -907,7 +925,8 @@ class Systems:
             factorised_set.free_equations
         ]
 
-        # Then the forces of the held equations, approach and U: from the prescribed displacements.
+        # Then the forces of the held equations, approach and U: they leave the prescribed
+        # displacements, and P and Q. `held_by_held`: factors of displacements by these forces.
         right_side = -self.contact_matrix[factorised_set.held_equations] @ forces_and_motions
         right_side[factorised_set.position_in_held[load_numbers[:2]], np.arange(2)] += 1.0
         is_of_node = factorised_set.held_equations < 2 * n
@@ -945,8 +964,8 @@ class Systems:
         return factorised_set
 
     def _base_for(self, node_states: States) -> tuple[_Base, Mask]:
-        """Choose the base for new node states (n,): a set of states with cached responses, which
-        those of the new states are to be computed from. Also whether each equation differs (2 n,).
+        """Choose the base for new node states (n,): a similar set of states with cached responses,
+        from which those of the new states are computed. Also whether each equation differs (2 n,).
 
         It is the base that served these states before, else the one that differs in the fewest
         equations. If these are more than 110 (`_MOST_UPDATED_EQUATIONS`), the new states become a
@@ -1019,13 +1038,14 @@ class Systems:
         )
 
     def _new_base(self, equation_states: States, origin: _Base | None) -> _Base:
-        """Prepare a base, a set of node states whose responses are to be cached: which
-        displacements and forces it prescribes, and which values are prescribed or responses.
+        """Prepare a base, a set of node states whose responses are to be cached: which equations
+        prescribe a displacement and which a force, and where each value of the contact is found.
 
-        Its equations are factorised, unless its responses are to be computed from those of another
-        base, its `origin`. `equation_states` (2 n,) are the states of the n nodes for their normal
-        equations, then for their tangential ones. Equations 0 to n - 1 are normal, n to 2 n - 1
-        tangential; 2 n and 2 n + 1 are the loads P and Q.
+        An equation prescribes one of displacement and force in its direction; the other is its
+        response. Equations 0 to n - 1 are normal, n to 2 n - 1 tangential; 2 n and 2 n + 1 are the
+        loads P and Q. `equation_states` (2 n,) are the states of the n nodes for their normal
+        equations, then for their tangential ones, where open nodes may count as sliding. The
+        equations are factorised, unless the responses come from another base, the `origin`.
         """
         n = len(self.normal_compliance)
         node_states = equation_states[:n]
@@ -1112,13 +1132,14 @@ class Systems:
         )
 
     def _solve_cases(self, base: _Base, required_cases: Indices) -> None:
-        """Compute and cache responses of a set of node states, the base, to unit right sides of
-        single equations or unit loads, where they are not cached yet.
+        """Compute and cache responses of the contact in one set of node states, the base, to unit
+        cases: a 1 in what one equation prescribes, or a unit load. Cached ones are not repeated.
 
-        `required_cases` are their numbers: i the normal equation of node i, n + i the tangential
-        one, 2 n and above loads. Responses of 16 neighbouring nodes on either side are computed
-        along with them, since edges of contact and stick travel from node to node. Beyond 80 MB
-        (`_MOST_BASE_BYTES`) the bases unused for longest are dropped, but for four.
+        The state of a node prescribes a gap or p, and a slip or q; the response is the other of
+        each two. `required_cases` are numbers: i the normal equation of node i, n + i the
+        tangential one, 2 n and above loads. The cases of 16 neighbouring nodes on either side are
+        solved along with them, since edges of contact and stick travel from node to node. Beyond
+        80 MB (`_MOST_BASE_BYTES`) the bases unused for longest are dropped, but for four.
 
         `base.response_row_of_case` is the row of `base.responses` for each case, -1 where it is not
         solved; its first `n_cases` rows are filled.
@@ -1167,12 +1188,13 @@ class Systems:
     def _responses_by_equations(
         self, base: _Base, equations: _HeldEquations, cases: Indices
     ) -> Array:
-        """Responses (c, 2 n + 3) of a set of node states, the base, to c unit right sides, by its
-        factorised equations; a response is the displacement or force that is not prescribed.
+        """Responses (c, 2 n + 3) of the contact in one set of node states, the base, to c unit
+        cases, by its factorised equations. In each case one equation prescribes 1, or a load is 1.
 
-        Equations are free where they prescribe a force, held where they prescribe a displacement.
-        A unit force that a free one prescribes displaces all nodes (`displacements_by_force`).
-        Forces in the held ones follow from their displacements, then the free displacements:
+        An equation is held where it prescribes a displacement, free where it prescribes a force;
+        the other of the two is its response. Prescribed forces displace all nodes
+        (`displacements_by_force`). Forces in the held equations make up for what is missing to
+        the prescribed displacements there; then the free displacements follow:
 
             held_by_held @ forces = prescribed displacements - held displacements_by_force
             free displacements = free_by_held @ forces + free displacements_by_force
@@ -1211,12 +1233,14 @@ class Systems:
         return responses
 
     def _responses_by_origin(self, base: _Base, origin: _Base, cases: Indices) -> Array:
-        """Responses (c, 2 n + 3) of a set of node states, the base, to c unit right sides, from
-        those of another set, its origin, by an update of low rank.
+        """Responses (c, 2 n + 3) of the contact in one set of node states, the base, to c unit
+        cases, from the responses of another set, its origin, by an update of low rank.
 
-        The update adds the origin's responses to unit right sides, times amplitudes. An amplitude
-        is thus what the origin prescribes in that equation. Where one of the two sets prescribes
-        the displacement and the other the force, it is the response of the base.
+        In a unit case one equation prescribes 1, or one load is 1. An equation prescribes a
+        displacement or a force; the other of the two is its response. The update adds the origin's
+        responses, times amplitudes: an amplitude is what the origin's equation would prescribe.
+        Where the base prescribes the displacement and the origin the force, or the reverse, the
+        amplitude is therefore the base's response.
 
         Parameters
         ----------

@@ -189,19 +189,20 @@ class TShape(_Sided):
 
     @model_validator(mode="after")
     def _require_stem_below_flange(self) -> Self:
-        """Return this T-shape; refuse (ValueError with what is allowed) one whose stem is as wide
-        as its flange or wider, or whose flange is as high as the body or higher.
+        """Return this T-shape if its stem is narrower than its flange, and the flange ends above
+        the end of the stem; else ValueError with what is allowed.
 
-        Widths are along the face, heights from the face.
+        `width` (of the flange) and `stem_width` are along the face; `flange_height` and `height`
+        (of the body) count from the face.
         """
         if self.stem_width >= self.width:
             raise ValueError(
-                f"stem_width = {self.stem_width:g} is refused: it is less than width ="
+                f"stem_width = {self.stem_width:g} is refused: it must be less than width ="
                 f" {self.width:g}; take kind = 'block' for a body without a flange"
             )
         if self.flange_height >= self.height:
             raise ValueError(
-                f"flange_height = {self.flange_height:g} is refused: it is less than height ="
+                f"flange_height = {self.flange_height:g} is refused: it must be less than height ="
                 f" {self.height:g}, which counts from the face to the end of the stem"
             )
         return self
@@ -239,18 +240,21 @@ class ShoulderedPad(_Sided):
 
     @model_validator(mode="after")
     def _require_pad_on_shoulder(self) -> Self:
-        """Return this pad; refuse (ValueError with what is allowed) a shoulder that is not wider
-        than the pad, or that lies as deep below the contact as the base or deeper.
+        """Return this pad if its shoulder is wider than the pad and lies above the base; else
+        ValueError with what is allowed.
+
+        `width` (of the pad) and `shoulder_width` are along the face; `shoulder_depth` and `height`
+        (of the body) count from the point of first contact.
         """
         if self.shoulder_width <= self.width:
             raise ValueError(
-                f"shoulder_width = {self.shoulder_width:g} is refused: it is more than width ="
+                f"shoulder_width = {self.shoulder_width:g} is refused: it must be more than width ="
                 f" {self.width:g}; take kind = 'pad' for a body without a shoulder"
             )
         if self.shoulder_depth >= self.height:
             raise ValueError(
-                f"shoulder_depth = {self.shoulder_depth:g} is refused: it is less than height ="
-                f" {self.height:g}, which counts from the point of first contact to the base"
+                f"shoulder_depth = {self.shoulder_depth:g} is refused: it must be less than"
+                f" height = {self.height:g}, which counts from the point of first contact to the base"
             )
         return self
 

@@ -18,9 +18,9 @@ from scenes.array_types import Array
 Function = Callable[[Array], ArrayLike]
 
 # Most series computed for the parts of one first interval: of noise, halving would never end.
-_MOST_PIECES = 400
+_MOST_PARTS = 400
 # Length of an interval, over that of its first one, at which halving ends: round-off of places.
-_SHORTEST_PIECE = 1e-14
+_SHORTEST_INTERVAL = 1e-14
 # The same ratio, below which an interval has a corner of the function in it or beside it.
 _LENGTH_AT_CORNER = 1e-3
 # Of the series beside a corner, which is continued beyond its interval: higher terms would grow.
@@ -50,10 +50,10 @@ def chebyshev_coefficients(values: ArrayLike) -> Array:
     return np.asarray(values, dtype=float) @ _VALUES_TO_COEFFICIENTS
 
 
-# Equal parts of a piece on each of which its series is a sum of powers about the middle: a fifth of
-# the time of a recurrence.
-_PARTS_OF_PIECE = 8
-_MIDDLES_OF_PARTS = (2 * np.arange(_PARTS_OF_PIECE) + 1) / _PARTS_OF_PIECE - 1
+# Equal parts of an interval, on each of which its series is a sum of powers about the middle: a
+# fifth of the time of a recurrence.
+_PARTS_OF_INTERVAL = 8
+_MIDDLES_OF_PARTS = (2 * np.arange(_PARTS_OF_INTERVAL) + 1) / _PARTS_OF_INTERVAL - 1
 
 
 @cache
@@ -61,7 +61,7 @@ def _series_to_parts() -> Array:
     """Matrices that take the Chebyshev coefficients of a function on [-1, 1] to those of the same
     function on each of eight equal parts: (8 parts, 25 terms on the part, 25 terms).
     """
-    places_of_nodes = _MIDDLES_OF_PARTS[:, None] + CHEBYSHEV_NODES / _PARTS_OF_PIECE
+    places_of_nodes = _MIDDLES_OF_PARTS[:, None] + CHEBYSHEV_NODES / _PARTS_OF_INTERVAL
     return np.asarray(
         _VALUES_TO_COEFFICIENTS.T @ chebyshev.chebvander(places_of_nodes, CHEBYSHEV_DEGREE)
     )
@@ -93,7 +93,7 @@ class SeriesAsPowers:
         """Convert n Chebyshev series on [-1, 1], coefficients (k, n), to sums of powers, stored for
         evaluation in the attribute `_power_coefficients`.
 
-        [-1, 1] is divided into _PARTS_OF_PIECE = 8 equal parts, each with a sum of powers of its
+        [-1, 1] is divided into _PARTS_OF_INTERVAL = 8 equal parts, each with a sum of powers of its
         own about its middle: on the whole interval powers would lose digits. Before that the
         highest Chebyshev terms are dropped, where they are round-off on every part of every series.
         """
@@ -108,7 +108,7 @@ class SeriesAsPowers:
 
         # Axes: part, power, series. `_terms_to_powers()` takes Chebyshev terms to powers.
         powers_on_parts = _terms_to_powers()[:n_powers, :n_powers] @ series_on_parts[:, :n_powers]
-        # (n_powers, n * _PARTS_OF_PIECE): column i * _PARTS_OF_PIECE + j is part j of series i.
+        # (n_powers, 8 n): column 8 i + j is part j of series i.
         self._power_coefficients = np.moveaxis(powers_on_parts, 0, 2).reshape(n_powers, -1)
 
     def __call__(self, number: NDArray[np.intp], t: Array) -> Array:
@@ -121,12 +121,12 @@ class SeriesAsPowers:
         """
         # In place, since this is the innermost loop of many integrals: first the distance from -1
         # in lengths of a part, then that from the middle of the part, in [-1/2, 1/2].
-        place_in_part = (np.ravel(t) + 1) * (_PARTS_OF_PIECE / 2)
-        # Number of the part, then the column of its powers: 8 parts (_PARTS_OF_PIECE) a function.
-        column = np.clip(place_in_part.astype(np.intp), 0, _PARTS_OF_PIECE - 1)
+        place_in_part = (np.ravel(t) + 1) * (_PARTS_OF_INTERVAL / 2)
+        # Number of the part, then the column of its powers; `_PARTS_OF_INTERVAL`: 8 a function.
+        column = np.clip(place_in_part.astype(np.intp), 0, _PARTS_OF_INTERVAL - 1)
         place_in_part -= column
         place_in_part -= 0.5
-        column += np.ravel(number) * _PARTS_OF_PIECE
+        column += np.ravel(number) * _PARTS_OF_INTERVAL
 
         # Horner's rule from the highest power down.
         # `_power_coefficients` (n_powers, 8 n): a row for each power, a column for each part.
@@ -147,36 +147,38 @@ def truncation_error(coefficients: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class PiecewiseSeries:
-    """A piecewise Chebyshev series: a function on [edges[0], edges[-1]], with one series on each of
-    n neighbouring intervals, its pieces.
+    """A piecewise Chebyshev series: a function on n neighbouring intervals, with a series of its
+    own on each.
 
     Attributes
     ----------
-    edges
-        (n + 1,) ascending ends of the pieces
+    interval_ends
+        (n + 1,) ascending ends of the intervals
     coefficients
-        (CHEBYSHEV_DEGREE + 1, n), a column for each piece
+        (CHEBYSHEV_DEGREE + 1, n), a column for each interval
     """
 
-    edges: Array
+    interval_ends: Array
     coefficients: Array
 
     def __call__(self, x: ArrayLike) -> Array:
         """Values of a piecewise Chebyshev series at x, in its shape; beyond the first or last
         interval, those of its series continued.
 
-        `edges` (n + 1,) are the ascending ends of the n intervals, each with a series of its own.
+        `interval_ends` (n + 1,) are the ascending ends of the n intervals. Each has a series.
         """
         x_array = np.asarray(x, dtype=float)
         # Index of the interval of each x.
-        piece = np.clip(
-            np.searchsorted(self.edges, x_array, side="right") - 1, 0, len(self.edges) - 2
+        interval = np.clip(
+            np.searchsorted(self.interval_ends, x_array, side="right") - 1,
+            0,
+            len(self.interval_ends) - 2,
         )
-        piece_begin = self.edges[piece]
-        piece_end = self.edges[piece + 1]
-        place_in_interval = (2 * x_array - piece_begin - piece_end) / (piece_end - piece_begin)
-        # `_powers` evaluates the series number `piece` at t in [-1, 1].
-        return self._powers(piece, place_in_interval)
+        begin = self.interval_ends[interval]
+        end = self.interval_ends[interval + 1]
+        place_in_interval = (2 * x_array - begin - end) / (end - begin)
+        # `_powers` evaluates the series of that number at t in [-1, 1].
+        return self._powers(interval, place_in_interval)
 
     @cached_property
     def _powers(self) -> SeriesAsPowers:
@@ -184,10 +186,14 @@ class PiecewiseSeries:
 
     @cached_property
     def derivative(self) -> PiecewiseSeries:
-        """dF/dx piece by piece; its round-off is about CHEBYSHEV_DEGREE^2 times that of F."""
-        derivative_coefficients = chebyshev.chebder(self.coefficients) * (2 / np.diff(self.edges))
+        """dF/dx on the same intervals; its round-off is about 600 times that of F, the square
+        of the degree.
+        """
+        derivative_coefficients = chebyshev.chebder(self.coefficients) * (
+            2 / np.diff(self.interval_ends)
+        )
         return PiecewiseSeries(
-            self.edges,
+            self.interval_ends,
             np.concatenate(
                 [derivative_coefficients, np.zeros((1, derivative_coefficients.shape[1]))]
             ),
@@ -275,8 +281,8 @@ def divided_difference(coefficients: Array, t: Any, t_before: Any) -> Any:
 def piecewise_series_of(
     function: Function, edges: ArrayLike, scale: float | None = None
 ) -> PiecewiseSeries:
-    """Approximate a function by a piecewise Chebyshev series to round-off: on the intervals between
-    `edges`, halved until each series is accurate.
+    """Approximate a function by a piecewise Chebyshev series to round-off, on the intervals between
+    `edges`, which are halved until each series is accurate.
 
     Accurate means: to 1e-13 of the largest value on the interval, to 1e-15 of that on its first
     interval or the next one, or to 4e-15 of `scale`. A corner (jump of the slope) leaves a run of
@@ -299,25 +305,26 @@ def piecewise_series_of(
     """
     first_edges = np.asarray(edges, dtype=float)
     # The function on intervals that were halved until each series is accurate.
-    pieces = piecewise_series_by_halving(function, first_edges, scale)
-    # Runs of very short intervals, as halving leaves them next to a corner: (index of the first
-    # edge, index of the last edge) each.
-    runs_at_corners = _runs_of_short_pieces(pieces, first_edges)
+    halved_series = piecewise_series_by_halving(function, first_edges, scale)
+    # Runs of very short intervals, as halving leaves them next to a corner: indices in
+    # `interval_ends` of begin and end of each.
+    runs_at_corners = _runs_of_short_intervals(halved_series, first_edges)
     if not runs_at_corners:
-        return pieces
+        return halved_series
 
     # Corners become ends of first intervals, and all is fitted again.
-    corners = [_place_of_corner(function, pieces, run) for run in runs_at_corners]
+    corners = [_place_of_corner(function, halved_series, run) for run in runs_at_corners]
     edges_with_corners = np.union1d(first_edges, corners)
-    pieces = piecewise_series_by_halving(function, edges_with_corners, scale)
-    runs_at_corners = _runs_of_short_pieces(pieces, edges_with_corners)
+    halved_series = piecewise_series_by_halving(function, edges_with_corners, scale)
+    runs_at_corners = _runs_of_short_intervals(halved_series, edges_with_corners)
 
     if runs_at_corners:
         first_run_begin, first_run_end = runs_at_corners[0]
         raise UnresolvedError(
-            float(pieces.edges[first_run_begin]), float(pieces.edges[first_run_end])
+            float(halved_series.interval_ends[first_run_begin]),
+            float(halved_series.interval_ends[first_run_end]),
         )
-    return pieces
+    return halved_series
 
 
 class UnresolvedError(ValueError):
@@ -372,8 +379,8 @@ def piecewise_series_by_halving(
         is_to_be_halved = limits.can_be_halved(intervals) & (
             truncation_error(coefficients) > limits.largest_errors(values, intervals)
         )
-        # _MOST_PIECES: 400 series for the parts of one first interval
-        has_too_many_parts = is_to_be_halved & (n_series[intervals.first_interval] > _MOST_PIECES)
+        # _MOST_PARTS: 400 series for the parts of one first interval
+        has_too_many_parts = is_to_be_halved & (n_series[intervals.first_interval] > _MOST_PARTS)
         intervals.require_resolved(~np.all(np.isfinite(values), axis=1) | has_too_many_parts)
         accurate_begins.append(intervals.begins[~is_to_be_halved])
         accurate_series.append(coefficients[~is_to_be_halved])
@@ -448,9 +455,9 @@ class _HalvingLimits(NamedTuple):
         4e-15 of `scale`.
         """
         begins, ends, _ = intervals
-        # _SHORTEST_PIECE: 1e-14
+        # _SHORTEST_INTERVAL: 1e-14
         least_length = np.maximum(
-            _SHORTEST_PIECE * (ends - begins), 4e-16 * np.maximum(np.abs(begins), np.abs(ends))
+            _SHORTEST_INTERVAL * (ends - begins), 4e-16 * np.maximum(np.abs(begins), np.abs(ends))
         )
         largest_values = np.max(np.abs(values), axis=1)
         scales = np.zeros(len(begins)) if scale is None else np.asarray(scale, dtype=float)
@@ -473,34 +480,39 @@ class _HalvingLimits(NamedTuple):
         )
 
 
-def _runs_of_short_pieces(pieces: PiecewiseSeries, first_edges: Array) -> list[tuple[int, int]]:
+def _runs_of_short_intervals(
+    halved_series: PiecewiseSeries, first_edges: Array
+) -> list[tuple[int, int]]:
     """Runs of neighbouring intervals that halving has left shorter than a thousandth of the first
     ones, as it does next to a corner.
 
-    Returned for each run: the indices in `pieces.edges` of its begin and its end.
+    Returned for each run: the indices in `halved_series.interval_ends` of its begin and its end.
 
     Parameters
     ----------
-    pieces
-        the halved intervals; their `edges` are the ascending ends of all
+    halved_series
+        series on the halved intervals; `interval_ends` are the ascending ends of all
     first_edges
         (n + 1,) ends of the first intervals, before halving
     """
-    piece_lengths = np.diff(pieces.edges)
-    first_interval = np.searchsorted(first_edges, pieces.edges[:-1], side="right") - 1
+    interval_begins = halved_series.interval_ends[:-1]
+    interval_lengths = np.diff(halved_series.interval_ends)
+    first_interval = np.searchsorted(first_edges, interval_begins, side="right") - 1
     first_lengths = np.diff(first_edges)[first_interval]
     # 1 for a short interval, 0 before the first and after the last: a run begins where it changes
     # from 0 to 1, and ends where it changes back.
     # _LENGTH_AT_CORNER: 1e-3 of the first interval
     is_short = np.concatenate(
-        [[False], piece_lengths < _LENGTH_AT_CORNER * first_lengths, [False]]
+        [[False], interval_lengths < _LENGTH_AT_CORNER * first_lengths, [False]]
     ).astype(int)
     run_begins = np.flatnonzero(np.diff(is_short) == 1)
     run_ends = np.flatnonzero(np.diff(is_short) == -1)
     return list(zip(run_begins.tolist(), run_ends.tolist(), strict=True))
 
 
-def _place_of_corner(function: Function, pieces: PiecewiseSeries, run: tuple[int, int]) -> float:
+def _place_of_corner(
+    function: Function, halved_series: PiecewiseSeries, run: tuple[int, int]
+) -> float:
     """Place of a corner (jump of the slope) of a function, within a run of very short intervals
     that halving has left next to it.
 
@@ -513,23 +525,24 @@ def _place_of_corner(function: Function, pieces: PiecewiseSeries, run: tuple[int
     ----------
     function
         takes an array of places, returns one of values
-    pieces
-        the halved intervals: `edges` are the ascending ends of all
+    halved_series
+        series on the halved intervals; `interval_ends` are the ascending ends of all
     run
-        indices in `pieces.edges` of the begin and the end of the run
+        indices in `halved_series.interval_ends` of the begin and the end of the run
     """
+    ends = halved_series.interval_ends
     first_index, last_index = run
-    begin = float(pieces.edges[first_index])
-    end = float(pieces.edges[last_index])
+    begin = float(ends[first_index])
+    end = float(ends[last_index])
     # The shortest interval of the run: halving has gone deepest there.
-    lengths = np.diff(pieces.edges[first_index : last_index + 1])
-    shortest_piece = first_index + int(np.argmin(lengths))
-    middle_of_shortest = float(pieces.edges[shortest_piece] + pieces.edges[shortest_piece + 1]) / 2
+    lengths = np.diff(ends[first_index : last_index + 1])
+    shortest_interval = first_index + int(np.argmin(lengths))
+    middle_of_shortest = float(ends[shortest_interval] + ends[shortest_interval + 1]) / 2
     # Each fit is over 50 lengths of the run, or as far as the function is given.
     fit_width = min(
         50 * (end - begin),
-        begin - float(pieces.edges[0]) or np.inf,
-        float(pieces.edges[-1]) - end or np.inf,
+        begin - float(ends[0]) or np.inf,
+        float(ends[-1]) - end or np.inf,
     )
 
     def fit_from(place: float) -> chebyshev.Chebyshev:

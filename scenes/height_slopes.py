@@ -94,14 +94,14 @@ class HeightSlope:
     ----------
     slope
         h'(x), any shape
-    edges
-        (n,) ends of the intervals on which the slope is one polynomial
+    interval_ends
+        (n,) ascending; the slope is one polynomial on each interval between two of them
     load_errors
         errors of load and stiffness that round-off in the height causes
     """
 
     slope: Function
-    edges: Array
+    interval_ends: Array
     load_errors: LoadErrors
 
 
@@ -161,10 +161,10 @@ def slope_of_height(height: Function, edges: Array) -> HeightSlope:
     # Beyond the polynomial: series on intervals, and their derivatives.
     outer_series, outer_errors = _series_of_height(
         height_above_middle,
-        piecewise_series_of(height_above_middle, outer_edges, scale_of_fit).edges,
+        piecewise_series_of(height_above_middle, outer_edges, scale_of_fit).interval_ends,
     )
     outer_slope = outer_series.derivative
-    all_edges = np.union1d(edges, outer_slope.edges)
+    all_edges = np.union1d(edges, outer_slope.interval_ends)
     if inner_polynomial is None:
         return HeightSlope(outer_slope, all_edges, outer_errors)
 
@@ -331,7 +331,7 @@ def _errors_of_loads(
     UnresolvedError
         Where the load has a relative error above 1e-7.
     """
-    interval_ends = height_series.edges
+    interval_ends = height_series.interval_ends
     half_lengths = np.diff(interval_ends) / 2
     degree = np.arange(CHEBYSHEV_DEGREE + 1)
     # sqrt(a/2) over sqrt(half_length): the half-width a is taken at the end of each interval.

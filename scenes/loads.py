@@ -1524,14 +1524,13 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
         # Not at simple fractions of the duration, where a function of few periods has its corners:
         # a corner is to lie inside an interval, and is located there.
         interval_ends = self.duration * np.array([0.0, 0.23, 0.47, 0.74, 1.0])
-        # Halve the intervals until a Chebyshev series is accurate on each; `edges` are the ends of
-        # all intervals. Two passes over the functions, so that the corners of each are ends of
-        # intervals for all.
+        # Halve the intervals until a Chebyshev series is accurate on each. Two passes over the
+        # functions, so that the corners of each are ends of intervals for all.
         for name, function in [*functions.items()] * 2:
             try:
                 interval_ends = piecewise_series_of(
                     function, interval_ends, error_scales[name] or 1.0
-                ).edges
+                ).interval_ends
             except UnresolvedError as fault:
                 cause = "not finite, or it jumps or swings too fast"
                 raise ValueError(

@@ -492,12 +492,12 @@ def _require_rising(slope: PiecewiseSeries) -> None:
     """Refuse a profile whose slope is negative somewhere, zero everywhere, or jumps (ValueError
     with the place).
 
-    `slope` is h' for x > 0 as Chebyshev series on intervals: `edges` (n + 1,) are their ends,
+    `slope` is h' for x > 0 as Chebyshev series on intervals: `interval_ends` (n + 1,),
     `coefficients` (k, n) hold a column for each interval.
     """
     # Slopes at 25 places of each interval.
-    begins = slope.edges[:-1, None]
-    lengths = np.diff(slope.edges)[:, None]
+    begins = slope.interval_ends[:-1, None]
+    lengths = np.diff(slope.interval_ends)[:, None]
     places = begins + lengths * np.linspace(0.02, 0.98, 25)
     slopes = slope(places)
     is_falling = slopes < -1e-11 * np.max(np.abs(slopes))
@@ -515,7 +515,7 @@ def _require_rising(slope: PiecewiseSeries) -> None:
     slope_sizes = np.abs(slopes_at_begin[1:]) + np.abs(slopes_at_end[:-1])
     is_jump = jumps > 1e-7 * slope_sizes + 1e-14 * np.max(slopes)
     if np.any(is_jump):
-        x_of_jump = slope.edges[1:-1][is_jump][0]
+        x_of_jump = slope.interval_ends[1:-1][is_jump][0]
         raise ValueError(
             f"the profile has no derivative at x = {x_of_jump:.6g}: its slope jumps there"
         )
@@ -524,13 +524,15 @@ def _require_rising(slope: PiecewiseSeries) -> None:
 def _integral_of_slope(slope: PiecewiseSeries) -> PiecewiseSeries:
     """Rise of a profile from the begin of the first interval on: the integral of its slope.
 
-    Both are Chebyshev series on the same intervals, whose ends are `slope.edges`, and of the same
-    degree. The term of the next degree is round-off.
+    Both are Chebyshev series of the same degree on the same intervals. The term of the next degree
+    is round-off.
     """
-    coefficients = chebyshev.chebint(slope.coefficients, lbnd=-1)[:-1] * np.diff(slope.edges) / 2
+    coefficients = (
+        chebyshev.chebint(slope.coefficients, lbnd=-1)[:-1] * np.diff(slope.interval_ends) / 2
+    )
     rises = chebyshev.chebval(1.0, coefficients)  # over each interval
     coefficients[0] += np.append(0.0, np.cumsum(rises)[:-1])
-    return PiecewiseSeries(slope.edges, coefficients)
+    return PiecewiseSeries(slope.interval_ends, coefficients)
 
 
 # Intervals of x are halved so often from the extent towards 0: down to extent/10^16.
@@ -601,7 +603,7 @@ class CallableProfile(Gap):
             if self.height_function is not None:
                 # The derivative of the height, with ends of intervals at its corners.
                 height_slope = slope_of_height(values_at, interval_ends)
-                interval_ends = height_slope.edges
+                interval_ends = height_slope.interval_ends
                 slope_at = height_slope.slope
                 self._load_errors = height_slope.load_errors
             # Chebyshev series on intervals, halved until accurate.
@@ -658,7 +660,7 @@ class CallableProfile(Gap):
     @property
     def corners(self) -> tuple[float, ...]:
         """x > 0 at which pieces of the slope meet: whatever corners it has are among them."""
-        return tuple(self._slope.edges[1:-1].tolist())
+        return tuple(self._slope.interval_ends[1:-1].tolist())
 
     def slope(self, x: ArrayLike) -> Array:
         """Slope h'(x) for x >= 0, in the shape of x.
@@ -667,7 +669,7 @@ class CallableProfile(Gap):
         the series begin it is a power of x, of the exponent `exponent`.
         """
         distance = np.asarray(x, dtype=float)
-        begin_of_series = float(self._slope.edges[0])
+        begin_of_series = float(self._slope.interval_ends[0])
         return (
             self._slope(np.clip(distance, begin_of_series, self.extent))
             * np.minimum(distance / begin_of_series, 1.0) ** self.exponent
@@ -678,7 +680,7 @@ class CallableProfile(Gap):
         the x at which the series of the slope begin the slope is a power of x.
         """
         distance = np.asarray(x, dtype=float)
-        begin_of_series = float(self._slope.edges[0])
+        begin_of_series = float(self._slope.interval_ends[0])
         value_on_series = (
             self._slope.derivative(np.clip(distance, begin_of_series, self.extent)) * distance
         )
@@ -702,8 +704,8 @@ class CallableProfile(Gap):
         It is that of the slopes there and at twice that x; 1 where the slope is 0 there.
         """
         # edges: ends of the intervals of the series, ascending
-        begin_of_series = self._slope.edges[0]
-        doubled_begin = self._slope.edges[0] * 2
+        begin_of_series = self._slope.interval_ends[0]
+        doubled_begin = self._slope.interval_ends[0] * 2
         slope_at_begin, slope_at_doubled_begin = self._slope(
             np.array([begin_of_series, doubled_begin])
         )
@@ -726,7 +728,7 @@ class CallableProfile(Gap):
 
         # Below the begin of the series h' goes as x^exponent; `_height` is the integral beyond it.
         # edges: ends of the intervals of the series, ascending
-        tip_distance = np.minimum(inner_distance, self._slope.edges[0])
+        tip_distance = np.minimum(inner_distance, self._slope.interval_ends[0])
         tip_height = tip_distance * self.slope(tip_distance) / (self.exponent + 1)
         return (
             tip_height

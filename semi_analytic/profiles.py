@@ -1264,7 +1264,7 @@ class _SeriesBehindCorner:
     @property
     def exponent_of_load(self) -> float:
         """Exponent n of P ~ u^n below the least u that has a series, (u/P) dP/du there."""
-        first_u = np.array(self.load.edges[0])
+        first_u = np.array(self.load.interval_ends[0])
         width_per_u = 2 * first_u if self.is_in_square_root else 1.0  # da/du
         return float(first_u * self.stiffness(first_u) / self.load(first_u) * width_per_u)
 
@@ -1273,9 +1273,9 @@ class _SeriesBehindCorner:
         that has a series as a power of u. u is the distance of the half-width from the corner or,
         if `is_in_square_root`, its square root.
         """
-        # the piecewise Chebyshev series, from `edges[0]` on
+        # the piecewise Chebyshev series, from `interval_ends[0]` on
         piecewise_series = (self.load, self.stiffness)[derivative_order]
-        first_u = float(piecewise_series.edges[0])
+        first_u = float(piecewise_series.interval_ends[0])
         values_of_series = piecewise_series(np.maximum(u, first_u))
         if first_u == 0:
             return values_of_series
@@ -1323,7 +1323,7 @@ def law_of_function(modulus: float, profile: CallableProfile) -> ContactLaw:
     ]
     last_load = series_of_ranges[-1].load
     # at the end of the last series of P
-    largest_load = float(last_load(last_load.edges[-1]))
+    largest_load = float(last_load(last_load.interval_ends[-1]))
 
     # P and dP/da as functions of the advance d = a - a_0 of the edge, a_0 the half-width without
     # load

@@ -1641,23 +1641,23 @@ class LogHalfWidth:
         coordinate = _CornerCoordinate.of_contact(contact, first_octave, last_octave)
         # as a function of the load
         log_half_width = _log_half_width_of(contact)
-        # Chebyshev series on ranges that are halved until they are resolved; `edges` are the ends
-        # of these ranges. The last argument is the size of values beside which errors are
-        # negligible: 1, or more where P(a) is not exact to round-off.
+        # Chebyshev series on ranges that are halved until they are resolved. The last argument
+        # is the size of values beside which errors are negligible: 1, or more where P(a) is not
+        # exact to round-off.
         series = piecewise_series_by_halving(
             lambda coordinates: log_half_width(coordinate.load_at(coordinates)),
             coordinate.ends_of_first_ranges(first_octave),
             max(contact.relative_roundoff / 4e-14, 1.0),
         )
         # for each polynomial: the load of the corner below it, and its coefficients
-        corner_number = coordinate.number_of_corner_below(series.edges[:-1])
+        corner_number = coordinate.number_of_corner_below(series.interval_ends[:-1])
         self._corner_load = coordinate.corner_loads[corner_number]
         # evaluated as powers, which is faster
         self._log_half_width = SeriesAsPowers(series.coefficients)
         # v at the two ends of each polynomial
         corner_coordinate = coordinate.corner_coordinates[corner_number]
-        self._first_v = series.edges[:-1] - corner_coordinate
-        self._last_v = series.edges[1:] - corner_coordinate
+        self._first_v = series.interval_ends[:-1] - corner_coordinate
+        self._last_v = series.interval_ends[1:] - corner_coordinate
         self.series_ends = (self._corner_load + np.square(self._first_v))[1:]
 
     def _values_of_series(self, series_number: Indices, v: Array) -> Array:

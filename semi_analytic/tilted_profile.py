@@ -1356,12 +1356,12 @@ def _on_one_axis(series: list[PiecewiseSeries], cuts_on_axis: Array) -> Piecewis
     """Join the piecewise Chebyshev series of k ranges to one series on a common axis: range number
     i begins at `cuts_on_axis[i]`; the k + 1 ends of the ranges are given.
 
-    A piecewise series has `edges`, the ends of its pieces, and `coefficients`, one column for each
-    piece. The edges of each range count from its begin.
+    A piecewise series has `interval_ends`, and `coefficients`, one column for each interval. The
+    ends of each range count from its begin.
     """
     piece_ends = [np.zeros(1)]
     for series_of_range, begin_on_axis in zip(series, cuts_on_axis[:-1], strict=True):
-        piece_ends.append(series_of_range.edges[1:] + begin_on_axis)
+        piece_ends.append(series_of_range.interval_ends[1:] + begin_on_axis)
     coefficients = np.concatenate(
         [series_of_range.coefficients for series_of_range in series], axis=1
     )
