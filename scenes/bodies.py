@@ -254,7 +254,8 @@ class ShoulderedPad(_Sided):
         if self.shoulder_depth >= self.height:
             raise ValueError(
                 f"shoulder_depth = {self.shoulder_depth:g} is refused: it must be less than"
-                f" height = {self.height:g}, which counts from the point of first contact to the base"
+                f" height = {self.height:g}, which counts from the point of first contact to the"
+                " base"
             )
         return self
 
