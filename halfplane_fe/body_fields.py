@@ -37,7 +37,6 @@ from halfplane_fe.face_stress import (
     edge_tension_by_nodal_shear,
     fitted_size_effect,
     sampled_tractions,
-    tension_change_by_unseen_slip,
     tractions,
     tractions_with_uncertainty,
 )
@@ -1131,10 +1130,9 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
 
     None where at no instant of that cycle three nodes touch, and where it is not known what the
     size of a body adds to the stress of a half-plane. Just after a load reverses, the new slip zone
-    is narrower than an element, so that the stress is still that from before. The largest tension
-    comes before a reversal. Where bulk stress still rises, the largest value may be of an instant
-    after a reversal: it is then uncertain by how far it exceeds that of any instant and edge
-    without such unseen slip.
+    is narrower than an element, so that the stress there is uncertain. A value from such an instant
+    may be the largest by its error alone. So the instant, body and edge are those of the largest
+    value less its uncertainty. By how far another value is larger counts as uncertainty too.
     """
     if why_tension_is_unknown(solution) is not None:
         return None
@@ -1150,37 +1148,69 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
     if np.isnan(values).any():
         return None
 
-    # Two halves of a cycle may mirror each other but for round-off: the first instant is taken.
-    # _ROUND_OFF: relative difference by round-off, 1e-9
-    is_largest = values >= values.max() - _ROUND_OFF * abs(values.max())
-    largest_index = np.unravel_index(np.argmax(is_largest), values.shape)
-    candidate_number, body_number, edge_number = (int(index) for index in largest_index)
-    largest_place = (candidate_number, body_number, edge_number)
-    largest_step = steps[candidate_number]
+    def uncertainties_of(candidate_number: int) -> Array:
+        """Uncertainty of s_xx at one candidate, (2, 2) by body and edge [stress]: that by the
+        tractions of either edge and that by the size of either body.
+        """
+        change_by_new_contact = _tension_change_by_new_contact(solution, steps[candidate_number])
+        by_tractions = candidates.uncertainty_by_tractions(candidate_number, change_by_new_contact)
+        return np.asarray(added_uncertainty[:, None] + by_tractions)
 
-    # Uncertainties by the fit and by new contact, (2,) by edge; by body size; by unseen slip.
-    fit_uncertainty = tractions_with_uncertainty(
-        candidates.nodal_tractions[candidate_number]
-    ).tension_uncertainty
-    change_by_new_contact = _tension_change_by_new_contact(solution, largest_step)
-    uncertainty_by_unseen_slip = _uncertainty_by_unseen_slip(
-        values, candidates.change_by_unseen_slip(), largest_place
-    )
+    largest_place, uncertainty = _largest_with_uncertainty(values, uncertainties_of)
+    candidate_number, body_number, edge_number = largest_place
     edges = candidates.tractions[candidate_number].edges  # left and right edge of contact
     # _BODY_NAMES: "lower", "upper"
     return LargestTension(
         value=float(values[largest_place]),
-        uncertainty=float(
-            fit_uncertainty[edge_number]
-            + added_uncertainty[body_number]
-            + change_by_new_contact[edge_number]
-        )
-        + uncertainty_by_unseen_slip,
-        time=float(solution.time[largest_step]),
+        uncertainty=uncertainty,
+        time=float(solution.time[steps[candidate_number]]),
         body=_BODY_NAMES[body_number],
         x=edges[edge_number],
         edges=edges,
     )
+
+
+def _largest_with_uncertainty(
+    values: Array, uncertainties_of: Callable[[int], Array]
+) -> tuple[tuple[int, int, int], float]:
+    """Place of the largest edge tension, as indices of candidate, body and edge, and its
+    uncertainty [stress].
+
+    The place is that of the largest value less its uncertainty, the first of equal ones. What
+    another value exceeds it by is added to the uncertainty. A candidate is left out once its value
+    alone is below the largest difference of both found so far.
+
+    Parameters
+    ----------
+    values
+        (n_candidates, 2, 2) by body and edge [stress]
+    uncertainties_of
+        number of a candidate -> uncertainties (2, 2) of its values [stress]
+    """
+    largest_value = float(values.max())
+    # _ROUND_OFF: relative difference by round-off, 1e-9. Two halves of a cycle may mirror each
+    # other but for it: the first instant is taken.
+    round_off = _ROUND_OFF * abs(largest_value)
+    largest_of_candidates = values.max(axis=(1, 2))
+    best_place = (0, 0, 0)
+    uncertainty_of_best = math.inf
+    best_lower_bound = -math.inf
+    for candidate_number in np.argsort(-largest_of_candidates, kind="stable"):
+        if largest_of_candidates[candidate_number] < best_lower_bound - round_off:
+            break
+        uncertainties = uncertainties_of(int(candidate_number))
+        lower_bounds = values[candidate_number] - uncertainties
+        body_number, edge_number = (
+            int(index) for index in np.unravel_index(np.argmax(lower_bounds), (2, 2))
+        )
+        lower_bound = float(lower_bounds[body_number, edge_number])
+        place = (int(candidate_number), body_number, edge_number)
+        is_equal = abs(lower_bound - best_lower_bound) <= round_off
+        if lower_bound > best_lower_bound + round_off or (is_equal and place < best_place):
+            best_place = place
+            best_lower_bound = lower_bound
+            uncertainty_of_best = float(uncertainties[body_number, edge_number])
+    return best_place, uncertainty_of_best + largest_value - float(values[best_place])
 
 
 class _Candidates(NamedTuple):
@@ -1218,45 +1248,15 @@ class _Candidates(NamedTuple):
             ]
         )
 
-    def change_by_unseen_slip(self) -> Array:
-        """Possible change of s_xx at both edges of contact by slip that no node shows yet,
-        (n_steps, 2) [stress].
+    def uncertainty_by_tractions(self, number: int, change_by_new_contact: Array) -> Array:
+        """Uncertainty of s_xx at both edges of contact by the tractions of one candidate, (2,)
+        [stress]: that of the fit, with its possible change by new contact (2,), or the possible
+        change by slip that no node shows yet, whichever is larger.
         """
-        return np.array(
-            [
-                tension_change_by_unseen_slip(nodal_tractions, step_tractions)
-                for nodal_tractions, step_tractions in zip(
-                    self.nodal_tractions, self.tractions, strict=True
-                )
-            ]
+        fit = tractions_with_uncertainty(self.nodal_tractions[number])
+        return np.maximum(
+            fit.tension_uncertainty + change_by_new_contact, fit.tension_change_by_unseen_slip
         )
-
-
-def _uncertainty_by_unseen_slip(
-    tension: Array, change_by_unseen_slip: Array, largest_place: tuple[int, int, int]
-) -> float:
-    """Uncertainty of the largest edge tension by slip in a zone so narrow that no node shows it yet
-    [stress]: its possible change by this slip, but at most by how far it exceeds the largest value
-    of the instants and edges without such slip, or 0.
-
-    Parameters
-    ----------
-    tension
-        (n_steps, 2, 2) by body and edge [stress]
-    change_by_unseen_slip
-        (n_steps, 2) possible change at each edge; 0 without such slip [stress]
-    largest_place
-        step, body and edge of the largest tension, as indices
-    """
-    step_number, _, edge_number = largest_place
-    tension_without_unseen_slip = np.where(
-        change_by_unseen_slip[:, None, :] > 0, -math.inf, tension
-    )
-    tension_before_reversal = max(float(tension_without_unseen_slip.max()), 0.0)
-    return min(
-        float(change_by_unseen_slip[step_number, edge_number]),
-        float(tension[largest_place]) - tension_before_reversal,
-    )
 
 
 def why_tension_is_unknown(solution: ContactSolution) -> str | None:
