@@ -11,6 +11,9 @@ from scipy.interpolate import CubicSpline
 import semi_analytic
 from refusals import refused_for
 from reports.scoring import loop_area
+from reports.scoring.loop_fitted import fit_rig
+from reports.scoring.loop_over_time import fit_over_time
+from reports.scoring.loop_theory import cycle_loads, theory_displacement
 from reports.scoring.loops import MeasuredLoop, read_loop, score_loop
 from reports.scoring.mapping import Mapping, load_mapping
 from scenes import InputError, load_scene
@@ -310,6 +313,28 @@ def test_a_path_with_more_turning_points_is_placed_over_time():
     assert score.friction == pytest.approx(FRICTION, rel=1e-3)
     assert score.loops[0].area == pytest.approx(work, rel=1e-2)
     assert any("follow the scene's Q over time" in sentence for sentence in score.notes)
+
+
+@pytest.mark.parametrize(("rig_compliance", "n_fitted"), [(RIG, 2), (None, 3)])
+def test_noise_of_a_loop_over_time_counts_the_fitted_parameters(rig_compliance, n_fitted):
+    """Its parameters are f, U0, and C where it is not stated."""
+    points = [(LOAD, -LARGEST), (1.1 * LOAD, 0.2 * LARGEST), (LOAD, -0.2 * LARGEST)]
+    scene = with_cycle(*points, (LOAD, LARGEST))
+    shares, shift, load, _ = steady_cycle(scene)
+    places = np.mod(3 * np.arange(31) / 30, 1.0)
+    u, q = (np.interp(places, shares, values) for values in (shift, load))
+    rows = loop_of(*with_noise(u + RIG * q, q, 0.02, 8))
+    fit = fit_over_time(rows, scene, rig_compliance)
+    sum_of_squares, _, _ = fit_rig(
+        rows,
+        theory_displacement(scene, fit.friction / fit.scale),
+        fit.share_of_cycle,
+        fit.scale * cycle_loads(scene)[1],
+        fit.scale,
+        rig_compliance,
+    )
+    noise = (sum_of_squares / (len(rows.load) - n_fitted)) ** 0.5
+    assert fit.displacement_noise == pytest.approx(noise, rel=1e-9)
 
 
 def part_of(u, q, begin, end):

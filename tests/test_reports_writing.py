@@ -12,6 +12,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
+from jinja2 import UndefinedError
 from PIL import Image
 
 import semi_analytic
@@ -34,6 +35,7 @@ from reports.charts.plate import (
     Rule,
     Segments,
     _png,
+    figure_with_texts,
     panel_stacks_of,
 )
 from reports.charts.templating import marked, style_of, table_text, without_formula
@@ -411,6 +413,15 @@ def test_a_picture_of_numbered_colours_is_read_by_another_library():
         np.testing.assert_array_equal(np.asarray(picture), pixels)
         palette = np.reshape(picture.getpalette(), (-1, 3))[: len(colours)]
     assert ["#{:02x}{:02x}{:02x}".format(*colour) for colour in palette] == list(colours)
+
+
+@pytest.mark.parametrize(
+    "values", [{"strech": "path"}, {"stretch": "path", "n_column": 1}, {}], ids=str
+)
+def test_a_misspelt_or_missing_value_of_a_caption_is_refused(values: dict[str, object]) -> None:
+    assert figure_with_texts("slip_history", [], {}, stretch="path").caption
+    with pytest.raises((TypeError, UndefinedError), match=r"stretch|strech|n_column"):
+        figure_with_texts("slip_history", [], {}, **values)  # type: ignore[arg-type]
 
 
 def plate(name: str = "all") -> Plate:

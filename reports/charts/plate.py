@@ -570,10 +570,13 @@ def figure_with_texts(
     *,
     n_columns: int = 2,
     words: str = "",
-    **numbers: object,
+    **caption_values: object,
 ) -> Plate:
     """A figure of a page, with title, caption and description (for readers who can't see it) taken
     from templates/figures.txt.
+
+    TypeError for a value that these texts have no place for, and UndefinedError where one is
+    missing that they need.
 
     Parameters
     ----------
@@ -587,11 +590,11 @@ def figure_with_texts(
         how many panels stand side by side
     words
         name of the macro in templates/figures.txt that has the texts; `name` by default
-    numbers
-        values that are filled into the texts
+    caption_values
+        numbers, words and truth values that the texts need, by the names they have there
     """
     # three lines: title, caption, description
-    texts = getattr(template("figures.txt").module, words or name)(**numbers)
+    texts = getattr(template("figures.txt").module, words or name)(**caption_values)
     title, caption, description = str(texts).strip().split("\n")
     # Plate: a figure with its texts, panels, CSV table and legend
     return Plate(name, title, caption, description, tuple(panels), table, tuple(keys), n_columns)

@@ -426,10 +426,15 @@ def _panel_of_displacement(rig_motion: RigMotion, curves: Sequence[Curve]) -> Pa
 
 
 def _table_over_time(rig_motion: RigMotion) -> Table:
-    """Columns for a CSV, a row for each shown instant of a rig: time, Q, f P, the slip of the
-    middle of the contact, and what the contact did in the step that ended then, in words.
+    """Columns of a CSV file on a rig, (k,) each for its k shown instants: time; tangential load Q;
+    its limit f P at gross sliding; slip at the middle of the contact; and the motion in words.
 
-    `rig_motion` holds what the rig and its contact do at the shown instants, by one engine.
+    `rig_motion` has these by one engine, and `normal_load` P. `motions` (k,) is a code for the
+    motion of the contact in the step that ends at each instant, such as stick or partial slip;
+    `_CSS_AND_WORDS` gives the words for it. The middle slips only where the bodies slide as a
+    whole.
+
+    # notation: f coefficient of friction
     """
     unit_of_length = units(rig_motion.scene)[1]
     unit_of_load = load_unit(rig_motion.scene)

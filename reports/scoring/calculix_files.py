@@ -375,17 +375,20 @@ class _Lines(Iterator[str]):
     def table_of_records(
         self, records: list[_DataLine], label_width: int, n_columns: int
     ) -> tuple[Integers, Array]:
-        """Node numbers (n,) and values (n, n_columns) of the records of a block of a .frd file, in
-        columns of fixed width. InputError for a record of another length.
+        """Node numbers (n,) and values (n, n_columns), one row for each record of a block of a .frd
+        file. A record is the number of a node and values of 12 characters each, without blanks
+        between them. InputError for a record of another length.
 
         Parameters
         ----------
         records
-            of each: number of its line, text from the node's number on, texts of its continuations
+            of each record: number of its first line in the file (`line_number`); text of that line
+            from the node's number on; texts of the lines that continue it, which begin with
+            `label_width` blanks in place of a node's number
         label_width
-            how many characters a node's number has
+            number of characters of a node's number
         n_columns
-            number of values of a record
+            number of values of each record
         """
         nodes: list[int] = []
         value_texts: list[str] = []
@@ -393,9 +396,8 @@ class _Lines(Iterator[str]):
             text_of_values = record_text[label_width:] + "".join(
                 continuation[label_width:] for continuation in continuations
             )
-            # each number has 12 characters
             if len(text_of_values) != _CHARACTERS_OF_NUMBER * n_columns:
-                # a record begins with a key of three characters
+                # the key of three characters before the node's number is not in `record_text`
                 expected_length = 3 + label_width + _CHARACTERS_OF_NUMBER * n_columns
                 record_length = 3 + label_width + len(text_of_values)
                 raise self.error_expecting(
@@ -412,7 +414,7 @@ class _Lines(Iterator[str]):
             ]
         try:
             values = np.array(value_texts, f"S{_CHARACTERS_OF_NUMBER}").astype(float)
-        except ValueError:  # one of them is not as Python writes it
+        except ValueError:  # Fortran writes 1.5-120, without E: read one by one
             values = np.array(
                 [
                     self.decimal_number(text, "a number", records[index // n_columns].line_number)

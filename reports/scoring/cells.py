@@ -86,15 +86,21 @@ def pressure_on_layer(
     # cells reach 1.8 half-widths of the contact of bare half-planes: a layer makes it wider
     half_width_of_cells = _REACH_OF_CELLS_ON_LAYER * float(contact.half_width(normal_loads.max()))
     cell_centres, cell_width = cell_centres_and_width(half_width_of_cells, _N_CELLS)
-    matrix = influence_matrix(scene, cell_centres, cell_width) + layer_compliance * np.eye(_N_CELLS)
-    gap = np.asarray(scene.profile.height(cell_centres))
+    compliance_matrix = influence_matrix(
+        scene, cell_centres, cell_width
+    ) + layer_compliance * np.eye(_N_CELLS)
+    initial_gap = np.asarray(scene.profile.height(cell_centres))
     pressures = np.zeros((len(normal_loads), _N_CELLS))
     for load_number, normal_load in enumerate(normal_loads):
         is_closed = np.full(_N_CELLS, normal_load > 0)
         while is_closed.any():  # each pass opens a cell, or is the last
             # pressures of the closed cells; the rigid motion is the approach
             closed_pressure, _ = _tractions_and_rigid_motion(
-                matrix, is_closed, -gap[is_closed], cell_width, float(normal_load)
+                compliance_matrix,
+                is_closed,
+                -initial_gap[is_closed],
+                cell_width,
+                float(normal_load),
             )
             if np.all(closed_pressure >= 0):
                 pressures[load_number, is_closed] = closed_pressure
@@ -223,7 +229,9 @@ def _shear_after_step(
     coulomb_limit
         (n,) f p [stress]
     stick_displacement
-        (n,) slip of each cell before the step, minus its displacement by the pressure [length]
+        (n,) slip of each cell before the step minus what the pressure adds to its slip [length].
+        The slip is U - A q plus what the pressure adds, so a cell sticks where U - A q has this
+        value
     tangential_load
         Q after the step [force / thickness]
 
@@ -237,7 +245,7 @@ def _shear_after_step(
     """
     largest_limit = max(float(coulomb_limit.max(initial=0.0)), 1e-300)
     is_pressed = coulomb_limit > 1e-9 * coulomb_limit.max(initial=0.0)
-    # displacement by which slip against the shear is divided
+    # displacement of a cell by the largest shear on itself
     slip_scale = largest_limit * float(np.abs(np.diag(matrix)).max())
     slip_direction = np.zeros(len(coulomb_limit))  # 1 or -1; 0 of cells that stick
     for attempt in range(_MOST_STATES_AT_ONCE + 2 * len(coulomb_limit)):
@@ -246,11 +254,10 @@ def _shear_after_step(
             break
         shear = np.where(is_pressed, slip_direction * coulomb_limit, 0.0)
         load_on_stick_cells = tangential_load - cell_width * float(shear.sum())
-        right_side = -stick_displacement[is_sticking] - matrix[is_sticking] @ shear
-        # stick cells: U - A q = stick_displacement, and the shear of all cells adds up to Q; U is
-        # the rigid motion
+        right_side_at_stick_cells = -stick_displacement[is_sticking] - matrix[is_sticking] @ shear
+        # A q - U = -stick_displacement at stick cells, and the shear of all cells adds up to Q
         shear[is_sticking], tangential_displacement = _tractions_and_rigid_motion(
-            matrix, is_sticking, right_side, cell_width, load_on_stick_cells
+            matrix, is_sticking, right_side_at_stick_cells, cell_width, load_on_stick_cells
         )
         slip = tangential_displacement - matrix @ shear - stick_displacement
         excess_of_shear = np.where(
@@ -265,9 +272,8 @@ def _shear_after_step(
         if not breaks_law.any():
             return shear, tangential_displacement
         changes_state = breaks_law
-        if (
-            attempt >= _MOST_STATES_AT_ONCE
-        ):  # one cell at a time, which ends where all at once do not
+        # one cell at a time comes to an end where all at once do not
+        if attempt >= _MOST_STATES_AT_ONCE:
             changes_state = violation == violation.max()
         new_direction = np.where(is_sticking, np.sign(shear), 0.0)
         slip_direction = np.where(changes_state, new_direction, slip_direction)

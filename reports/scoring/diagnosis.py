@@ -203,9 +203,9 @@ def _sentences_of_evidence(
     """
     discrepancy = judgement.discrepancy
     # integral of the pressure over P
-    ratio = discrepancy.resultant_ratio
-    if np.isfinite(ratio):
-        yield f"the sum of the pressures is {ratio:.4g} P"
+    resultant_ratio = discrepancy.resultant_ratio
+    if np.isfinite(resultant_ratio):
+        yield f"the sum of the pressures is {resultant_ratio:.4g} P"
     # root mean square, of pressure over p_ref and of shear over f p_ref
     noise = fit.mean_square_of_noise(judgement.channels) ** 0.5
     yield (
@@ -223,14 +223,15 @@ def _sentences_of_evidence(
     percentage_in_words = f"{max(share_left_by_fit, 0.0):.1%}"
     yield f"{subject_in_words} {percentage_in_words} of the difference{channel_in_words}"
     # over the norm of the reference's pressure, and f times that, at the worst instant
-    pressure_error, shear_error = discrepancy.relative_errors()
+    error_of_pressure, error_of_shear = discrepancy.relative_errors()
     # with the fitted tractions in place of the reference's
     discrepancy_after = replace(discrepancy, reference_tractions=fit.predicted_tractions)
-    pressure_error_after, shear_error_after = discrepancy_after.relative_errors()
+    error_of_pressure_after, error_of_shear_after = discrepancy_after.relative_errors()
     yield (
-        f"error of the pressure {pressure_error:.2g} of its norm, of the shear {shear_error:.2g} of"
-        f" f times that, at the worst instant; with {causes_in_words} taken out, "
-        f"{pressure_error_after:.2g} and {shear_error_after:.2g}"
+        f"error of the pressure {error_of_pressure:.2g} of its norm, of the shear"
+        f" {error_of_shear:.2g} of f times that, at the worst instant; with"
+        f" {causes_in_words} taken out, "
+        f"{error_of_pressure_after:.2g} and {error_of_shear_after:.2g}"
     )
     if discrepancy.missing_share:
         yield f"{discrepancy.missing_share:.1%} of the tractions are no numbers and were left out"
@@ -289,8 +290,8 @@ def _finding_of_mesh_at_edges(judgement: Judgement) -> Iterator[Diagnosis]:
     a coarse mesh leaves at most a third of the difference. Nothing otherwise. `judgement` holds
     the difference and the fits of causes to it.
 
-    # notation: a_ref half-width of contact of the reference, f coefficient of friction, p_ref
-    #           scale of pressure
+    # notation: a_ref half-width of contact of the reference, f coefficient of friction, p pressure,
+    #           p_ref scale of pressure, q shear
     """
     from scipy.stats import f as f_distribution
 
@@ -303,25 +304,29 @@ def _finding_of_mesh_at_edges(judgement: Judgement) -> Iterator[Diagnosis]:
         return  # a mesh that errs at stick edges errs at the edges of contact as well
     predicted_tractions, is_near_edge = prediction
     # a fit without causes: it leaves the difference of the result from these tractions
-    fit = Fit((), (), predicted_tractions, discrepancy.residuals(predicted_tractions))
-    share_left_by_mesh = share_of_difference_left(
-        fit, judgement.fit_without_causes, judgement.channels
+    fit_of_coarse_mesh = Fit(
+        (), (), predicted_tractions, discrepancy.residuals(predicted_tractions)
     )
-    # of the reference: result minus reference over p_ref and f p_ref, (k, n) each
+    share_left_by_mesh = share_of_difference_left(
+        fit_of_coarse_mesh, judgement.fit_without_causes, judgement.channels
+    )
+    # result minus reference: of p over p_ref, of q over f p_ref, (k, n) each
     residuals = judgement.fit_without_causes.residuals
     differences = np.array([residuals[channel].values for channel in judgement.channels])
     is_in_contact = residuals[PRESSURE].is_in_contact
-    near_differences = differences[:, is_in_contact & is_near_edge].ravel()
-    far_differences = differences[:, is_in_contact & ~is_near_edge].ravel()
-    far_square = max(float(np.mean(far_differences**2)), ROUND_OFF_SQUARE)
-    ratio_of_squares = np.mean(near_differences**2) / far_square
+    differences_near_edges = differences[:, is_in_contact & is_near_edge].ravel()
+    differences_elsewhere = differences[:, is_in_contact & ~is_near_edge].ravel()
+    mean_square_elsewhere = max(float(np.mean(differences_elsewhere**2)), ROUND_OFF_SQUARE)
+    ratio_of_squares = np.mean(differences_near_edges**2) / mean_square_elsewhere
     # probability that chance alone gives such a ratio, by the F test
-    chance = float(f_distribution.sf(ratio_of_squares, len(near_differences), len(far_differences)))
+    probability_by_chance = float(
+        f_distribution.sf(ratio_of_squares, len(differences_near_edges), len(differences_elsewhere))
+    )
     # at most a third is left, a ratio of nine, a probability of 1e-6
     if (
         share_left_by_mesh > LARGEST_SHARE_LEFT
         or ratio_of_squares < LARGEST_SHARE_LEFT**-2
-        or chance > LARGEST_PROBABILITY_BY_CHANCE
+        or probability_by_chance > LARGEST_PROBABILITY_BY_CHANCE
     ):
         return
     # key and sentence of the finding, evidence, strength
@@ -329,7 +334,7 @@ def _finding_of_mesh_at_edges(judgement: Judgement) -> Iterator[Diagnosis]:
         "coarse_edge",
         # template of the sentence; spacing of the points over a_ref
         FAULTS["coarse_edge"].format(spacing=1 / discrepancy.elements_per_half_width),
-        tuple(_sentences_of_evidence(judgement, fit, share_left_by_mesh)),
+        tuple(_sentences_of_evidence(judgement, fit_of_coarse_mesh, share_left_by_mesh)),
         strength=1 - share_left_by_mesh,
     )
 

@@ -372,8 +372,8 @@ def discrepancy_of(comparison: Comparison) -> Discrepancy | None:
     # masks_of_isolated: values that stand out of all others
     masks_of_isolated = comparison.masks_of_isolated
     is_outlier = (masks_of_isolated["pressure"] | masks_of_isolated["shear"])[instants]
-    counts = is_known & ~is_outlier
-    if not counts.any():
+    is_counted = is_known & ~is_outlier
+    if not is_counted.any():
         return None
 
     # theory with the responses of the scene's finite bodies, None where it has none
@@ -384,7 +384,7 @@ def discrepancy_of(comparison: Comparison) -> Discrepancy | None:
     reference_tractions = np.nan_to_num(reference_tractions)
     # weights of the trapezoidal rule in time and x, 0 for values that do not count
     weight = (
-        counts
+        is_counted
         * trapezoidal_weights(result_cycle.time[instants])[:, None]
         * trapezoidal_weights(result_cycle.x)
     )
@@ -392,7 +392,7 @@ def discrepancy_of(comparison: Comparison) -> Discrepancy | None:
         comparison,
         instants,
         reference_tractions,
-        np.where(counts, result_tractions, reference_tractions),
+        np.where(is_counted, result_tractions, reference_tractions),
         weight / weight.sum(),
         missing_share=float(1 - is_known.mean()),
         outlier_share=float((is_known & is_outlier).mean()),

@@ -98,30 +98,30 @@ def _phrases_on_equilibrium(discrepancy: Discrepancy) -> Iterator[str]:
         return
     x = discrepancy.x
     pressure, shear = discrepancy.result_tractions[:, is_loaded]
-    sum_of_pressure = np.trapezoid(pressure, x, axis=1)
+    integral_of_pressure = np.trapezoid(pressure, x, axis=1)
     normal_load = discrepancy.normal_load[is_loaded]
-    # integral of p over x, divided by P or by that of the reference: 1 in equilibrium
-    ratio = discrepancy.resultant_ratio
-    # least and largest of the instants
-    range_of_ratios = _range_in_words(sum_of_pressure / normal_load)
-    sum_in_words = f"the sum of p is {ratio:.4g} P ({range_of_ratios} by instants)"
+    # integral of p over P or over that of the reference, whichever is nearer to 1
+    resultant_ratio = discrepancy.resultant_ratio
+    # least and largest value of the instants
+    range_of_ratios = _range_in_words(integral_of_pressure / normal_load)
+    sum_in_words = f"the sum of p is {resultant_ratio:.4g} P ({range_of_ratios} by instants)"
     # to 1 %
-    if abs(ratio - 1) < _LARGEST_IMBALANCE:
+    if abs(resultant_ratio - 1) < _LARGEST_IMBALANCE:
         sum_in_words += ", so that no load, thickness or unit of it is wrong"
     yield sum_in_words
     friction_coefficient = discrepancy.comparison.scene.friction.coefficient
     if discrepancy.has_shear and friction_coefficient:
-        sum_of_shear = np.trapezoid(shear, x, axis=1)
+        integral_of_shear = np.trapezoid(shear, x, axis=1)
         loaded_instants = discrepancy.instants_of_cycle[is_loaded]
         tangential_load = discrepancy.comparison.reference_cycle.tangential_load[loaded_instants]
-        differences_from_load = np.abs(sum_of_shear - tangential_load) / (
+        differences_from_load = np.abs(integral_of_shear - tangential_load) / (
             friction_coefficient * normal_load
         )
         largest_difference = float(np.max(differences_from_load))
         yield f"the sum of q differs from Q by {largest_difference:.2g} f P at most"
     if not discrepancy.unsymmetric:
         moment = np.trapezoid(x * pressure, x, axis=1)
-        eccentricities = np.abs(moment / sum_of_pressure)
+        eccentricities = np.abs(moment / integral_of_pressure)
         largest_eccentricity = _without_round_off(
             float(np.max(eccentricities)) / discrepancy.half_width
         )

@@ -43,6 +43,8 @@ _FieldNames = dict[ColumnQuantity, str]
 """Quantity -> name of the field at points that holds it, or "name:k" for a component of one.
 """
 
+# In a sentence on the fields: "upper" or "lower" is written for it.
+_BODY = "<loaded>"
 _NAMES_OF_VECTORS = ("contact_traction", "contacttractions", "traction", "tractions")
 _NAMES_OF_STRESSES = (
     "stress",
@@ -132,18 +134,18 @@ class _TractionSource(NamedTuple):
         stress tensor
     field_names
         quantity -> name of the field at points that holds it, or "name:k" for a component of one
-    template
-        a sentence on the fields; {} in that of a vector or a stress stands for the body that the
+    sentence
+        on these fields, for the reader of a report; `_BODY` in it stands for the body that the
         tractions act on
     """
 
     kind: str
     field_names: _FieldNames
-    template: str
+    sentence: str
 
     def in_words(self, loaded_body: str) -> str:
         """The sentence on the fields, with the body that the tractions act on."""
-        return self.template if self.kind == "fields" else self.template.format(loaded_body)
+        return self.sentence.replace(_BODY, loaded_body)
 
     @property
     def names_of_tractions(self) -> list[str]:
@@ -300,8 +302,8 @@ def _traction_vector(tensor_fields: Fields[str, Array]) -> _TractionSource | Non
     for name, values in tensor_fields.items():
         if values.shape[1] >= 2 and normalised_name(name) in known_names:
             field_names: _FieldNames = {"pressure": f"{name}:1", "shear": f"{name}:0"}
-            template = f"tractions are the field {name}, taken to act on the {{}} body"
-            return _TractionSource("vector", field_names, template)
+            sentence = f"tractions are the field {name}, taken to act on the {_BODY} body"
+            return _TractionSource("vector", field_names, sentence)
     return None
 
 
@@ -320,12 +322,12 @@ def _stress_tensor(path: Path, tensor_fields: Fields[str, Array]) -> _TractionSo
                 "pressure": f"{name}:{place_of_yy}",
                 "shear": f"{name}:{place_of_xy}",
             }
-            template = (
-                "no contact tractions in the file: p = -sigma_yy and q = sigma_xy of the {} body's"
-                f" nodal {name} (components {order_in_words}), which is extrapolated to the"
-                " surface and coarser than contact tractions"
+            sentence = (
+                "no contact tractions in the file: p = -sigma_yy and q = sigma_xy of the"
+                f" {_BODY} body's nodal {name} (components {order_in_words}), which is extrapolated"
+                " to the surface and coarser than contact tractions"
             )
-            return _TractionSource("stress", field_names, template)
+            return _TractionSource("stress", field_names, sentence)
     return None
 
 

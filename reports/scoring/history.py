@@ -148,15 +148,15 @@ def _history_by_resultants(surface: SurfaceResult, scene: Scene) -> History:
         source_in_words = "the integral of its pressure over x, with Q = 0 as throughout the scene"
         surface = replace(surface, shear=read_only_copy(np.zeros_like(surface.pressure)))
     # (n_steps,) each; a load P that is stated takes the place of its integral
-    normal_force, tangential_force = resultants(surface)
+    normal_load, tangential_load = resultants(surface)
     if surface.normal_load is not None:
-        normal_force = surface.normal_load
+        normal_load = surface.normal_load
 
     def history_with_sign(sign: float, origin_in_words: str) -> History | None:
         """The history found with the shear multiplied by `sign`, 1 or -1; None where the loads do
         not follow the path then. `origin_in_words` says where the loads come from.
         """
-        loads = (normal_force, sign * tangential_force)
+        loads = (normal_load, sign * tangential_load)
         try:
             return _history_by_loads(
                 surface, scene, loads, _LARGEST_MISFIT_OF_SUMS, origin_in_words
@@ -165,32 +165,34 @@ def _history_by_resultants(surface: SurfaceResult, scene: Scene) -> History:
             return None
 
     shear_sign = 1.0
-    loads = (normal_force, tangential_force)
+    loads = (normal_load, tangential_load)
     try:
         history = _history_by_loads(surface, scene, loads, _LARGEST_MISFIT_OF_SUMS, source_in_words)
     except InputError:
         # Shear on the other body: matched all the same, and scored as it is, with a sentence.
         shear_sign = -1.0
-        turned_history = history_with_sign(shear_sign, f"{source_in_words}, the latter turned")
-        if turned_history is None:
+        history_with_turned_shear = history_with_sign(
+            shear_sign, f"{source_in_words}, the latter turned"
+        )
+        if history_with_turned_shear is None:
             raise
-        history = turned_history
+        history = history_with_turned_shear
     # subtract the error of the rule on these points
     corrected_in_words = f"{source_in_words}, less what that misses of theory"
     for _ in range(_N_CORRECTIONS):
         # error of the trapezoidal rule on these points, by theory at these times
-        normal_error, tangential_error = _errors_of_rule(surface, scene, history)
-        corrected_normal = normal_force
+        error_of_normal_load, error_of_tangential_load = _errors_of_rule(surface, scene, history)
+        corrected_normal_load = normal_load
         if surface.normal_load is None:
-            corrected_normal = normal_force - normal_error
-        corrected_tangential = shear_sign * tangential_force - tangential_error
-        loads = (corrected_normal, corrected_tangential)
+            corrected_normal_load = normal_load - error_of_normal_load
+        corrected_tangential_load = shear_sign * tangential_load - error_of_tangential_load
+        loads = (corrected_normal_load, corrected_tangential_load)
         history = _history_by_loads(
             surface, scene, loads, _LARGEST_MISFIT_OF_SUMS, corrected_in_words
         )
     # a shear whose integral exceeds 5 % of the largest P
-    has_shear = float(np.max(np.abs(tangential_force))) > _LARGEST_MISFIT_OF_SUMS * float(
-        np.max(normal_force)
+    has_shear = float(np.max(np.abs(tangential_load))) > _LARGEST_MISFIT_OF_SUMS * float(
+        np.max(normal_load)
     )
     has_either_sign = has_shear and history_with_sign(-shear_sign, source_in_words) is not None
     return replace(history, has_either_sign=has_either_sign)
@@ -292,29 +294,34 @@ def _require_loads_of_scene(
 
     # notation: P normal load, Q tangential load
     """
-    largest_load = float(np.max(history.normal_load)) or 1.0
+    largest_normal_load = float(np.max(history.normal_load)) or 1.0
     # of the pressure over x, at each instant
-    integral, _ = resultants(surface)
+    integral_of_pressure, _ = resultants(surface)
     limit_of_integral = (
         _LARGEST_MISFIT_AT_SURE_TIMES if sure_of_times else _LARGEST_MISFIT_AT_UNSURE_TIMES
     )
-    for name, result_values, scene_values, limit in (
+    for load_in_words, result_values, scene_values, largest_misfit in (
         ("P", surface.normal_load, history.normal_load, _LARGEST_MISFIT_OF_LOADS),
         ("Q", surface.tangential_load, history.tangential_load, _LARGEST_MISFIT_OF_LOADS),
-        ("the integral of the pressure", integral, history.normal_load, limit_of_integral),
+        (
+            "the integral of the pressure",
+            integral_of_pressure,
+            history.normal_load,
+            limit_of_integral,
+        ),
     ):
         if result_values is None:
             continue
-        is_off_path = np.abs(result_values - scene_values) > limit * largest_load
+        is_off_path = np.abs(result_values - scene_values) > largest_misfit * largest_normal_load
         instants_off_path = np.flatnonzero(is_off_path)
         if len(instants_off_path):
             instant = int(instants_off_path[0])
             raise InputError(
                 f"{surface.source}: its history is not the scene's: at instant {instant + 1}, time"
-                f" {history.time[instant]:.6g}, {name} is {result_values[instant]:.6g} and the"
-                f" scene's {scene_values[instant]:.6g}"
+                f" {history.time[instant]:.6g}, {load_in_words} is {result_values[instant]:.6g}"
+                f" and the scene's {scene_values[instant]:.6g}"
                 # likely reason where all loads differ by one factor; else ""
-                f"{_hint_on_constant_ratio(result_values, scene_values, largest_load)}"
+                f"{_hint_on_constant_ratio(result_values, scene_values, largest_normal_load)}"
             )
 
 
@@ -362,37 +369,38 @@ def _hint_on_constant_ratio(result_values: Array, scene_values: Array, largest_l
 
 # --------------------------------------------------------------------------- by the loads, in order
 def _history_by_loads(
-    surface: SurfaceResult, scene: Scene, loads: Loads, limit: float, source_in_words: str
+    surface: SurfaceResult, scene: Scene, loads: Loads, largest_misfit: float, source_in_words: str
 ) -> History:
     """Find the instants of an external result (`surface`) on the load path by their loads P and Q,
     in order along the path; where every instant lies on the cycle, in its last one. Returns times
     and loads of the path, and notes.
 
-    InputError where an instant is farther from the path than `limit` times the largest P, or where
-    no instant has more than a two-hundredth of it. `source_in_words` says where the loads come
-    from. `loads` are P and Q of the instants, (n_steps,) each.
+    InputError where an instant is farther from the path than `largest_misfit` times the largest P
+    of the path, or where no instant has more than a two-hundredth of that. `source_in_words` says
+    where the loads come from. `loads` are P and Q of the instants, (n_steps,) each.
     """
     path = scene.load.path()
-    largest_load = float(np.max(path.at(_sample_times(path, 1))[0]))
-    if np.max(loads[0]) <= _LARGEST_MISFIT_OF_LOADS * largest_load:
+    largest_normal_load = float(np.max(path.at(_sample_times(path, 1))[0]))
+    if np.max(loads[0]) <= _LARGEST_MISFIT_OF_LOADS * largest_normal_load:
         raise InputError(
             f"{surface.source}: its largest P is {np.max(loads[0]):.4g} (from {source_in_words})"
-            f" and the scene's {largest_load:.4g}: too little to tell its instants by; see to"
-            " thickness and factors of the mapping, or state the times"
+            f" and the scene's {largest_normal_load:.4g}: too little to tell its instants by; see"
+            " to thickness and factors of the mapping, or state the times"
         )
-    misfit, time = _best_times(scene, loads, largest_load, limit)
+    misfit, time = _best_times(scene, loads, largest_normal_load, largest_misfit)
     # the last instant is put a period after an earlier one with the same loads
-    time = _with_closed_cycle(time, scene, loads, misfit * largest_load)
+    time = _with_closed_cycle(time, scene, loads, misfit * largest_normal_load)
     normal_load, tangential_load = path.at(time)
-    if misfit > limit:
-        relative_distances = _distances_from_path(path, time, loads) / largest_load
-        instant = int(np.flatnonzero(relative_distances > limit)[0])
+    if misfit > largest_misfit:
+        relative_distances = _distances_from_path(path, time, loads) / largest_normal_load
+        instant = int(np.flatnonzero(relative_distances > largest_misfit)[0])
         raise InputError(
             f"{surface.source}: its history is not the scene's: at instant {instant + 1} P ="
             f" {loads[0][instant]:.6g} and Q = {loads[1][instant]:.6g} (from {source_in_words}),"
             f" and the nearest that the scene's path has, in order, is P ="
             f" {normal_load[instant]:.6g} and Q = {tangential_load[instant]:.6g} at time"
-            f" {time[instant]:.6g}{_hint_on_constant_ratio(loads[0], normal_load, largest_load)}"
+            f" {time[instant]:.6g}"
+            f"{_hint_on_constant_ratio(loads[0], normal_load, largest_normal_load)}"
         )
     notes = [
         f"its instants were matched to the load path by {source_in_words}; the farthest is"
@@ -461,19 +469,21 @@ def _notes_on_other_places(time: Array, scene: Scene) -> list[str]:
     return notes
 
 
-def _with_closed_cycle(time: Array, scene: Scene, loads: Loads, distance: float) -> Array:
+def _with_closed_cycle(
+    time: Array, scene: Scene, loads: Loads, largest_distance_from_path: float
+) -> Array:
     """Times (n_steps,) of a result on the load path, the last one set to a whole period after an
     earlier one where its loads are the same.
 
     Next to a turning point a small error of a load is a large one of the time. Loads are the same
-    where they differ by no more than twice the largest `distance` of an instant from the path, or
-    by what six printed digits leave open [force / thickness].
+    where they differ by no more than twice `largest_distance_from_path`, that of any instant, or by
+    what six printed digits leave open [force / thickness].
     """
     path = scene.load.path()
     if path.period is None or len(time) < 3:
         return time
     earlier_instant = int(np.argmin(np.abs(time[:-1] - (time[-1] - path.period))))
-    period_later = time[earlier_instant] + path.period
+    time_a_period_later = time[earlier_instant] + path.period
     normal_load, tangential_load = loads
     load_change = np.hypot(
         normal_load[-1] - normal_load[earlier_instant],
@@ -483,11 +493,11 @@ def _with_closed_cycle(time: Array, scene: Scene, loads: Loads, distance: float)
     print_error = _ERROR_OF_PRINTED_LOAD * float(np.max(np.abs(loads)))
     last_interval = time[-1] - time[-2]
     end_of_path = path.cycle_start + scene.cycles * path.period
-    has_same_loads = load_change <= max(2 * distance, print_error)
-    is_on_path = time[-2] < period_later <= end_of_path
-    is_close = abs(time[-1] - period_later) <= last_interval / 2
+    has_same_loads = load_change <= max(2 * largest_distance_from_path, print_error)
+    is_on_path = time[-2] < time_a_period_later <= end_of_path
+    is_close = abs(time[-1] - time_a_period_later) <= last_interval / 2
     if has_same_loads and is_on_path and is_close:
-        return np.append(time[:-1], period_later)
+        return np.append(time[:-1], time_a_period_later)
     return time
 
 

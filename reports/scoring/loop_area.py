@@ -21,8 +21,11 @@ from scenes.array_types import Array
 
 # Phases closer than this are alike but for rounding.
 _ROUND_OFF_OF_PHASE = 1e-9
-# Misclosure in sigma of U beyond which a loop is not closed: three of a difference of two.
+# A loop is not closed where U of its two ends differs by more than 4.2 sigma of U, which is three
+# sigma of a difference of two.
 _TOLERATED_MISCLOSURE_IN_SIGMAS = 4.2
+# A record may end one step of rows before its cycle does: the most that counts as one step.
+_MOST_MISSING_STEPS = 1.6
 # Error of the area of a fitted loop by the samples of its curve, of itself: 2e-9 was measured.
 _RELATIVE_ERROR_BY_SAMPLES = 1e-8
 # Of the scatter of W: the rows choose branches, sigma and run-in too. Fitted on 1,156 loops (seeds
@@ -98,8 +101,8 @@ def polygon_area(
 ) -> LoopArea:
     """Area W of a measured loop of Q over U per cycle [energy per thickness], by the polygon
     through its rows. With it come its errors by the distance of the rows and by their noise (95 %).
-    As many whole cycles count as the rows cover, at least one; where they cover less, the
-    misclosure between last and first row counts as an error.
+    As many whole cycles count as the rows cover, at least one. Where the last row does not meet the
+    first one (misclosure), the area between them counts as an error.
 
     Parameters
     ----------
@@ -120,16 +123,16 @@ def polygon_area(
     # notation: sigma standard deviation of the noise
     """
     covered_cycles = float(phase[-1] - phase[0])
-    # The last row may lie one step of rows before the end of a cycle; phases are known to a
-    # hundredth of a cycle.
-    missing_cycles = 1.6 * covered_cycles / (len(phase) - 1) + 0.01
+    # The last row may lie one step of rows (at most 1.6) before the end of a cycle; phases are
+    # known to a hundredth of a cycle.
+    missing_cycles = _MOST_MISSING_STEPS * covered_cycles / (len(phase) - 1) + 0.01
     n_cycles = max(math.floor(covered_cycles + missing_cycles), 1)
     end_phase = float(phase[0]) + n_cycles
+    # rows at or after the end of the last whole cycle
     rows_at_end = np.flatnonzero(phase >= end_phase)
     rows_at_end = rows_at_end[
         rows_at_end > 0.5 * len(phase) * n_cycles / max(covered_cycles, n_cycles)
     ]
-    # area that is uncertain since the loop does not close
     error_by_misclosure = 0.0
     if len(rows_at_end):
         noise = (displacement_noise, load_noise)
@@ -138,9 +141,8 @@ def polygon_area(
         )
     elif end_phase - phase[-1] > missing_cycles:
         # the loop may lie anywhere between the chord and its end tangents
-        error_by_misclosure = (
-            abs(float((displacement[-1] - displacement[0]) * (load[-1] - load[0]))) / 2
-        )
+        rectangle = float((displacement[-1] - displacement[0]) * (load[-1] - load[0]))
+        error_by_misclosure = abs(rectangle) / 2
 
     # the error of a polygon grows with the square of its step: it is found from every second row
     area = _area_of_polygon(displacement, load)
@@ -167,54 +169,37 @@ def _closed_loop_and_misclosure_error(
     end_phase: float,
     noise: tuple[float, float],
 ) -> tuple[Array, Array, float]:
-    """Close a measured loop of Q over U at the end of its last whole cycle: U and Q of the rows up
-    to there, and the error of the loop's area [energy per thickness] by its misclosure.
+    """Close a measured loop of Q over U at the end of its last whole cycle. Returns U and Q of the
+    rows up to there, with an interpolated closing point as the last, and the error of the area
+    because U does not return to its first value (misclosure) [energy per thickness].
 
-    The closing point, interpolated between two rows, is the last of these rows. The misclosure is
-    the U by which it misses the first row. It makes an error if noise and the distance of the rows
-    do not explain it.
+    A chord at the first Q closes the loop. It could lie as high as the middle of the range of Q, so
+    the error is the misclosure times the distance of the first Q from that middle. It is 0 for a
+    misclosure that noise, or a last step that was not measured, may make.
 
     Parameters
     ----------
     displacement, load, phase
-        (n,) U, Q, and cycles passed at each row
+        (n,) U, Q, and number of cycles passed at each row
     rows_at_end
-        indices of the rows behind the end of the last whole cycle
+        indices of the rows at or after the end of the last whole cycle
     end_phase
-        phase at the end of the last whole cycle
+        cycles passed at that end
     noise
         sigma of U and of Q
 
     # notation: Q tangential load, sigma standard deviation of the noise, U relative tangential
     #           displacement
     """
-    displacement_noise, load_noise = noise
-    row_after = int(rows_at_end[0])
-    phase_before = phase[row_after - 1]
-    phase_step = max(phase[row_after] - phase_before, 1e-300)
-    fraction_of_step = float(np.clip((end_phase - phase_before) / phase_step, 0.0, 1.0))
-    # misclosure that noise may make: 4.2 sigma
-    tolerated_misclosure = _TOLERATED_MISCLOSURE_IN_SIGMAS * displacement_noise
-    # phase in which Q changes by 4 sigma: with less, Q can stand still at a turning point
-    phase_of_standstill = 4 * load_noise / (2 * float(np.ptp(load))) + _ROUND_OFF_OF_PHASE
-    rows_in_standstill = rows_at_end[phase[rows_at_end] <= end_phase + phase_of_standstill]
-    if len(rows_in_standstill) > 1:  # U moves on while Q stands: the loop closes where U returns
-        row_after, fraction_of_step = _where_displacement_returns(displacement, rows_in_standstill)
-        is_last_row = row_after == len(displacement) - 1 and fraction_of_step == 1
-        if is_last_row:  # the cycle may lack the step from the last row to the first one
-            largest_displacement_step = float(
-                np.max(np.abs(np.diff(displacement[rows_in_standstill])))
-            )
-            # 1.6 is a margin: the missing step may be longer than those in the record
-            tolerated_misclosure = max(tolerated_misclosure, 1.6 * largest_displacement_step)
+    row_after, fraction_of_step, tolerated_misclosure = _end_of_cycle(
+        displacement, load, phase, rows_at_end, end_phase, noise
+    )
     displacement_at_end, load_at_end = (
         float(
             values[row_after - 1] + fraction_of_step * (values[row_after] - values[row_after - 1])
         )
         for values in (displacement, load)
     )
-    # A loop that stays open is closed by a chord at the first Q. Its area may be wrong by the
-    # misclosure times the distance of this Q from the middle of the loop.
     error_by_misclosure = 0.0
     misclosure = displacement_at_end - float(displacement[0])
     if abs(misclosure) > tolerated_misclosure:
@@ -225,6 +210,51 @@ def _closed_loop_and_misclosure_error(
         np.append(load[:row_after], load_at_end),
         error_by_misclosure,
     )
+
+
+def _end_of_cycle(
+    displacement: Array,
+    load: Array,
+    phase: Array,
+    rows_at_end: NDArray[np.intp],
+    end_phase: float,
+    noise: tuple[float, float],
+) -> tuple[int, float, float]:
+    """Where the last whole cycle of a measured loop ends, between two rows: the index of the row
+    behind, and the fraction of the step from the row before, 0 to 1. With them the tolerated
+    misclosure [length]: the difference of U from the first row that noise, and a step from the last
+    row to the first one that was not measured, may make.
+
+    The cycle ends at `end_phase`. At a turning point Q may stand still while U moves on, and the
+    phase hardly changes. Then the cycle ends where U is nearest to its first value.
+
+    Parameters
+    ----------
+    displacement, load, phase
+        (n,) relative tangential displacement U, tangential load Q, and number of cycles passed at
+        each row
+    rows_at_end
+        indices of the rows at or after `end_phase`
+    noise
+        standard deviations of the noise of U and of Q
+    """
+    displacement_noise, load_noise = noise
+    row_after = int(rows_at_end[0])
+    phase_before = phase[row_after - 1]
+    phase_step = max(phase[row_after] - phase_before, 1e-300)
+    fraction_of_step = float(np.clip((end_phase - phase_before) / phase_step, 0.0, 1.0))
+    # 4.2 sigma
+    tolerated_misclosure = _TOLERATED_MISCLOSURE_IN_SIGMAS * displacement_noise
+    # phase in which Q changes by 4 sigma; a smaller change is none
+    phase_of_standstill = 4 * load_noise / (2 * float(np.ptp(load))) + _ROUND_OFF_OF_PHASE
+    rows_in_standstill = rows_at_end[phase[rows_at_end] <= end_phase + phase_of_standstill]
+    if len(rows_in_standstill) > 1:
+        row_after, fraction_of_step = _where_displacement_returns(displacement, rows_in_standstill)
+        is_last_row = row_after == len(displacement) - 1 and fraction_of_step == 1
+        if is_last_row:
+            largest_step = float(np.max(np.abs(np.diff(displacement[rows_in_standstill]))))
+            tolerated_misclosure = max(tolerated_misclosure, _MOST_MISSING_STEPS * largest_step)
+    return row_after, fraction_of_step, tolerated_misclosure
 
 
 def area_about_fit(loop: MasingLoop, fit: MasingFit, cycles: float) -> LoopArea:

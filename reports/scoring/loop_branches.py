@@ -252,7 +252,7 @@ def _record_of_two_cycles(
     displacement: Array,
     load: Array,
     time: Array,
-    noise: float,
+    load_noise: float,
     range_of_load: tuple[float, float],
     source: str,
 ) -> _CyclicRows:
@@ -266,7 +266,7 @@ def _record_of_two_cycles(
     ----------
     displacement, load, time
         (n,) U, Q and time of the rows
-    noise
+    load_noise
         sigma of Q
     range_of_load
         least and largest Q, without what noise adds
@@ -278,7 +278,7 @@ def _record_of_two_cycles(
     if len(rows_before) >= 3:
         return _CyclicRows(load, time, rows_before, rows_after, rises_at_crossing)
     # the row that comes nearest to the first one, a cycle later; None without one
-    closing_row = _closing_row(displacement, load, rows_before, rises_at_crossing, noise)
+    closing_row = _closing_row(displacement, load, rows_before, rises_at_crossing, load_noise)
     if closing_row is None:
         least_load, largest_load = range_of_load
         # up and down: twice the range makes a cycle
@@ -511,9 +511,9 @@ def _loads_at_turns(load: Array, begins: NDArray[np.intp], ends: NDArray[np.intp
 def _closing_row(
     displacement: Array,
     load: Array,
-    rows_before: NDArray[np.intp],
+    rows_before_crossings: NDArray[np.intp],
     rises_at_crossing: NDArray[np.bool_],
-    noise: float,
+    load_noise: float,
 ) -> int | None:
     """Index of the row that closes a cycle of a measured loop: the one nearest to the first row, a
     cycle later on the same branch. None where no row comes that near again.
@@ -522,16 +522,18 @@ def _closing_row(
     ----------
     displacement, load
         (n,) U and Q of the rows
-    rows_before, rises_at_crossing
+    rows_before_crossings, rises_at_crossing
         (k,) last row before each crossing of the middle of Q, and whether Q rises there
-    noise
+    load_noise
         standard deviation of Q
 
     # notation: Q tangential load, U relative tangential displacement
     """
-    if not len(rows_before):
+    if not len(rows_before_crossings):
         return None
-    rows_of_branch = _first_branch_a_cycle_later(load, rows_before, rises_at_crossing, noise)
+    rows_of_branch = _first_branch_a_cycle_later(
+        load, rows_before_crossings, rises_at_crossing, load_noise
+    )
     if rows_of_branch is None:
         return None
 
@@ -545,7 +547,7 @@ def _closing_row(
     distance_across_loop = (
         displacement_from_first - np.ptp(displacement) / np.ptp(load) * load_from_first
     )
-    is_near_in_load = np.abs(load_from_first) <= 2 * largest_load_step + 4 * noise
+    is_near_in_load = np.abs(load_from_first) <= 2 * largest_load_step + 4 * load_noise
     is_near_across_loop = np.abs(distance_across_loop) <= largest_displacement_step + 5 * row_noise(
         displacement
     )
@@ -660,30 +662,29 @@ def _crossing_times(
 def _turning_point(
     load: Array,
     time: Array,
-    centres: Array,
-    lengths: Array,
+    middle_times: Array,
+    durations: Array,
     is_top: bool,
-    noise: float,
+    load_noise: float,
     n_copies: int,
 ) -> tuple[TurningPoint, float]:
     """Highest (or lowest) Q with its standard error, in the mean over all cycles, and how long
-    after the centre between two crossings it is reached [time]. The cycles are laid over each other
-    in time.
+    after the middle time between two crossings it is reached [time]. A crossing is where Q passes
+    the middle of its range. The cycles are laid over each other in time.
 
-    A crossing is where Q passes the middle of its range. Two parabolas that meet at the turning
-    point are fitted to the rows in a window around it, which grows as long as they describe the
-    rows to within the noise. The error is that by noise, and the change since the window before.
-    Where no window has such a fit the highest row counts.
+    Two parabolas that meet at the turning point are fitted to the rows in a window around it, which
+    grows as long as they describe the rows to within the noise. The error is that by noise, and the
+    change since the window before. Where no window has such a fit the highest row counts.
 
     Parameters
     ----------
     load, time
         (n,) Q and time of the rows
-    centres, lengths
-        (k,) middle and duration of the time between the two crossings beside each turning point
+    middle_times, durations
+        (k,) of the time between the two crossings beside each turning point
     is_top
         whether Q is largest there
-    noise
+    load_noise
         standard deviation of Q
     n_copies
         how often each measured turning point is in the rows: 2 where one cycle was laid end to end
@@ -692,30 +693,30 @@ def _turning_point(
     # notation: Q tangential load
     """
     sign = 1.0 if is_top else -1.0
-    half_duration = float(np.median(lengths)) / 2
-    rows_before_begin = np.searchsorted(time, centres - half_duration)
-    rows_before_end = np.searchsorted(time, centres + half_duration)
+    half_duration = float(np.median(durations)) / 2
+    begin_rows = np.searchsorted(time, middle_times - half_duration)
+    end_rows = np.searchsorted(time, middle_times + half_duration)
     rows_around_top = _RowsAroundTop(
         height=sign * load,
-        # -1 and 1 at the crossings beside the nearest centre
-        scaled_time=_time_from_nearest(centres, time) / half_duration,
-        rows_in_half_duration=float(np.mean(rows_before_end - rows_before_begin)) / 2,
-        noise=noise,
+        # -1 and 1 at the crossings beside the nearest of the middle times
+        scaled_time=_time_from_nearest(middle_times, time) / half_duration,
+        rows_in_half_duration=float(np.mean(end_rows - begin_rows)) / 2,
+        noise=load_noise,
     )
     largest_height = rows_around_top.largest_height
     guessed_time = rows_around_top.guessed_time
     fits = rows_around_top.fits_in_growing_windows(guessed_time)
     if not fits:
         error_of_row = float(
-            noise + np.ptp(rows_around_top.height) / rows_around_top.rows_in_half_duration
+            load_noise + np.ptp(rows_around_top.height) / rows_around_top.rows_in_half_duration
         )
         return TurningPoint(sign * largest_height, error_of_row), guessed_time * half_duration
     longest_fit = fits[-1]
     height_by_shorter_window = fits[-2].height if len(fits) > 1 else largest_height
-    n_measured_turns = max(len(centres) // n_copies, 1)
+    n_measured_turns = max(len(middle_times) // n_copies, 1)
     n_rows = longest_fit.rows_in_half_window * n_measured_turns
     # variance of two joined parabolas at their joint: 4.5 times that of a row over their number
-    error_by_noise = noise * math.sqrt(_VARIANCE_FACTOR_AT_JOINT / n_rows)
+    error_by_noise = load_noise * math.sqrt(_VARIANCE_FACTOR_AT_JOINT / n_rows)
     error = math.hypot(error_by_noise, longest_fit.height - height_by_shorter_window)
     turning_point = TurningPoint(sign * longest_fit.height, error)
     return turning_point, longest_fit.scaled_time * half_duration

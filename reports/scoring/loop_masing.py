@@ -35,7 +35,7 @@ from scenes.array_types import Array
 # Samples of the memory curve, closer towards gross sliding, where its slope grows as a logarithm,
 # and how far from it they end, over f P.
 _N_SAMPLES_OF_CURVE = 1001
-_RELATIVE_GAP_TO_SLIDING = 1e-6
+_RELATIVE_DISTANCE_TO_SLIDING = 1e-6
 # Corners of the polygon in which the nearest point is sought, in each part of a branch: partial
 # slip and slide. The distance itself is that from the curve.
 _CORNERS_PER_PART = 160
@@ -193,15 +193,15 @@ def memory_curve(scene: Scene, sliding_friction_per_load: float) -> MemoryCurve:
     normal_loads, _ = path_of_scene.at(np.array([path_of_scene.cycle_start]))
     normal_load = float(np.asarray(normal_loads)[0])
     # of h/f: a millionth of P below gross sliding
-    largest_argument = normal_load * (1 - _RELATIVE_GAP_TO_SLIDING)
-    largest_load = friction_coefficient * largest_argument
-    polygon_of_loads = {
+    largest_argument = normal_load * (1 - _RELATIVE_DISTANCE_TO_SLIDING)
+    largest_tangential_load = friction_coefficient * largest_argument
+    nearly_sliding_loads = {
         "kind": "polygon",
         # vertices (P, Q)
-        "initial_loading": [(normal_load, 0.0), (normal_load, largest_load)],
-        "cycle": [(normal_load, -largest_load)],
+        "initial_loading": [(normal_load, 0.0), (normal_load, largest_tangential_load)],
+        "cycle": [(normal_load, -largest_tangential_load)],
     }
-    nearly_sliding_scene = scene.vary(load=polygon_of_loads, cycles=2)
+    nearly_sliding_scene = scene.vary(load=nearly_sliding_loads, cycles=2)
     path = nearly_sliding_scene.load.path()
     assert path.period is not None
     # samples closer and closer towards gross sliding, where the slope grows
@@ -500,7 +500,7 @@ def distances_from_loop(
     corners_of_branch = np.array(loop.points(_PLACES_OF_CORNERS))
     corners_of_branch /= np.array(sigma)[:, None]
     branch_sign = np.where(rows.branches.is_rising, 1.0, -1.0)
-    # (4, n) each: distance, normal in U, normal in Q, place on the branch
+    # (4, n) each: distance; components in U and in Q of the unit normal; place on the branch
     nearest_on_branch = _distances_from_branch(
         loop, corners_of_branch, displacement, load, branch_sign, sigma
     )
@@ -523,28 +523,30 @@ def distances_from_loop(
     branch_sign[rows_of_other_branch] *= -1
 
     # place on the branch: 0 to 1 in partial slip and 1 to 2 on the slide
-    distance, normal_displacement, normal_load, place_on_branch = nearest_on_branch
+    distance, unit_normal_in_displacement, unit_normal_in_load, place_on_branch = nearest_on_branch
     displacement_derivatives, load_derivatives = loop.derivatives(place_on_branch)
     displacement_derivatives *= branch_sign[:, None]
     load_derivatives *= branch_sign[:, None]
     displacement_derivatives[:, ORIGIN] = 1.0
     displacement_derivatives[:, DRIFT_RATE] = rows.share_of_time
     load_derivatives[:, MIDDLE] = 1.0
-    # a distance shrinks by what the point of the loop moves along the normal
-    derivatives = -normal_displacement[:, None] * displacement_derivatives / sigma.of_displacement
-    derivatives -= normal_load[:, None] * load_derivatives / sigma.of_load
+    # a loop that moves along its normal, towards the row, shortens the distance
+    derivatives = (
+        -unit_normal_in_displacement[:, None] * displacement_derivatives / sigma.of_displacement
+    )
+    derivatives -= unit_normal_in_load[:, None] * load_derivatives / sigma.of_load
     share_of_branch = np.clip(place_on_branch, 0.0, 2.0) / 2
     return Distances(
         signed_distance=distance,
         derivatives=derivatives,
-        unit_normal=np.column_stack([normal_displacement, normal_load]),
+        unit_normal=np.column_stack([unit_normal_in_displacement, unit_normal_in_load]),
         place_on_loop=np.where(branch_sign > 0, share_of_branch, 1 + share_of_branch),
     )
 
 
 def _distances_from_branch(
     loop: MasingLoop,
-    polygon: Array,
+    corners_of_branch: Array,
     displacement: Array,
     load: Array,
     branch_sign: Array,
@@ -562,9 +564,10 @@ def _distances_from_branch(
     ----------
     loop
         its branches; `parameters[SLIDE]` is the gross slide, 0 in partial slip
-    polygon
-        (2, m) U and Q of the corners of the rising branch, over sigma. Neighbours are 1/160 of a
-        place apart (`_CORNERS_PER_PART`); 18 lie before place 0 and 18 behind place 2
+    corners_of_branch
+        (2, m) U and Q of the corners of a polygon along the rising branch, over sigma. Between
+        neighbours the place grows by 1/160 (`_CORNERS_PER_PART`); 18 corners lie before place 0 and
+        18 behind place 2
     displacement, load
         (n,) U and Q of the rows, from the middle of the loop
     branch_sign
@@ -579,7 +582,7 @@ def _distances_from_branch(
         [branch_sign * displacement / sigma.of_displacement, branch_sign * load / sigma.of_load]
     )
     # index of the chord plus the fraction of it that is passed
-    place_on_polygon, _, _, _ = nearest_on_polyline(row_points, polygon)
+    place_on_polygon, _, _, _ = nearest_on_polyline(row_points, corners_of_branch)
     place = (place_on_polygon - _CORNERS_BEYOND_TURN) / _CORNERS_PER_PART
     # The branch has no tangent where the slide begins (a kink), nor at the two ends of the polygon,
     # which lie beyond the turning points.
@@ -593,22 +596,26 @@ def _distances_from_branch(
     displacement_of_loop, load_of_loop = loop.points(place)
     displacement_from_loop = row_points[0] - displacement_of_loop / sigma.of_displacement
     load_from_loop = row_points[1] - load_of_loop / sigma.of_load
-    tangent_displacement, tangent_load = loop.tangents(place)
-    tangent_displacement = tangent_displacement / sigma.of_displacement
-    tangent_load = tangent_load / sigma.of_load
-    tangent_length = np.hypot(tangent_displacement, tangent_load)
-    normal_displacement = tangent_load / tangent_length
-    normal_load = -tangent_displacement / tangent_length
-    distance = displacement_from_loop * normal_displacement + load_from_loop * normal_load
+    tangent_in_displacement, tangent_in_load = loop.tangents(place)
+    tangent_in_displacement = tangent_in_displacement / sigma.of_displacement
+    tangent_in_load = tangent_in_load / sigma.of_load
+    tangent_length = np.hypot(tangent_in_displacement, tangent_in_load)
+    unit_normal_in_displacement = tangent_in_load / tangent_length
+    unit_normal_in_load = -tangent_in_displacement / tangent_length
+    distance = (
+        displacement_from_loop * unit_normal_in_displacement + load_from_loop * unit_normal_in_load
+    )
 
     # without a tangent: the distance from the point, with the sign that it has across the branch
     distance_from_point = np.hypot(displacement_from_loop, load_from_loop)
     has_no_tangent &= distance_from_point > 0
     signed_distance = np.where(distance < 0, -distance_from_point, distance_from_point)
     divisor = np.where(has_no_tangent, signed_distance, 1.0)
-    normal_displacement = np.where(
-        has_no_tangent, displacement_from_loop / divisor, normal_displacement
+    unit_normal_in_displacement = np.where(
+        has_no_tangent, displacement_from_loop / divisor, unit_normal_in_displacement
     )
-    normal_load = np.where(has_no_tangent, load_from_loop / divisor, normal_load)
+    unit_normal_in_load = np.where(has_no_tangent, load_from_loop / divisor, unit_normal_in_load)
     distance = np.where(has_no_tangent, signed_distance, distance)
-    return np.array([branch_sign * distance, normal_displacement, normal_load, place])
+    return np.array(
+        [branch_sign * distance, unit_normal_in_displacement, unit_normal_in_load, place]
+    )

@@ -264,7 +264,10 @@ class _Search:
         between the neighbours of the best trial, or this trial itself.
 
         Its `displacement_noise` is the standard deviation of the residuals of U, at least what the
-        digits of the rows leave.
+        digits of the rows leave. `rig_compliance` is C where it is stated, None where it is fitted.
+
+        # notation: C compliance of the rig, f friction coefficient, U relative tangential
+        #           displacement, U0 its origin
         """
         log_friction = min(
             self.best_log_friction(trials.neighbours_of_best, alignment),
@@ -272,7 +275,9 @@ class _Search:
             key=lambda log_trial: self.sum_of_squares(log_trial, alignment),
         )
         sum_of_squares, compliance, _ = self.rig_fit(log_friction, alignment)
-        degrees_of_freedom = len(self.loop.time) - 3 - (self.rig_compliance is None)
+        # f and U0 are fitted, and C
+        n_fitted = 2 if self.rig_compliance is not None else 3
+        degrees_of_freedom = len(self.loop.time) - n_fitted
         noise = max(
             math.sqrt(sum_of_squares / degrees_of_freedom), self.loop.resolution[0] / math.sqrt(12)
         )

@@ -440,12 +440,12 @@ def _require_loop_of_theory(candidate: _Candidate, loop: MeasuredLoop, scene: Sc
     misfit = candidate.best_loop.misfit
     # 1.5 % of the opening; 0.5 % where neighbouring rows have a correlation of more than 0.8, so
     # that hardly any of the distances is scatter, unless the digits of Q make it
-    limit = _LARGEST_SHARE_OF_OPENING
+    largest_share_of_opening = _LARGEST_SHARE_OF_OPENING
     if (
         misfit.correlation > _CORRELATION_WITHOUT_SCATTER
         and not candidate.best_loop.depends_on_last_digits
     ):
-        limit = _LARGEST_SHARE_OF_OPENING_WITHOUT_SCATTER
+        largest_share_of_opening = _LARGEST_SHARE_OF_OPENING_WITHOUT_SCATTER
     reason = ""
     # certain: not by chance, and more than theory may miss
     if candidate.is_certain(candidate.changes.every_second_cycle):
@@ -465,7 +465,7 @@ def _require_loop_of_theory(candidate: _Candidate, loop: MeasuredLoop, scene: Sc
             " contact slides as a whole: it hardens (plastic flow, debris, or a pad that tilts),"
             " and has no plateau at f P"
         )
-    elif candidate.share_of_opening > limit:
+    elif candidate.share_of_opening > largest_share_of_opening:
         reason = (
             "its cycles are alike, but their form is not that of theory (other bodies, plastic"
             " flow, wear, or noise that is no scatter)"
@@ -476,7 +476,7 @@ def _require_loop_of_theory(candidate: _Candidate, loop: MeasuredLoop, scene: Sc
         f"{loop.source}: its rows are of no steady loop of {scene.name}:"
         f" {_differences_of_cycles_in_words(loop) or reason}; the best fit is"
         f" {100 * candidate.unsteady_share_of_opening:.2g} % of the loop's opening away from rows"
-        f" that lie beside each other (limit {100 * limit:.2g} %)"
+        f" that lie beside each other (limit {100 * largest_share_of_opening:.2g} %)"
     )
 
 

@@ -306,32 +306,34 @@ def _row_of_measured_loop(loop: MeasuredLoop, fit: FittedLoop) -> tuple[LoopRow,
     """
     # only a loop of Masing's rule, at constant P, has an area of its own
     if fit.masing_loop is None or fit.masing_fit is None:
-        area = polygon_area(
+        loop_area = polygon_area(
             loop.displacement, loop.load, fit.phase, fit.displacement_noise, fit.load_noise
         )
         method_words = "the area of the polygon of the rows"
     else:
-        area = area_about_fit(fit.masing_loop, fit.masing_fit, float(fit.phase[-1] - fit.phase[0]))
+        loop_area = area_about_fit(
+            fit.masing_loop, fit.masing_fit, float(fit.phase[-1] - fit.phase[0])
+        )
         method_words = "the area of the best fit, with what the rows enclose beside it,"
     # Q of the scene at shares of a cycle from 0 to 1 (SHARES_OF_CYCLE), scaled
     load_of_cycle = fit.scale * cycle_loads(fit.scene)[1]
     table_row = LoopRow(
         name="measured",
         friction=None,
-        area=area.value,
-        area_uncertainty=area.uncertainty,
+        area=loop_area.value,
+        area_uncertainty=loop_area.uncertainty,
         slope=_slope_of_line(
             loop.displacement, np.interp(fit.share_of_cycle, SHARES_OF_CYCLE, load_of_cycle)
         ),
         distance=math.nan,
-        by_distance=area.error_by_distance,
-        by_noise=area.error_by_scatter,
+        by_distance=loop_area.error_by_distance,
+        by_noise=loop_area.error_by_scatter,
     )
     sentence = (
-        f"W as measured is {method_words} over {area.n_cycles}"
-        f" {'cycle' if area.n_cycles == 1 else 'cycles'}:"
-        f" ± {area.error_by_distance:.2g} by what lies between rows,"
-        f" ± {area.error_by_scatter:.2g} by their scatter (95 %)"
+        f"W as measured is {method_words} over {loop_area.n_cycles}"
+        f" {'cycle' if loop_area.n_cycles == 1 else 'cycles'}:"
+        f" ± {loop_area.error_by_distance:.2g} by what lies between rows,"
+        f" ± {loop_area.error_by_scatter:.2g} by their scatter (95 %)"
     )
     return table_row, sentence
 

@@ -449,39 +449,41 @@ def _fit_of_limited_pressure(discrepancy: Discrepancy) -> ProblemFit | None:
     )
 
 
-def _elastic_pressure_below_limit(discrepancy: Discrepancy, limit: float) -> tuple[Array, int]:
-    """Pressure (k, n) of elastic half-planes of the scene's profile, cut off at a `limit` [stress].
-    At each of the k instants the load is that, of 1 to 2.5 times P, which fits the result's
-    pressure best. With it comes the largest number of points, at any instant, where the elastic
-    pressure exceeds the limit by a tenth.
+def _elastic_pressure_below_limit(
+    discrepancy: Discrepancy, pressure_limit: float
+) -> tuple[Array, int]:
+    """Pressure (k, n) of elastic half-planes of the scene's profile, cut off at a `pressure_limit`
+    [stress]. At each of the k instants the load is that, of 1 to 2.5 times P, which fits the
+    result's pressure best. With it comes the largest number of points, at any instant, where the
+    elastic pressure exceeds the limit by a tenth.
 
     # notation: P normal load
     """
     contact = contact_of(discrepancy.scene.profile, discrepancy.scene.material)
     limited_pressures = []
     most_points_on_limit = 0
-    for pressure, load, weights in zip(
+    for pressure, normal_load, weights in zip(
         discrepancy.result_tractions[PRESSURE],
         discrepancy.normal_load,
         discrepancy.weight,
         strict=True,
     ):
-        elastic_pressures = contact.pressure(discrepancy.x, load * _LOAD_RATIOS[:, None])
-        trial_pressures = np.minimum(elastic_pressures, limit)
+        elastic_pressures = contact.pressure(discrepancy.x, normal_load * _LOAD_RATIOS[:, None])
+        trial_pressures = np.minimum(elastic_pressures, pressure_limit)
         sums_of_squares = np.sum(weights * (pressure - trial_pressures) ** 2, axis=1)
         best_trial = int(np.argmin(sums_of_squares))
         limited_pressures.append(trial_pressures[best_trial])
-        is_on_limit = elastic_pressures[best_trial] > _LEAST_RATIO_TO_LIMIT * limit
+        is_on_limit = elastic_pressures[best_trial] > _LEAST_RATIO_TO_LIMIT * pressure_limit
         most_points_on_limit = max(most_points_on_limit, int(np.sum(is_on_limit)))
     return np.array(limited_pressures), most_points_on_limit
 
 
 # ------------------------------------------------------------------------------- features of rows
 def _fit_of_gaps(discrepancy: Discrepancy) -> ProblemFit | None:
-    """Fit of rough or wavy faces, which touch in several zones, to a result's pressure: none in the
-    gaps inside the contact of the reference. The zones carry what the reference carries over the
-    gaps. Returns the tractions (2, k, n) with such gaps, those of the reference that they must do
-    better than, and the points in gaps.
+    """Fit of rough or wavy faces, which touch in several zones, to a result's pressure. A gap is a
+    row of points without pressure between two zones, inside the contact of the reference. There the
+    fit has no pressure, elsewhere that of the reference. Returns the tractions (2, k, n) with such
+    gaps, those of the reference that they must do better than, and the points in gaps.
 
     None where gaps are few or short, or the reference carries less than a tenth of P over them.
     None too where values are only missing from a table: the sum of the pressures then is too small.
@@ -653,7 +655,7 @@ def _most_changed_instants(
 
     # notation: P normal load
     """
-    load = discrepancy.normal_load
+    normal_load = discrepancy.normal_load
     reference_pressure = discrepancy.reference_tractions[PRESSURE]
     reference_rms = np.sqrt(np.mean(reference_pressure**2, axis=1))
     largest_change = (0.0, 0, 0)
@@ -661,7 +663,7 @@ def _most_changed_instants(
         # more than a hundredth of the reference load
         if not (discrepancy.is_loaded[first_instant] and discrepancy.is_loaded[second_instant]):
             continue
-        load_difference = abs(load[first_instant] / load[second_instant] - 1)
+        load_difference = abs(normal_load[first_instant] / normal_load[second_instant] - 1)
         integral_difference = abs(
             pressure_integrals[first_instant] / pressure_integrals[second_instant] - 1
         )

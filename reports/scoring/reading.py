@@ -384,11 +384,11 @@ def _columns_of_frames(
         for quantity, values_by_frame in frames_of_quantity.items()
         if values_by_frame
     }
-    number_quantity: ColumnQuantity = "frame"
+    quantity_of_frames: ColumnQuantity = "frame"
     if any(heading.is_time for heading in headings):
-        number_quantity = "time"
-    columns[number_quantity] = converted_values(
-        mapping, number_quantity, np.repeat(frames, len(table.values))
+        quantity_of_frames = "time"
+    columns[quantity_of_frames] = converted_values(
+        mapping, quantity_of_frames, np.repeat(frames, len(table.values))
     )
     has_number_in_name = any(
         heading.quantity is not None and heading.frame is not None for heading in headings

@@ -789,7 +789,7 @@ def _ends_of_zone(
 def _end_of_zone(
     x: Array,
     squared_traction: Array,
-    points: NDArray[np.intp],
+    points_of_zone: NDArray[np.intp],
     direction: int,
     *,
     tries_parabola: bool,
@@ -802,7 +802,7 @@ def _end_of_zone(
     ----------
     x, squared_traction
         (n,) places of the points of the surface, and the squared traction there [stress^2]
-    points
+    points_of_zone
         indices of those points that lie in the zone, from left to right
     direction
         −1 for the left end, 1 for the right one
@@ -810,7 +810,7 @@ def _end_of_zone(
         whether a parabola through 6 to 12 points is tried too. Its zero counts where it lies within
         0.4 spacings of points from that of the line
     """
-    last_point = int(points[0] if direction < 0 else points[-1])
+    last_point = int(points_of_zone[0] if direction < 0 else points_of_zone[-1])
     next_point = last_point + direction
     point_before = last_point - direction
     if not 0 <= next_point < len(x):
@@ -830,23 +830,25 @@ def _end_of_zone(
     zero_of_line = float(x[last_point]) + direction * distance_to_zero
 
     # parabola through points farther in, behind the outermost three: no deeper than 5 % of the zone
-    largest_depth = _LARGEST_DEPTH_SHARE * abs(x[points[-1]] - x[points[0]])
+    largest_depth = _LARGEST_DEPTH_SHARE * abs(x[points_of_zone[-1]] - x[points_of_zone[0]])
     # fewer points where a corner of the profile is among them
     for divisor in (1, 2, 4) if tries_parabola else ():
-        n_fitted = min(_MOST_FITTED_POINTS, len(points) // 2 - _N_POINTS_LEFT_OUT) // divisor
+        n_fitted = (
+            min(_MOST_FITTED_POINTS, len(points_of_zone) // 2 - _N_POINTS_LEFT_OUT) // divisor
+        )
         fitted_points = last_point - direction * (_N_POINTS_LEFT_OUT + np.arange(n_fitted))
         if n_fitted < _FEWEST_FITTED_POINTS:
             continue
         if abs(x[last_point] - x[fitted_points[-1]]) > largest_depth:
             continue
-        # in spacings, from the outermost of the fitted points
-        first_x = x[fitted_points[0]]
-        depths = direction * (first_x - x[fitted_points]) / spacing
+        # distances inward from the outermost of the fitted points, in spacings
+        x_of_first_fitted = x[fitted_points[0]]
+        depths = direction * (x_of_first_fitted - x[fitted_points]) / spacing
         # None where the parabola does not fit
         spacings_outward = _root_of_parabola(depths, squared_traction[fitted_points])
         if spacings_outward is None:
             continue
-        zero_of_parabola = float(first_x + direction * spacing * spacings_outward)
+        zero_of_parabola = float(x_of_first_fitted + direction * spacing * spacings_outward)
         if abs(zero_of_parabola - zero_of_line) <= _LARGEST_DIFFERENCE_IN_SPACINGS * spacing:
             return zero_of_parabola
     return zero_of_line
@@ -966,22 +968,25 @@ def _centred_surface(
     0. `theory` holds half-widths and edges (n_steps, 2) of the contact through the whole path, and
     `tilt`, None for a scene without.
     """
-    # leftmost and rightmost x with pressure at any instant
-    left_end, right_end = _ends_of_contact(surface)
-    half_width = float(np.nanmax(theory.contact_half_width))
+    # with pressure at any instant
+    leftmost_pressed_x, rightmost_pressed_x = _ends_of_contact(surface)
+    largest_half_width = float(np.nanmax(theory.contact_half_width))
     leftmost_edge = np.nanmin(theory.contact_edges[:, 0])
     rightmost_edge = np.nanmax(theory.contact_edges[:, 1])
-    centre = float(leftmost_edge + rightmost_edge) / 2 if theory.tilt is not None else 0.0
-    is_off_centre = abs((left_end + right_end) / 2 - centre) > _LARGEST_OFFSET_SHARE * half_width
-    is_wide = right_end - left_end > 4 * half_width
+    middle_of_theory = float(leftmost_edge + rightmost_edge) / 2 if theory.tilt is not None else 0.0
+    is_off_centre = (
+        abs((leftmost_pressed_x + rightmost_pressed_x) / 2 - middle_of_theory)
+        > _LARGEST_OFFSET_SHARE * largest_half_width
+    )
+    is_wide = rightmost_pressed_x - leftmost_pressed_x > 4 * largest_half_width
     if mapping.x_offset or not is_off_centre or is_wide:
         return surface, ""
-    # at the instant of the largest pressure
+    # the instant of the largest pressure
     pressure = surface.pressure[int(np.argmax(surface.pressure.max(axis=1)))]
-    load = np.trapezoid(pressure, surface.x)
-    centroid = float(np.trapezoid(pressure * surface.x, surface.x) / load)
-    offset = centroid - centre
-    method_in_words = ", by the centroid" if centre else ", the centroid"
+    normal_load = np.trapezoid(pressure, surface.x)
+    centroid = float(np.trapezoid(pressure * surface.x, surface.x) / normal_load)
+    offset = centroid - middle_of_theory
+    method_in_words = ", by the centroid" if middle_of_theory else ", the centroid"
     sentence = (
         f"x was counted from {offset:.6g}{method_in_words} of the largest pressure, where the"
         " file has it from 0 (x_offset)"

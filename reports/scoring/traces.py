@@ -314,10 +314,10 @@ def _changes_in_stick(discrepancy: Discrepancy, shear_sign: float) -> _ChangesIn
     if not (np.isfinite(result_cycle.slip).all() and np.isfinite(reference_cycle.slip).all()):
         return None
     # judged: an instant with enough load; isolated: a value that stands out of all others
-    is_well_inside = comparison.is_judged[:, None] & ~comparison.masks_of_isolated["shear"]
+    is_below_limit = comparison.is_judged[:, None] & ~comparison.masks_of_isolated["shear"]
     for cycle in (result_cycle, reference_cycle):
-        is_well_inside &= cycle.pressure > 0.01 * comparison.scales.pressure
-        is_well_inside &= (
+        is_below_limit &= cycle.pressure > 0.01 * comparison.scales.pressure
+        is_below_limit &= (
             np.abs(cycle.shear)
             < _LARGEST_STICK_SHARE_OF_LIMIT * friction_coefficient * cycle.pressure
         )
@@ -326,11 +326,11 @@ def _changes_in_stick(discrepancy: Discrepancy, shear_sign: float) -> _ChangesIn
     shear_change = shear_sign * np.diff(result_cycle.shear, axis=0)
     is_touching = (result_cycle.pressure[1:] > 0) & (result_cycle.pressure[:-1] > 0)
     # largest slip between two instants of points in contact
-    largest_change = float(np.max(np.abs(slip_change), where=is_touching, initial=0.0))
+    largest_slip_change = float(np.max(np.abs(slip_change), where=is_touching, initial=0.0))
     # the slip of the reference changes by less than a thousandth of it
-    is_at_rest = np.abs(slip_change_of_reference) <= _LARGEST_STEP_AT_REST * largest_change
-    is_sticking = is_well_inside[1:] & is_well_inside[:-1] & is_at_rest
-    return _ChangesInStick(slip_change, shear_change, is_sticking, largest_change)
+    is_at_rest = np.abs(slip_change_of_reference) <= _LARGEST_STEP_AT_REST * largest_slip_change
+    is_sticking = is_below_limit[1:] & is_below_limit[:-1] & is_at_rest
+    return _ChangesInStick(slip_change, shear_change, is_sticking, largest_slip_change)
 
 
 def find_alternating_nodes(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
