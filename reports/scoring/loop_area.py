@@ -173,7 +173,7 @@ def _closed_loop_and_misclosure_error(
     rows up to there, with an interpolated closing point as the last, and the error of the area
     because U does not return to its first value (misclosure) [energy per thickness].
 
-    A chord at the first Q closes the loop. It could lie as high as the middle of the range of Q, so
+    A chord at the first Q closes the loop. The true one may lie at the middle of the range of Q, so
     the error is the misclosure times the distance of the first Q from that middle. It is 0 for a
     misclosure that noise, or a last step that was not measured, may make.
 
