@@ -286,8 +286,8 @@ class ContactProblem:
     actuators
         which loads are movements
     n_jumps
-        increments in which the interface went from one solution to another, see
-        `stepping.follow`
+        increments in which the interface jumped from one solution to another, counted along the
+        path by `stepping.increments_along`
     """
 
     interface: Interface
@@ -385,10 +385,9 @@ class ContactProblem:
         time
             of the state
         loads
-            P and Q, or the positions of actuators in their place. Of these only the position of a
-            tangential actuator counts: P and Q become 0, the normal actuator's position that at
-            which the faces touch. With bulk stress or tilt also the bulk stresses of lower and
-            upper body, and tilt or moment. Scaled
+            P and Q, or the positions of actuators in their place; with bulk stress or tilt also the
+            bulk stresses of lower and upper body, and tilt or moment. Scaled. In the state returned
+            P and Q are 0, and a normal actuator is where the faces touch
         x_of_load
             x at which the resultant of the normal load first acts, scaled
 
@@ -768,10 +767,11 @@ class ContactProblem:
                 np.where(node_states == STICK, 0.0, shear_beyond_limit),
             ]
         )
+        # two equations of each node: n along the normal, then n along the tangent
         equation_numbers = (np.abs(residual) > self._residual_round_off).nonzero()[0]
 
-        # Change of the values that removes it: the last row of the solutions, after one row for
-        # each load, which are rates that the cache may lack.
+        # Change of the values that removes it: the last row of the solutions. Those before are the
+        # rates by each load, which the cache may lack.
         change_of_values: Array | float = 0.0
         if len(equation_numbers):
             rates_and_change = self._systems.value_derivatives(
@@ -818,6 +818,7 @@ class ContactProblem:
                 state = self.state_following(start_state, time, loads, node_states)
                 next_node_states = self._states_by_law(state, start_state)
                 n_changing = int(np.count_nonzero(next_node_states != node_states))
+                # counted: iterations in which other nodes slide than before the increment
                 self.work_counts["slip iterations"] += iteration > 0 and not np.array_equal(
                     slip_sign(next_node_states), slip_sign(start_state.node_states)
                 )
@@ -848,7 +849,7 @@ class ContactProblem:
         the number of nodes that still changed their state. All is scaled.
         """
         self.work_counts["alternating solves"] += 1
-        # bulk stresses of both bodies, and the tilt of `start_state` unless it is given
+        # bulk stresses of both bodies, and the tilt: given, or at first that of `start_state`
         stresses_and_tilt = replace(start_state, loads=loads).stresses_and_tilt
         if len(loads) > 2 and not self.has_given_moment:
             # _TILT_OR_MOMENT: place of tilt or moment among the five loads
@@ -859,7 +860,8 @@ class ContactProblem:
         resultants = start_state.resultants or loads[:2]  # P and Q
         n_changing = 0
         for turn_number in range(1, self.max_iterations + 1):
-            # Pressure at known shear, then shear at known pressure.
+            # Pressure at known shear, then shear at known pressure. The gap by shear is minus the
+            # transposed slip by pressure; `face_normals[0]` is the x component of the unit normals.
             gap_without_pressure = (
                 self.initial_gap
                 - self._slip_by_normal_forces.T @ shear
@@ -879,8 +881,8 @@ class ContactProblem:
                     start_state.slip, known_pressure, resultants[1]
                 )
 
-            # All equations for these states, and the states that the laws then give. Without a
-            # sticking node the full system is singular, unless an actuator holds the upper body.
+            # All equations for these node states, and the states that the laws then give. Without
+            # a sticking node this system is singular, unless an actuator holds the upper body.
             if not np.any(node_states == STICK) and not self.actuators.prescribe_displacement:
                 continue
             state = self.state_following(start_state, time, loads, node_states)
@@ -953,6 +955,7 @@ class ContactProblem:
         """
         normals_x = self.interface.face_normals[0]  # (n,) x of the unit normal at each node
         pressure = known_pressure.pressure
+        # slip before the increment, minus all that does not come from shear and `shift`
         known_slip = (
             start_slip
             - known_pressure.slip_offset
@@ -1034,18 +1037,19 @@ class ContactProblem:
     def _states_beyond_round_off(
         self, solved_state: InterfaceState, trial: _TrialStates, changing_nodes: Indices
     ) -> States:
-        """States (m,) of the nodes that are to change theirs by the trial forces; within round-off
-        of touching or of the Coulomb limit a node keeps the state it has.
+        """New states (m,) of the nodes that are to change theirs by the trial forces. Within
+        round-off of touching or of the Coulomb limit a node keeps the state it has.
 
-        A sliding node that turns round sticks first: straight from forward to reverse slip, the
-        iteration cycles between sets of states.
+        A sliding node that turns round sticks first: going straight from forward to reverse slip,
+        the iteration would cycle between sets of states.
 
         Parameters
         ----------
         solved_state
             solution of an increment, with the states of its nodes
         trial
-            states of all nodes by trial forces, their slip increment and Coulomb limit
+            states of all nodes by trial forces (`by_law`), and the same as if each node were closed
+            (`if_closed`); slip increments and Coulomb limits
         changing_nodes
             (m,) numbers of the nodes whose state changes
         """
@@ -1053,6 +1057,7 @@ class ContactProblem:
         states_before = solved_state.node_states[changing_nodes]
         was_closed = states_before != OPEN
         # `_shear_scale` is the unit of shear and slip: f of uncoupled bodies, else 1.
+        # _ROUNDING_OF_FORCE: 1e-13; ROUNDING: 1e-11, of displacements
         has_no_pressure = np.abs(pressure[changing_nodes]) <= _ROUNDING_OF_FORCE
         just_touches = has_no_pressure & (np.abs(gap[changing_nodes]) <= ROUNDING)
         force_beyond_limit = np.abs(shear[changing_nodes]) - trial.friction_limit[changing_nodes]

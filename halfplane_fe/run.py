@@ -116,8 +116,8 @@ def trend(values: Sequence[float]) -> Trend:
     >>> trend([5.0, 3.0, 2.5, 2.375]).kind, trend([1.5, 1.25, 1.125, 1.0625])
     ('geometric', Trend(kind='geometric', change_to_limit=-0.0625, limit=1.0))
     """
-    # Trend(kind, change to the limit, limit)
-    k = len(values)
+    # a Trend has its kind, the change to the limit, and the limit
+    k = len(values)  # number of revolutions
     if k < 2:
         return Trend("unclear", float("nan"), float("nan"))
     differences = np.diff(values).tolist()
@@ -394,13 +394,17 @@ class PathRun:
         """Append solved increments to the run, with their energies, admissibility checks and
         friction work; all of them or, where Ctrl-C comes in between, none.
 
+        The run also has, from one increment to the next, how far each node has slipped without a
+        stop (`slip_since_stop`), and how uncertain each stick edge was between the nodes that it
+        has passed (`passed_nodes`): both are brought up to the last state.
+
         Parameters
         ----------
         problem
-            the contact problem
+            the contact problem, with friction coefficient f
         increments
             k that follow the last state of the run: each with the state at its end (`state`), the
-            states of the nodes that were solved for, and its number of iterations
+            node states (open, stick or slip) that were solved for, and its number of iterations
         segment
             the curved segment of the load path that they are on; None on straight ones, where the
             loads enclose no area with their chords
@@ -426,15 +430,16 @@ class PathRun:
 
         slips_since_stop = _slips_since_stop(states_with_start, self.slip_since_stop)
 
-        # Instants (k + 1,) at which all of the contact sticks, by the shear at its edges.
+        # Instants (k + 1,) at which all of the contact sticks, by the shear at its edges. A problem
+        # whose nodes are all at x >= 0 is one half of a contact that is its own mirror image.
         x = problem.interface.x
         sticks_in_full_at_states = shear_grows_within_cone(
             states_with_start, problem.friction, is_half=bool(-x[0] < x[-1] / 2)
         )
 
-        # Edges of contact and stick are located between nodes by the load that moves them.
-        # All attributes at once: Ctrl-C comes before or after it.
-        passed_nodes = dict(self.passed_nodes)  # `stick_by_load` brings it up to date
+        # Edges of contact and stick are located between nodes by the load that moves them. All
+        # attributes are set at once, so that Ctrl-C comes before or after it.
+        passed_nodes = dict(self.passed_nodes)  # changed in place by `stick_by_load`
         vars(self).update(
             states=self.states + states_with_start[1:],
             increment_records=[*self.increment_records, energies_and_checks],
@@ -493,14 +498,15 @@ class PathRun:
         self.edge_excess_by_cycle.append(edge_excess)
 
     def _thin(self, first_index: int, last_index: int) -> None:
-        """Free memory on a long path, at the end of a stretch from one state to another: take
-        pressure, shear and gap off the states from the first up to, not including, the last.
+        """Free memory on a long path at the end of a stretch, a part of it between turning points:
+        some states of the stretch lose pressure, shear and gap of their nodes.
 
-        Where more than 4000 (`MOST_COMPLETE_STATES`) still have them, these are taken off earlier
-        states too. The next increment starts from the last state, which stays complete.
+        These are the states from `first_index` up to `last_index`. The last one stays complete for
+        now, as the next increment starts from it. Where more than 4000 states
+        (`MOST_COMPLETE_STATES`) are complete, earlier ones lose theirs too.
 
-        `_thinning` holds which states keep them: every n-th one between ends of stretches, and
-        every n-th end, n being a stride of either kind.
+        `_thinning` decides which states stay complete: every n-th one between ends of stretches,
+        and every n-th end. Doubling n, a stride of either kind, leaves half as many.
 
         - `end_number_of_state`: numbers the states at ends of stretches, by their index.
         - `index_of_largest_load`: of the state with the largest P.
@@ -515,7 +521,7 @@ class PathRun:
             if self._drop_forces_and_gap(index):
                 continue
 
-            # It keeps them: with too many complete states, half as many keep theirs from here on.
+            # It stays complete. With too many such states, half as many stay so from here on.
             thinning.n_stored += 1
             while thinning.n_stored > MOST_COMPLETE_STATES and thinning.can_double_a_stride(
                 len(self.states)
@@ -645,8 +651,8 @@ def run_path(
         solved last (initial loading or a revolution); its `steady_from` the number, from 0, of the
         revolution that repeats, None where none does.
     """
-    # Thinned only where straight lines between the stored instants, on which theory is evaluated,
-    # are the path itself, whichever instants are stored.
+    # States of a long path may lose nodal values (`may_thin`) on straight segments alone: there the
+    # straight lines between the complete states, on which theory is evaluated, are the path itself.
     has_straight_segments = all(
         is_straight(segment) for segment in (*path.initial_loading, *path.cycle)
     )
@@ -655,8 +661,8 @@ def run_path(
         may_thin=has_straight_segments and not keep_all_states,
     )
 
-    # The follower solves segments of the path and appends their increments to the run. The initial
-    # loading has an eighth of the increments of a revolution.
+    # The follower solves segments of the path and appends their increments to the run. The longest
+    # segment of the initial loading has an eighth of the increments of a revolution's longest one.
     follower = _Follower(problem, run, pace, progress)
     try:
         follower.follow_segments(path.initial_loading, pace.steps_per_cycle / 8, "initial loading")
@@ -746,7 +752,7 @@ class _Follower:
         change of its forces.
         """
         start_state = self.run.states[-1]
-        # index of this state: one increment, with an entry in `iterations`, leads to each further
+        # its index: each increment, of which `iterations` has an entry, leads to one more state
         self.run.cycle_starts.append(len(self.run.iterations))
         self.follow_segments(segments, self.pace.steps_per_cycle, f"revolution {number + 1}")
 
@@ -908,9 +914,9 @@ def _reference_dissipation(run: PathRun, pace: Pace, friction: float) -> float:
     """Friction work of a revolution, over P^2/E*, which the tolerated step error is a share of:
     that of the revolution before, or else the one expected, but at least 3e-3 f^2 P^2/E*.
 
-    Rounded down to f^2 times a power of two. Then the little that the initial loading changed in
-    the revolution before does not change the increments. And loads with Q in proportion to f have
-    the same increments at any f.
+    It is rounded down to f^2 times a power of two. So the little that the initial loading changed
+    in the revolution before does not change the increments. And loads with Q in proportion to f
+    have the same increments at any f.
 
     Parameters
     ----------
@@ -927,8 +933,10 @@ def _reference_dissipation(run: PathRun, pace: Pace, friction: float) -> float:
         if run.nodal_work_by_cycle
         else pace.expected_dissipation
     )
-    power_of_two = 2.0 ** np.floor(np.log2(max(expected_work / friction_squared, 1e-300)))
-    return float(max(power_of_two, _LEAST_DISSIPATION) * friction_squared)
+    work_over_friction_squared = 2.0 ** np.floor(
+        np.log2(max(expected_work / friction_squared, 1e-300))
+    )
+    return float(max(work_over_friction_squared, _LEAST_DISSIPATION) * friction_squared)
 
 
 def _relative_change_of_forces(

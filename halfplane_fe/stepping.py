@@ -149,7 +149,7 @@ def increments_along(
     Parameters
     ----------
     problem
-        the contact problem, scaled; what is done is added to its `work_counts`
+        the contact problem, scaled, in whose `work_counts` the increments are counted
     state
         from which the first increment starts
     stretch
@@ -186,14 +186,14 @@ def increments_along(
     # to 1/32 of it for the step error.
     shortest_duration = _SHORTEST_SHARE * regular_duration
     for end in stretch.ends:
-        # Accepts increments, or refuses them for their step error.
+        # Compares step errors with the tolerance: increments that it refuses are halved.
         error_control = _ErrorControl(
             problem, tolerance, _SHORTEST_SHARE_FOR_ERROR * regular_duration
         )
         # Instants still to be reached, the next one last. The first entry is `end`; those after it
         # come by halving, or are instants at which slip ends.
         instants_to_reach = [end]
-        # bounded trials: by halving, and eight events of each node
+        # as many trials as halving, and eight events of each node, need at most
         for _ in range(_MOST_TRIALS + _MOST_EVENTS_PER_NODE * len(problem.initial_gap)):
             # Solve up to the first event; where that does not converge, half of the way.
             latest_end = _end_by_turn_of_slip(problem, state, loads_at, instants_to_reach[-1])
@@ -234,7 +234,7 @@ def _end_by_turn_of_slip(
     slide at its start is largest, since prescribed movements turn round; else `latest_end`.
 
     The slip is the sum over these nodes, each weighted by its pressure and counted in its
-    direction of sliding. It is predicted as if every node went on sliding, sticking or gaping.
+    direction of sliding. It is predicted as if every node went on sliding, sticking or being open.
 
     `latest_end` is returned
 
@@ -320,15 +320,18 @@ def _end_of_lost_slip(
     loads_at: LoadsAt,
     tolerance: StepTolerance,
 ) -> float:
-    """Instant within an increment at which slip ends that the increment does not count, or its
-    middle where that instant is unknown. Its end where the friction work so lost is at most 0.03 of
-    the step tolerance, times a share. The share is that of the losing nodes in the slip by Q of all
-    sliding nodes, each weighted by its pressure.
+    """Instant at which an increment is to end because slip ends there that it would lose, that is,
+    not count. Its own end where the friction work so lost is small.
 
     Between like half-planes all slip ends where Q - f P or Q + f P turns round, and there
     increments end. In other bodies slip ends a little earlier or later, in one node after the
     other. A node that slides in the first part of an increment and sticks in the rest of it is
     solved as sticking throughout, or as sliding less far than it has.
+
+    Slip of nodes that turn round ends where it is largest, each weighted by its pressure. Of nodes
+    that are only stopped by others the instant is unknown: the middle of the increment is taken.
+    Small is at most 0.03 of the step tolerance, times the share of the losing nodes in the slip by
+    Q of all sliding nodes, weighted likewise.
 
     Parameters
     ----------
@@ -345,9 +348,10 @@ def _end_of_lost_slip(
         its `error_rate` is the tolerated step error over the duration of an increment
     """
     end = increment.state.time
-    directions = slip_sign(start_state.node_states)
+    directions = slip_sign(start_state.node_states)  # 1 forward, -1 in reverse, 0 without slip
     if not directions.any() or not math.isfinite(tolerance.error_rate):
         return end
+    # Derivatives of the nodal slip by P, Q and the other loads, (n_loads, n).
     try:
         slip_by_loads, _, _, _ = nodal_values(
             problem.rates(start_state.node_states, len(start_state.loads))
@@ -356,7 +360,7 @@ def _end_of_lost_slip(
         return end
     has_turned = _has_turned_at_end(start_state, end, loads_at, slip_by_loads)
     # Nodes that stick in the solved increment though the rates of its start keep them sliding:
-    # what slides beside them has changed within it, and has stopped them at an unknown instant.
+    # other nodes have changed their state within it, and stopped these at an unknown instant.
     has_stopped = (directions != 0) & (increment.solved_states == STICK) & ~has_turned
     is_losing = has_turned | has_stopped
     if not is_losing.any():
@@ -369,7 +373,7 @@ def _end_of_lost_slip(
         return end
 
     # Near sliding all other sliding nodes lose slip in the same proportion.
-    weighted_slip_by_q = np.where(
+    weighted_slip_by_q = np.where(  # row 1 of the derivatives: by Q
         directions != 0, start_state.pressure * np.abs(slip_by_loads[1]), 0.0
     )
     losing_share = weighted_slip_by_q[lost_work > 0].sum() / weighted_slip_by_q.sum()
@@ -379,10 +383,14 @@ def _end_of_lost_slip(
     if not lost_work[has_turned].any():
         return (start_state.time + end) / 2
 
-    # Instant at which the slip of the turned nodes, weighted by pressure, is largest.
+    # Instant at which the slip of the turned nodes, each weighted by its pressure, is largest.
     is_turned_and_losing = has_turned & (lost_work > 0)
-    pressure_of_turned = np.where(is_turned_and_losing, directions * start_state.pressure, 0.0)
-    return _instant_of_most_slip(start_state, loads_at, end, slip_by_loads @ pressure_of_turned)
+    signed_pressure_of_turned = np.where(
+        is_turned_and_losing, directions * start_state.pressure, 0.0
+    )
+    return _instant_of_most_slip(
+        start_state, loads_at, end, slip_by_loads @ signed_pressure_of_turned
+    )
 
 
 def _has_turned_at_end(
@@ -511,8 +519,8 @@ class _ErrorControl:
 
         `kinks_bound_error` is whether that error is at most the friction work by kinks of pressure
         and slip where nodes start to slide, as of like bodies. `refused_start` and `refused_error`
-        are the start and the error of the increment that was refused last. The counts are of
-        computing steps (`problem.work_counts`).
+        are the start and the error of the increment that was refused last. `has_jumped`: halving
+        does not help any more. Counts are in `problem.work_counts`.
 
         Raises
         ------
@@ -534,7 +542,7 @@ class _ErrorControl:
             )
             if not work_error > allowed_error:
                 return True
-        # Like bodies have one solution. All their kinks can be in one half.
+        # Not of like bodies: they have one solution, and half an increment may have all the kinks.
         elif (
             self.refused_start == start_state.time
             and work_error > _SHARE_OF_ERROR_AT_JUMP * self.refused_error
@@ -634,7 +642,7 @@ class _Trial:
     problem
         the contact problem
     start_state
-        state of the interface at the begin of the increment
+        state of the interface at the start of the increment
     loads_at
         the scaled loads at an instant
     latest_end
@@ -661,7 +669,7 @@ class _Trial:
         Event and instant are predicted with the states (open, stick, slip) that the nodes are
         expected to have on the way. Where a prediction misses the event, it is repeated with the
         states that came out, a few times at most. The instant of "touch" or "release" is then found
-        to rounding, and the state is solved for there. Between like bodies
+        to round-off, and the state is solved for there. Between like bodies
         (`interface.coupling` is None: pressure does not depend on shear) the first prediction is
         exact.
 
@@ -691,7 +699,7 @@ class _Trial:
             solved_state = self._equilibrium(self.predicted_time, expected_node_states)
             self.problem.work_counts["events predicted again"] += 1
 
-        # The instant to rounding.
+        # The instant to round-off.
         if event != "regular":
             time_of_event = _time_of_event(
                 self.problem, self.start_state, self.loads_at, solved_state, event, self.latest_end
@@ -733,9 +741,10 @@ def next_event(
     where neither happens before.
 
     The gap of an open node, and the pressure of a closed one, are linear in the loads while the
-    nodes keep their states. So the first of these that would change its sign decides about the
-    event. It happens where this gap or pressure is 0, or where P has the load of the event. Nothing
-    is predicted where so few nodes hold that the bodies are free to move.
+    nodes keep their states. The node at which one of these reaches 0 first has the event. Its
+    instant is that at which the gap or pressure is 0 along the course of the loads, or P has the
+    value of the event. Where so few nodes hold that the bodies are free to move, no event is
+    predicted.
 
     Parameters
     ----------
@@ -758,7 +767,7 @@ def next_event(
     pressure_at_start = start_state.pressure
     loads_at_end = loads_at(latest_end)
     try:
-        # nodes that start to slide come to the limit of friction at once
+        # with new node states both jump: nodes that start to slide have the shear f p at once
         if node_states is not start_state.node_states:
             _, pressure_at_start, _, gap_at_start = nodal_values(
                 problem.values_following(start_state, start_state.loads, node_states)
@@ -775,8 +784,8 @@ def next_event(
     if first_event is None:
         return "regular", latest_end
 
-    # Its instant. Of like bodies under P and Q alone it depends on P; `coupling` (slip by pressure)
-    # is None of these.
+    # Its instant; `share` is the part of the increment up to it, linearly. Of like bodies under P
+    # and Q alone it depends on P; `coupling` (slip by pressure) is None of these.
     if len(start_state.loads) == 2 and problem.interface.coupling is None:
         normal_load = start_state.loads[0]
         load_at_end = loads_at_end[0]
@@ -790,7 +799,7 @@ def next_event(
             return loads_at(time)[0] - load_at_event
 
     else:
-        # By Q and by tilt nodes meet at constant P too: follow the gap or pressure of the first.
+        # By Q and tilt nodes meet at constant P too: follow the gap or pressure of that node.
         is_touch = first_event.event == "touch"
         distance_at_start = float(
             (gap_at_start if is_touch else pressure_at_start)[first_event.node]
@@ -927,12 +936,13 @@ def _time_of_event(
     event: Event,
     latest_end: float,
 ) -> float:
-    """Instant at which the event of an increment, a touch or release, is met to rounding.
+    """Instant of the event that ends an increment, to round-off: there a touching node has no gap,
+    or a released one no pressure.
 
-    `solved_state` meets it to 1e-9, since the prediction leaves out that nodes start or end
-    sliding. Among the nodes at the event, the gap (or force) of the one with the largest is brought
-    to zero by its rate. The instant of `solved_state` where this is rounding already, or where the
-    end would move by a thousandth of the increment or more.
+    `solved_state` has the event to 1e-9, since the prediction leaves out that nodes start or end
+    sliding. Several nodes may be at it: that with the largest gap or force left counts, and is
+    brought to zero by its rate with the loads. The instant of `solved_state` stays where that is
+    round-off already, or where the end would move by a thousandth of the increment or more.
 
     Parameters
     ----------
@@ -958,14 +968,14 @@ def _time_of_event(
     if abs(distances_to_event[node]) <= _ROUNDING_OF_EVENT:
         return solved_state.time
 
-    # The node with the largest follows the loads at its rate.
+    # That node's gap or force follows the loads at its rates, (n_loads,).
     _, pressure_rates, _, gap_rates = nodal_values(
         problem.rates(solved_state.node_states, len(solved_state.loads))
     )
     rates_of_node = (pressure_rates if solved_state.is_closed[node] else gap_rates)[:, node]
 
     def distance_at(time: float) -> float:
-        """Gap or force of the node at an instant."""
+        """Gap or force of that node at an instant."""
         return float(
             distances_to_event[node]
             + np.subtract(loads_at(time), solved_state.loads) @ rates_of_node
@@ -983,12 +993,19 @@ def _time_of_event(
     )
 
 
-def _first_crossing(values_before: Array, values_after: Array, nodes: Mask) -> tuple[float, int]:
-    """Share of an increment at which the first of the nodes in a mask goes from a positive value to
-    a negative one, linearly, and its number; 1 and -1 where none does. Arrays are (n,).
+def _first_crossing(
+    values_before: Array, values_after: Array, is_counted: Mask
+) -> tuple[float, int]:
+    """Share of an increment up to which the first node goes from a positive gap or pressure to a
+    negative one, linearly, and the number of that node; 1 and -1 where none does.
+
+    `values_before` and `values_after` (n,) are gap or pressure at start and end of the increment;
+    `is_counted` (n,) are the nodes that are looked at.
     """
     # ROUNDING: round-off of scaled forces and displacements, 1e-11
-    falling_nodes = (nodes & (values_before > ROUNDING) & (values_after < -ROUNDING)).nonzero()[0]
+    falling_nodes = (
+        is_counted & (values_before > ROUNDING) & (values_after < -ROUNDING)
+    ).nonzero()[0]
     if not len(falling_nodes):
         return 1.0, -1
     shares = values_before[falling_nodes] / (
