@@ -17,7 +17,7 @@ from halfplane_fe.elasticity import CondensedBody
 from halfplane_fe.interface import bulk_stress_notes
 from halfplane_fe.resolution import resolution_notes
 from halfplane_fe.run import LARGEST_CHANGE_OF_REPEAT, MOST_COMPLETE_STATES, PathRun
-from halfplane_fe.scales import Scales, on_half
+from halfplane_fe.scales import UNPLACED_EDGES, Scales, on_half
 from halfplane_fe.task import Task
 from halfplane_fe.uncertainty import uncertainty_note
 from scenes import Scene, Work
@@ -348,5 +348,12 @@ def _skipped_along_path(
         skipped_work["instants"] = (
             n_dropped,
             f"stored at {len(run.stored_indices)} instants: more would take gigabytes",
+        )
+    # UNPLACED_EDGES: name of the count of instants, in the work of the coarse run
+    n_without_edges = problem.work_counts[f"coarse {UNPLACED_EDGES}"]
+    if n_without_edges:
+        skipped_work["edges between nodes, coarse run"] = (
+            n_without_edges,
+            "no answer reads them at its instants",
         )
     return skipped_work

@@ -278,6 +278,9 @@ class PathRun:
         (n_steps + 1)
     may_thin
         whether states may lose pressure, shear and gap
+    places_edges
+        whether edges of contact and stick are located between nodes; if not, `contact_edges` and
+        `stick_edges` have none at any instant
     increment_records
         energies and admissibility checks by name, in batches: (k,) of k increments of a curved
         segment, or of straight ones
@@ -318,6 +321,7 @@ class PathRun:
 
     states: list[InterfaceState]
     may_thin: bool = False
+    places_edges: bool = True
     increment_records: list[dict[str, Array]] = field(default_factory=list)
     iterations: list[int] = field(default_factory=list)
     nodal_work: Array = field(default_factory=lambda: np.zeros(0))
@@ -437,19 +441,21 @@ class PathRun:
             states_with_start, problem.friction, is_half=bool(-x[0] < x[-1] / 2)
         )
 
-        # Edges of contact and stick are located between nodes by the load that moves them. All
-        # attributes are set at once, so that Ctrl-C comes before or after it.
+        # Edges of contact and stick are located between nodes by the load that moves them.
         passed_nodes = dict(self.passed_nodes)  # changed in place by `stick_by_load`
+        contact_edges = stick_edges = EdgesByLoad.nowhere(len(increments))
+        if self.places_edges:
+            contact_edges = contact_by_load(problem, states_with_start[1:])
+            stick_edges = stick_by_load(problem, states_with_start, slips_since_stop, passed_nodes)
+
+        # All attributes are set at once, so that Ctrl-C comes before or after it.
         vars(self).update(
             states=self.states + states_with_start[1:],
             increment_records=[*self.increment_records, energies_and_checks],
             iterations=self.iterations + [increment.iterations for increment in increments],
             nodal_work=self.nodal_work + nodal_work_of_increments.sum(axis=0),
-            contact_edges=[*self.contact_edges, contact_by_load(problem, states_with_start[1:])],
-            stick_edges=[
-                *self.stick_edges,
-                stick_by_load(problem, states_with_start, slips_since_stop, passed_nodes),
-            ],
+            contact_edges=[*self.contact_edges, contact_edges],
+            stick_edges=[*self.stick_edges, stick_edges],
             passed_nodes=passed_nodes,
             slip_since_stop=slips_since_stop[-1],
             sticks_in_full=[*self.sticks_in_full, sticks_in_full_at_states[1:]],
@@ -617,6 +623,7 @@ def run_path(
     *,
     uncertainty: Callable[[PathRun], float] = lambda _run: np.inf,
     keep_all_states: bool = False,
+    places_edges: bool = True,
 ) -> PathRun:
     """Solve a load path increment by increment: initial loading, then at most `cycles`
     revolutions, until one repeats the one before. Returns states and friction work; all scaled.
@@ -643,6 +650,9 @@ def run_path(
     keep_all_states
         whether all states of a long path stay complete, instead of some losing pressure, shear and
         gap of their nodes to save memory
+    places_edges
+        whether edges of contact and stick are located between nodes at each instant, which takes a
+        quarter of the time of an increment; the friction work that edges add is found in any case
 
     Returns
     -------
@@ -659,6 +669,7 @@ def run_path(
     run = PathRun(
         [_initial_state(problem, path, pace)],
         may_thin=has_straight_segments and not keep_all_states,
+        places_edges=places_edges,
     )
 
     # The follower solves segments of the path and appends their increments to the run. The longest

@@ -65,6 +65,8 @@ _COARSE_STEPS = 48
 _COARSE_STEPS_OF_RECORD = 16
 COARSE_CYCLES = 2
 """Cycles of the coarse run at most."""
+UNPLACED_EDGES = "instants without edges between nodes"
+"""Name of the count of instants at which no edges were located between nodes."""
 # The innermost edge is rounded down to this share of the half-width: no last digit of the coarse
 # run shall move the mesh.
 _ROUNDING_PARTS = 100
@@ -760,7 +762,8 @@ def _coarse_run(
 
     # Units of load, length and stress, and increments of a revolution; no step error is too large.
     pace = Pace(pair.load, steps, np.inf, face_half_width, pair.modulus)
-    # All states are stored, for their edges decide about the mesh; there are few nodes.
+    # All states are stored, for their edges decide about the mesh; there are few nodes. These edges
+    # are read off the nodes: those by the loads would be found for no answer.
     run = run_path(
         solved_problem,
         prescribed_path(pair.scene),
@@ -768,7 +771,9 @@ def _coarse_run(
         cycles,
         lambda _step, _of_steps, _text: None,
         keep_all_states=True,
+        places_edges=False,
     )
+    pair.work_counts[UNPLACED_EDGES] += len(run.iterations)
     if run.failure is not None:
         raise run.failure
     return problem, run_at_all_nodes(run, interface) if is_halved else run
