@@ -1328,12 +1328,20 @@ def _values_with_bulk_and_tilt(
     """Values over time that bulk stress and tilt add or change, by name. They are bulk stresses,
     tilt, moments of pressure and of shear, half-width, Q and approach (n,), and edges (n, 2).
 
-    `values_without_tilt` are those of a contact centred at x = 0; its NaN half-widths are those of
-    no stick zone. `snapshot` has the friction states: P as `load`, P - P_c of the slip zones, P_c
-    the load at the stick edge. Its `force` is Q, or a load in its place where bulk strain alone
-    shears the contact. `tangential_fraction`, 1 or 0, is the rise of Q over that of `force`. A
-    centre is the middle of a contact or stick zone. The memory curve is the tangential force, or
-    the bulk strain, locked in up to each load. `bulk_tilt_path` gives loads and edges over time.
+    The memory curve is the tangential force, or the bulk strain, locked in up to each load.
+
+    Parameters
+    ----------
+    request
+        instants `time` (n,), and the fields that are wanted
+    bulk_tilt_path
+        loads over time, and the contact under any tilt
+    snapshot
+        friction states at the instants: P as `load`, P - P_c of the slip zones, P_c the load at the
+        stick edge. `force` is Q, or a load in its place where bulk strain alone shears the contact;
+        `tangential_fraction`, 1 or 0, is the rise of Q over that of `force`
+    values_without_tilt
+        those of a contact centred at x = 0; a stick half-width is NaN where nothing sticks
     """
     tilted_contact = bulk_tilt_path.contact
     tilted_values = bulk_tilt_path.values_over_time(request.time, snapshot.load)
@@ -1351,6 +1359,7 @@ def _values_with_bulk_and_tilt(
     has_slip_zones = (snapshot.slip_zone_load > 0) | np.isnan(
         values_without_tilt["stick_half_width"]
     )
+    # the stick zone has the middle of a contact under P_c
     stick_edge_load = snapshot.load - snapshot.slip_zone_load
     stick_centre = tilted_contact.centre(stick_edge_load)
     stick_edges = stick_centre[:, None] + values_without_tilt["stick_edges"]
@@ -1564,12 +1573,14 @@ def _errors_of_work(
     request: Request, path_answer: PathAnswer, loop_work: float
 ) -> dict[str, float]:
     """Relative errors of the friction work W of the last cycle, "dissipation", and of the closed
-    integral of Q dU, "loop_work"; U is the relative tangential displacement.
+    integral of Q dU, "loop_work", which should be the same; U is the relative tangential
+    displacement.
 
-    "cycle_dissipation" is that of the worst cycle, where it is above that of the last. The error of
-    W is that by its kernel, besides the one that the path states. The difference of both routes
-    counts for the integral, `loop_work`, NaN where there is none. `spans` of the followed path are
-    times of stick or slip in the last cycle.
+    The error of W has two parts: that of the integration along the path, and that of its kernel.
+    The error of the integral is that of the integration, plus how much it differs from W.
+    "cycle_dissipation" is the error of the worst cycle, where it is above that of the last.
+    `loop_work` is the integral, NaN where there is none; `spans` of the followed path are times of
+    stick or slip in the last cycle.
     """
     friction_work = path_answer.friction_work
     kernel_error, difference_of_routes = error_of_work(
@@ -1604,14 +1615,13 @@ def _loop_integral_of(request: Request, path_answer: PathAnswer, loop_work: floa
 def _kernel_sums(
     request: Request, snapshot: Snapshot, answer_fields: _AnswerFields
 ) -> SumsOfKernels:
-    """Numbers from which the errors of pressure, shear and slip are estimated. They are the points,
-    half-widths at all instants, loads at a sample of them, the largest slip, and how many terms the
-    sums have at most.
+    """Sizes from which the errors of pressure, shear and slip are estimated: the points,
+    half-widths, loads, the largest slip, and how many terms a field is the sum of at most.
 
     The memory curve M(eta) is the tangential force of the flat punches up to the load eta. Each
-    straight piece of it adds its slope times the difference of a kernel at both its ends. A kernel
-    is the field of all flat punches up to a load, each with its load as force. The request holds
-    the different |x|, `distance`, and A/pi, `unit_compliance`, A = 2/E*.
+    straight piece of it adds two terms to shear and slip: its slope times a kernel at both its
+    ends. A kernel is the field of all flat punches up to a load, each with its load as force. The
+    request holds the different |x|, `distance`, and A/pi, `unit_compliance`, A = 2/E*.
 
     Parameters
     ----------
@@ -1629,7 +1639,6 @@ def _kernel_sums(
     slip = np.abs(answer_fields.at_points["slip"])
     largest_slip = float(np.max(slip, where=np.isfinite(slip), initial=0.0))
     # Beside the stored pieces a curve has the line of slip, from the stick edge to the load.
-    # pieces of the curve at the sampled instants
     most_lines = _largest_piece_count(snapshot, sampled_instants) + 1
     return SumsOfKernels(
         distances=request.distance,

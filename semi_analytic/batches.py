@@ -1434,10 +1434,12 @@ def _results_of_members(
 def _results_of_block(
     batch: _Batch, loads: LoadArrays, parameters: list[Array], wanted_results: _MemberResults
 ) -> tuple[Array, NDArray[np.int8]]:
-    """The results of m members of a batch, (n, m), NaN for a member without; and the code of the
-    `Reason` why it has none, 0 else, (m,).
+    """Results, such as friction work, of m members of a batch, (n, m), NaN for a member without;
+    and the code of the `Reason` why it has none, 0 else, (m,).
 
-    `loads` and `parameters` of the profile are (m,) each; the batch holds E* as `modulus`.
+    `loads` and `parameters` of the profile are (m,) each. `wanted_results` has the function that
+    computes n rows of results of admissible members. Its first `n_normalised` rows come times
+    pi E*/(2 f^2), E* the `modulus`.
     """
     # why members are left out, numbers of the others in the block, and these members
     reason_codes, admissible_numbers, members = batch.members_of(loads, parameters)

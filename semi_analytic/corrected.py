@@ -531,12 +531,14 @@ class _HalfPlanePath:
         curvatures_per_load: Curvatures,
         largest_parabola_load: float,
     ) -> PathRows:
-        """Ends of the straight steps of a load path, with further instants at which slip reverses
-        for six flat punches inside the contact. A path that is a series of loads keeps its steps.
+        """Ends of the straight steps of a load path, with further instants at which slip begins or
+        ends for six flat punches inside the contact. A path that is a series of loads keeps its
+        steps.
 
-        Slip reverses where the Coulomb bound of a punch has a turning point over time:
+        A punch goes on slipping while its Coulomb bound, the tangential force that is locked in up
+        to it in slip, moves in the direction of slip. So slip may turn where the bound does:
 
-            bound = Q - s f P + (s f kn - kt) G,    s = +1 forward, -1 reverse
+            bound = Q - s f P + (s f kn - kt) G + constant,    s = +1 forward, -1 reverse
 
         kn and kt are the curvatures that the loads add to the gap and to the faces, G is the load
         of a parabola's punches up to this one. Half-planes, kn = kt = 0, have other turning points.

@@ -192,11 +192,12 @@ class PunchTable:
         )
 
     def _divide_into_intervals(self, contact: SymmetricContact, largest_half_width: float) -> None:
-        """Divide the half-widths from 0 to the largest [length] at the kinks of the profile, and
-        state how many equal cells of the coordinate s each interval has.
+        """Divide the half-widths of flat punches, from 0 to the largest [length], into intervals
+        between the kinks of the profile, and each interval into equal cells of the coordinate s.
 
-        The kinks are the end of the flat part, `least_half_width`, 0 without one, and the corners,
-        where the slope or the curvature of the profile jumps.
+        s grows with the half-width and is a whole number at each kink. The kinks are the end of the
+        flat part, `least_half_width`, 0 without one, and the corners, where the slope or the
+        curvature of the profile jumps.
         """
         kinks = [contact.least_half_width, *contact.corner_half_widths]
         inner_kinks = sorted({kink for kink in kinks if 0 < kink < largest_half_width})

@@ -413,8 +413,8 @@ def _slip_spans(
         how much later than the segment itself the spans are: whole periods of the cycle
     """
     segment = begin_instant.segment
-    combination = slip_combination(direction, friction)  # s Q - f P of the loads
-    growth_in_part = float(segment.change_of(combination, end_instant.time, begin_instant.time))
+    s_q_minus_f_p = slip_combination(direction, friction)
+    growth_in_part = float(segment.change_of(s_q_minus_f_p, end_instant.time, begin_instant.time))
     # _STICK_EDGE_ROUNDOFF_SHARE: 2e-15 of f P
     force_roundoff = _STICK_EDGE_ROUNDOFF_SHARE * friction * end_instant.normal_load
     span_begin = begin_instant
@@ -435,7 +435,7 @@ def _slip_spans(
             continue
         # Both relative to the level at the instant from which the piece is measured.
         level_at_begin = float(
-            combination_change(sticking_piece.anchor, segment, combination, begin_instant.time)
+            combination_change(sticking_piece.anchor, segment, s_q_minus_f_p, begin_instant.time)
         )
         level_at_bottom = float(
             slip_combination_on_piece(
@@ -454,7 +454,7 @@ def _slip_spans(
             break
         # when the level has grown to that of the lower end
         passing_time = segment.time_of(
-            combination, growth_to_bottom, begin_instant.time, end_instant.time
+            s_q_minus_f_p, growth_to_bottom, begin_instant.time, end_instant.time
         )
         passing_instant = instant(segment, float(passing_time))
         if passing_instant.time > span_begin.time:
@@ -1076,24 +1076,24 @@ def _times_of_stick_edge_at(loads: Array, span: Span) -> Array:
     """Times within a time span of slip at which the load P_c at the stick edge is one of `loads`,
     (k,); empty in a span without slip or without stick.
 
-    The memory curve M(eta) is the tangential force of the flat punches up to the load eta.
-    `sticking_piece` is the piece of it that still sticks, from `bottom_load` to `top_load`; loads
-    outside are left out. Its `anchor` is the instant from which it is measured. The stick edge is
-    at a load eta of the piece when s Q - f P has grown to s M(eta) - f eta, s the direction of
-    slip.
+    In slip of direction s the stick edge is at eta when s Q - f P has grown to s M(eta) - f eta.
+    M(eta), the memory curve, is the tangential force of the flat punches up to the load eta.
+    `sticking_piece` is the piece of it through which the edge moves, from `bottom_load` to
+    `top_load`; loads outside are left out. Both levels count from its `anchor`, the instant of the
+    path from which it is measured.
     """
-    piece = span.sticking_piece
-    if not span.direction or piece is None:
+    sticking_piece = span.sticking_piece
+    if not span.direction or sticking_piece is None:
         return np.zeros(0)
-    loads_on_piece = loads[(loads > piece.bottom_load) & (loads < piece.top_load)]
-    # levels: s Q - f P, relative to its value at the anchor
-    combination = slip_combination(span.direction, span.friction)
+    loads_on_piece = loads[(loads > sticking_piece.bottom_load) & (loads < sticking_piece.top_load)]
+    # levels of s Q - f P, relative to its value at the anchor
+    s_q_minus_f_p = slip_combination(span.direction, span.friction)
     level_at_begin = float(
-        combination_change(piece.anchor, span.segment, combination, span.begin.time)
+        combination_change(sticking_piece.anchor, span.segment, s_q_minus_f_p, span.begin.time)
     )
     levels_at_loads = slip_combination_on_piece(
-        piece, span.direction, span.friction, loads_on_piece
+        sticking_piece, span.direction, span.friction, loads_on_piece
     )
     return span.segment.time_of(
-        combination, levels_at_loads - level_at_begin, span.begin.time, span.end.time
+        s_q_minus_f_p, levels_at_loads - level_at_begin, span.begin.time, span.end.time
     )

@@ -389,21 +389,27 @@ class _PunchProblem:
         )
 
     def densities_and_slip_at_middle(self, states: Indices) -> tuple[Array, float]:
-        """Density mu at the points, (m,), and slip at x = 0, if each point is in the given state
-        (m,): 1 slips along `direction`, 0 sticks, -1 slips the other way.
+        """Extra slip of a contact if each of m points is in the given state: its density mu of flat
+        punches at the points, (m,), and the slip at x = 0 [length].
 
-        A sticking point does not slip further, w = 0. The shear of a slipping one comes to the
-        limit. Slip at the edge is at its limit already: r = 0. The last equation is int r dx = 0, r
-        the shear that the slip makes.
+        The slip w at the points and the shear r that it makes are linear in mu. So there is one
+        equation for each point, and one for the resultant:
+
+        - it sticks, state 0: w = 0;
+        - it slips along `direction`, state 1, or the other way, -1: the shear comes to f p;
+        - it is in the slip zone at the edge, whose shear is at f p already: r = 0;
+        - int r dx = 0, since the loads do not change.
         """
         n_points = len(states)
         is_sticking_point = states == _STICKING
+        # columns: mu at the points, then the slip at x = 0; rows: the points, then int r dx
         equations_matrix = np.zeros((n_points + 1, n_points + 1))
         equations_matrix[:n_points, :n_points] = np.where(
             is_sticking_point[:, None], self.slip_per_density, self.shear_per_density
         )
         equations_matrix[:n_points, n_points] = is_sticking_point
         equations_matrix[n_points, :n_points] = self.force_per_density
+        # excess: |q| - f p in either sense of q [stress], which r must take away
         right_hand_side = np.zeros(n_points + 1)
         right_hand_side[:n_points] = np.where(
             states == _SLIPPING, -self.direction * self.excess, 0.0
@@ -417,12 +423,13 @@ class _PunchProblem:
         return np.array(densities), float(slip_at_middle)
 
     def corrected_states(self, states: Indices, densities: Array, slip_at_middle: float) -> Indices:
-        """States of the points, (m,), with those changed that are wrong under a density mu of
-        punches (m,) and a slip at x = 0: 1 slips along `direction`, 0 sticks, -1 slips the other
-        way.
+        """Friction states of m points after a trial of the extra slip, with those changed that
+        break Coulomb's law: 1 slips along `direction`, 0 sticks, -1 slips the other way.
 
-        A slipping point that moves against its direction sticks. A sticking point whose |q| exceeds
-        the limit slips in the direction of q.
+        A slipping point that moves against its direction is made to stick. A sticking point whose
+        |q| exceeds f p is made to slip in the direction of q. The trial gave the density mu of flat
+        punches at the points, `densities` (m,), and the slip at x = 0 [length]. Shear and slip at
+        the points are linear in mu.
         """
         added_shear = self.direction * (self.shear_per_density @ densities)
         added_slip = self.direction * (self.slip_per_density @ densities + slip_at_middle)
@@ -431,6 +438,7 @@ class _PunchProblem:
         moves_back |= (states == _SLIPPING_BACK) & (added_slip > slip_roundoff) & ~self.is_at_edge
         new_states = np.where(moves_back, _STICKING, states)
         is_sticking_point = states == _STICKING
+        # excess: of q over f p by the memory curve, in either sense [stress]
         exceeds_limit = is_sticking_point & (self.excess + added_shear > self.excess_tolerance)
         new_states = np.where(exceeds_limit, _SLIPPING, new_states)
         exceeds_limit_of_reverse = is_sticking_point & (
@@ -442,15 +450,23 @@ class _PunchProblem:
 def _slip_on_punches(
     contact: _MemoryContact, half_widths: Array, coarser_solution: InnerSlip | None
 ) -> InnerSlip | None:
-    """Extra slip by flat punches of given half-widths (m + 1,) with which |q| <= f p at the points.
-    These are all half-widths but the last. None where the search for the slip zone does not
-    converge within 200 trials.
+    """Extra slip inside the contact that brings the shear down to |q| <= f p, as a superposition of
+    flat punches of given half-widths (m + 1,). None if the search for its zone fails.
 
-    The zone (active set) starts from that of a coarser solution, or without one from the points
-    whose q exceeds the limit. It is changed until no sticking point exceeds the limit and no
-    slipping point moves against its direction. States of points: 1 slips in the direction of the
-    extra slip, 0 sticks, -1 slips the other way, as the edge does. `contact` holds the tractions q
-    and f p of the memory curve (tangential force carried up to each load) as a function of x.
+    Coulomb's law holds at m points, all half-widths but the last. In each trial every point has a
+    state: 1 slips in the direction of the extra slip, 0 sticks, -1 slips the other way, as the edge
+    does. The trial gives the density of the punches and the slip at x = 0. Points that break the
+    law then change their state (active set), in 200 trials at most.
+
+    Parameters
+    ----------
+    contact
+        q and f p of the memory curve (tangential force carried up to each load) as a function of x;
+        direction of the extra slip; E*
+    half_widths
+        of the punches [length]
+    coarser_solution
+        extra slip by fewer punches, whose zone is tried first; None: the points with |q| > f p
     """
     problem = _PunchProblem.of_contact(contact, half_widths)
     states = np.where(problem.excess > problem.excess_tolerance, _SLIPPING, _STICKING)

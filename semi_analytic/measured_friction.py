@@ -414,11 +414,12 @@ def _friction_of_path(target: ArrayLike, scene: Scene) -> FrictionBatch:
         largest_force_over_load = float(np.nanmax(np.abs(tangential_load) / normal_load))
     least_friction = _least_admissible_friction(work_at, largest_force_over_load)
     # range of Q over range of P, 0 where P is constant
-    force_over_load_range = 0.0
+    load_range_ratio = 0.0
     if float(np.ptp(normal_load)) > 1e-9 * float(np.max(np.abs(normal_load))):
-        force_over_load_range = float(np.ptp(tangential_load) / np.ptp(normal_load))
+        load_range_ratio = float(np.ptp(tangential_load) / np.ptp(normal_load))
+    # a batch of one scene, of shape (), without notes
     return _friction_batch(
-        target, work_of, np.array([least_friction]), np.array([force_over_load_range]), (), ()
+        target, work_of, np.array([least_friction]), np.array([load_range_ratio]), (), ()
     )
 
 

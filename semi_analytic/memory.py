@@ -435,7 +435,7 @@ def load_of_slip_zone(
 
 
 def _load_of_slip_zone_on_arc(
-    piece: Piece, direction: int, friction: float, segment: LoadSegment, time: ArrayLike
+    arc: Piece, direction: int, friction: float, segment: LoadSegment, time: ArrayLike
 ) -> Array:
     """Load P - P_c of the slip zones at `time` (any shape) on a load segment, while the stick edge
     is inside an arc of the memory curve [force per thickness]. The memory curve is the tangential
@@ -449,22 +449,22 @@ def _load_of_slip_zone_on_arc(
     `time_of` its inverse.
     """
     # times on the load segment of the piece's `anchor`, the instant at the end of the arc
-    arc_begin, arc_end = _times_of_arc(piece)
+    arc_begin, arc_end = _times_of_arc(arc)
     s_q_minus_f_p = slip_combination(direction, friction)
-    arc_segment = piece.anchor.segment
+    arc_segment = arc.anchor.segment
     if arc_segment is segment:
         # None where P and Q are no single wave
         mirrored_time = segment.mirrored_time(s_q_minus_f_p, time, (arc_begin + arc_end) / 2)
         if mirrored_time is not None:
             return segment.change_of(NORMAL_LOAD, time, mirrored_time)
-    slip_combination_change = combination_change(piece.anchor, segment, s_q_minus_f_p, time)
+    slip_combination_change = combination_change(arc.anchor, segment, s_q_minus_f_p, time)
     # Back from the end of the arc, where the path may have turned: counted from its begin,
     # round-off would leave half the digits.
     time_at_stick_edge = arc_segment.time_of(
         s_q_minus_f_p, slip_combination_change, arc_end, arc_begin
     )
     # P now minus P at the anchor
-    load_change_since_anchor = combination_change(piece.anchor, segment, NORMAL_LOAD, time)
+    load_change_since_anchor = combination_change(arc.anchor, segment, NORMAL_LOAD, time)
     # minus the change of P from the anchor to P_c
     return load_change_since_anchor - arc_segment.change_of(
         NORMAL_LOAD, time_at_stick_edge, arc_end

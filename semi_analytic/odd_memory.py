@@ -636,32 +636,33 @@ def _work_in_span(span: Span, radius: float, n_points: int) -> Array:
         raise DeclinedError("the contact slides as a whole")
     time, time_weights = _gauss_times(span, n_points)
 
-    # P - P_c; then steepness mu, D and v at the stick edge, (n,) or coefficients (n, 4).
+    # P - P_c; then the steepness mu = f - s dM/d eta of the memory curve at the stick edge, (n,), D
+    # and v, how far the centre of stick has moved since the memory was set, (n, 4).
     slip_zone_load = span.slip_zone_load(time)
     stick_edge = _stick_edge_at(span, piece_at_edge, time, slip_zone_load, radius)
-    minus_equivalent_load = slip_combination(span.direction, span.friction)  # s Q - f P = -N
-    equivalent_load_fall_rate = np.asarray(span.segment.rate_of(minus_equivalent_load, time))  # -N'
-    equivalent_tilt_rate = _equivalent_tilt_coefficients(
+    s_q_minus_f_p = slip_combination(span.direction, span.friction)  # -N
+    rate_of_s_q_minus_f_p = np.asarray(span.segment.rate_of(s_q_minus_f_p, time))  # -N'
+    tilt_and_strain_rate = _equivalent_tilt_coefficients(
         span.friction, span.direction, *span.segment.rates(time)
     )
     centre_distance = stick_edge.centre_distance(radius)
     friction_times_weights = span.friction * time_weights
     work_matrix = _quadratic_form(
-        friction_times_weights * equivalent_load_fall_rate / (2 * radius),
+        friction_times_weights * rate_of_s_q_minus_f_p / (2 * radius),
         centre_distance,
         centre_distance,
     )
     work_matrix = work_matrix - _quadratic_form(
-        friction_times_weights * slip_zone_load, equivalent_tilt_rate, centre_distance
+        friction_times_weights * slip_zone_load, tilt_and_strain_rate, centre_distance
     )
     if _is_set_by_slip(piece_at_edge, span.friction):
         return work_matrix
-    # s f (P - P_c) |dP_c|, since P_c falls by -N' dt/mu; mu = f - s dM/d eta is the steepness
+    # s f (P - P_c) |dP_c|, since P_c falls by -N' dt/mu
     weights_along_memory = (
         span.direction
         * friction_times_weights
         * slip_zone_load
-        * equivalent_load_fall_rate
+        * rate_of_s_q_minus_f_p
         / stick_edge.steepness
     )
     work_by_bend, work_by_tilt = _work_along_memory(
@@ -756,14 +757,14 @@ def _work_at_kink(span_before: Span, span: Span, radius: float) -> Array:
 
 
 def _refuse_return_to_limit(span_before: Span, span: Span, radius: float) -> None:
-    """Refuse some paths on which the stick edge of a `span` of slip comes back to memory that an
-    earlier stroke in the same direction left at the Coulomb limit. A path is refused if P and Q
-    differ from those at the end of that stroke, or if that end was smooth.
+    """Refuse a load path on which slip returns, under other loads, to where an earlier stroke in
+    the same direction ended: then the work by tilt and strain has no second-order form.
 
-    Tilt and strain then differ from those of the earlier stroke, or a tangential load left at its
-    smooth end is passed. The second order of the work then has no quadratic form. `span_before`
-    ends where the `span` of slip begins; `radius` is R of the parabola. At a smooth end the rates
-    of the loads do not jump.
+    It is refused if the stick edge of a `span` of slip passes a piece of the memory curve that this
+    stroke has left at the Coulomb limit, and P and Q differ from those at its end. It is refused
+    too if that end was smooth, without a jump of the rates of the loads: tangential loads that are
+    left there would be passed. `span_before` ends where the `span` begins; `radius` is R of the
+    parabola.
 
     Raises
     ------
@@ -786,6 +787,7 @@ def _refuse_return_to_limit(span_before: Span, span: Span, radius: float) -> Non
         # anchor: instant at which the earlier stroke ended and left this piece.
         normal_change = begin.normal_load - piece.anchor.normal_load
         tangential_change = begin.tangential_load - piece.anchor.tangential_load
+        # None at a vertex of the path; `tilt_rate_form` is 0 if nothing is left there.
         earlier_smooth_end = _smooth_end_at_anchor(piece, span.direction, friction, radius)
         if (
             abs(normal_change) > load_tolerance
@@ -814,10 +816,11 @@ class _SmoothEnd:
 
     def remaining_loads(self, n_panels: int) -> tuple[Array, Array]:
         """Loads eta (n,), and the tangential load that remains on the flat punches next to each
-        after the smooth end of a stroke, over R a_s'^2/N'', (n,).
+        after the smooth end of a stroke, divided by R a_s'^2/N'', (n,).
 
-        It is T P/eta d eta, with a tabulated function T of eta. `n_panels` divide P_c < eta < P,
-        where `load` is P and `stick_edge_load` P_c.
+        At such an end one side of the contact stops before the other. What this leaves is dT =
+        (R a_s'^2/N'') T P/eta d eta, with a tabulated function T of eta. `n_panels` divide P_c <
+        eta < P, where `load` is P and `stick_edge_load` P_c, the load at the stick edge.
 
         Raises
         ------
@@ -921,13 +924,14 @@ def _work_at_stroke_end(span: Span, radius: float, n_panels: int) -> Array:
 
 
 def _work_at_passed_end(span: Span, radius: float, n_panels: int) -> Array:
-    """Matrix (4, 4) of the friction work that tilt and strain add in a `span` of slip where its
-    stick edge passes certain tangential loads.
+    """Matrix (4, 4) of the friction work that tilt and strain add in a `span` of slip, where its
+    stick edge passes tangential loads that the stroke before has left on flat punches.
 
-    An earlier, opposite stroke left these loads at its smooth end. The matrix is over (alpha_P,
-    alpha_Q, e_P, e_Q). A load dT left at eta adds f (P - eta) dT, P being the
-    normal load when the stick edge passes eta. `n_panels` are those of this integral; `radius` is
-    R of the parabola.
+    That stroke slipped the other way and had a smooth end: the rates of the loads did not jump, and
+    one side of the contact stopped before the other. A load dT left at eta adds f (P - eta) dT, P
+    being the normal load when the stick edge passes eta. The matrix is over (alpha_P, alpha_Q, e_P,
+    e_Q), tilt and bulk strain per load. `n_panels` are those of this integral; `radius` is R of the
+    parabola.
 
     # notation: N'' second rate of f P - s Q, a_s' rate of f alpha - s eps at that smooth end, alpha
     #           tilt, eps bulk strain, s direction of slip, M(eta) tangential force of the flat
@@ -942,6 +946,7 @@ def _work_at_passed_end(span: Span, radius: float, n_panels: int) -> Array:
     # Loads eta of punches, and the tangential load left next to each over R a_s'^2/N'';
     # tilt_rate_form is R a_s'^2/N'' as a quadratic form of tilt and strain.
     eta, remaining_load_at_eta = smooth_end.remaining_loads(n_panels)
+    # P_c, which falls in slip
     stick_edge_load_at_end = span.end.normal_load - float(span.slip_zone_load(span.end.time))
     stick_edge_load_at_begin = span.begin.normal_load - float(span.slip_zone_load(span.begin.time))
     # Only the punches that the stick edge passes in this span.
@@ -973,16 +978,17 @@ def _load_when_stick_edge_at(eta: Array, span: Span, piece: Piece) -> Array:
 
 # ------------------------------------------------------------------------------- where it holds
 def _one_sided_slip_coefficients(span: Span, radius: float, modulus: float) -> Iterator[Array]:
-    """Arrays (n, 4) of coefficients k of o = (alpha_P, alpha_Q, e_P, e_Q) at instants of a span, in
-    slip or in stick: while |k . o| < 1, both sides of the contact slip alike, or stick. Nothing is
-    yielded for a span of stick in which P does not grow.
+    """Criteria by which both sides of the contact slip alike in a span of time, or both stick: two
+    ratios that tilt and strain must keep below 1.
 
     1. In slip, the distance of the centres of stick and contact over the width a - c of the slip
        zone.
     2. The slip rate at an edge of contact that tilt and strain cause over the one that the loads
        cause. In stick it is taken for slip in each direction.
 
-    a and c are the half-widths of contact and stick. `radius` is R of the parabola, `modulus` E*.
+    Each comes as coefficients (n, 4) of o = (alpha_P, alpha_Q, e_P, e_Q), tilt and bulk strain per
+    load, at n instants. None is needed in stick if P does not grow. a and c are the half-widths of
+    contact and stick, `radius` is R of the parabola, `modulus` E*.
     """
     # _GAUSS_POINTS: 24, of which half are taken.
     time, _ = _gauss_times(span, _GAUSS_POINTS // 2)
@@ -993,40 +999,43 @@ def _one_sided_slip_coefficients(span: Span, radius: float, modulus: float) -> I
 
     # Hertz' law: a^2 = 4 P R/(pi E*).
     half_width = np.sqrt(4 * load * radius / (np.pi * modulus))
-    contact_edge_length = half_width  # sqrt(a^2 - c^2)/arccosh(a/c) for c near a
+    # sqrt(a^2 - c^2)/arccosh(a/c), which is a in stick, c = a
+    slip_rate_length = half_width
     if span.sticking_piece is not None and span.direction:
         slip_zone_load = span.slip_zone_load(time)
         # c/a = sqrt(P_c/P) of a parabola, kept off 0 and 1.
         stick_ratio = np.sqrt(
             np.clip(1 - slip_zone_load / load, _LEAST_STICK_RATIO**2, 1 - _EQUALITY_TOLERANCE)
         )
-        contact_edge_length = half_width * np.sqrt(1 - stick_ratio**2) / np.arccosh(1 / stick_ratio)
-        # Ratio 1; D of the stick edge, as coefficients (n, 4).
+        slip_rate_length = half_width * np.sqrt(1 - stick_ratio**2) / np.arccosh(1 / stick_ratio)
+        # First criterion: distance of the centres over a - c.
         stick_edge = _stick_edge_at(span, span.sticking_piece, time, slip_zone_load, radius)
         yield stick_edge.centre_distance(radius) / (half_width * (1 - stick_ratio))[:, None]
+    # Second criterion.
     for direction in (span.direction,) if span.direction else (1, -1):
-        yield _contact_edge_slip_coefficients(span, direction, time, contact_edge_length, modulus)
+        yield _contact_edge_slip_coefficients(span, direction, time, slip_rate_length, modulus)
 
 
 def _contact_edge_slip_coefficients(
-    span: Span, direction: int, time: Array, contact_edge_length: Array, modulus: float
+    span: Span, direction: int, time: Array, slip_rate_length: Array, modulus: float
 ) -> Array:
     """Slip rate at an edge of contact that tilt and strain cause, over the one that the loads
     cause, as coefficients (n, 4) of (alpha_P, alpha_Q, e_P, e_Q), at times (n,) of a span.
 
         a_s' sqrt(a^2 - c^2) / ((A/pi) |N'| arccosh(a/c))
 
-    with N = f P - s Q and a_s = f alpha - s eps.
+    with N = f P - s Q and a_s = f alpha - s eps. Where this is above 1, one side of the contact
+    slips alone.
 
     s is the `direction` of slip, alpha the tilt, eps the bulk strain, ' is d/dt, A = 2/E*, E* the
-    `modulus`. a and c are the half-widths of contact and stick. `contact_edge_length` (n,) is
+    `modulus`. a and c are the half-widths of contact and stick. `slip_rate_length` (n,) is
     sqrt(a^2 - c^2)/arccosh(a/c), which is a in stick, c = a [length].
     """
     s_q_minus_f_p = slip_combination(direction, span.friction)
     rate_of_s_q_minus_f_p = np.abs(span.segment.rate_of(s_q_minus_f_p, time))  # |N'|
-    contact_edge_length_over_rate = contact_edge_length / np.maximum(
+    length_over_load_rate = slip_rate_length / np.maximum(
         rate_of_s_q_minus_f_p, np.finfo(float).tiny
     )
     # a_s' as coefficients (n, 4).
     tilt_rate = _equivalent_tilt_coefficients(span.friction, direction, *span.segment.rates(time))
-    return np.asarray(np.pi * modulus / 2 * contact_edge_length_over_rate[:, None] * tilt_rate)
+    return np.asarray(np.pi * modulus / 2 * length_over_load_rate[:, None] * tilt_rate)

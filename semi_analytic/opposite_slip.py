@@ -77,14 +77,14 @@ def loads_of_slip_depths(left_depth: Array, right_depth: Array) -> tuple[Array, 
     integrand_weights = weights * 2 * left_depth[..., None] * root_ratio
     e = stick_middle - 2 / np.pi * np.sum(integrand_weights, axis=-1)
     moment_term = 4 / np.pi * np.sum(xi * integrand_weights, axis=-1)
-    force = (
+    force_over_limit = (
         1
         + 2 * e * stick_middle
         - 2 * stick_middle * stick_middle
         - stick_half_width * stick_half_width
         + moment_term
     )
-    return e, force
+    return e, force_over_limit
 
 
 def slip_depths_of_loads(e: Array, force: Array) -> tuple[Array, Array]:
@@ -120,9 +120,9 @@ def _depths_by_newton(loads: Array) -> Array:
     fails the result is NaN or no solution. `loads_of_slip_depths` gives the loads under which slip
     has given depths.
     """
-    e, force = loads
+    e, force_over_limit = loads
     # first guess, for a twelfth of the loads
-    depths = np.stack([-e - force / 2, -e + force / 2]) / _LOAD_STEP_COUNT
+    depths = np.stack([-e - force_over_limit / 2, -e + force_over_limit / 2]) / _LOAD_STEP_COUNT
     # _LOAD_STEP_COUNT: 12; _MOST_NEWTON_STEPS: 30
     for load_step in range(1, _LOAD_STEP_COUNT + 1):
         load_fraction = load_step / _LOAD_STEP_COUNT
@@ -305,13 +305,15 @@ class OppositeSlip(TiltedProfile):
         )
 
     def load(self, half_width: ArrayLike) -> Array:
-        """Load P_x = P - |Q|/f of the |Q| at which a stick edge passes x, any shape [force per
-        thickness]. x is the argument `half_width`; here it is a place and carries its sign.
+        """Load P_x = P - |Q|/f at which a stick edge passes the place x, any shape [force per
+        thickness].
 
-        P_x is found by bisection over the unloading P - P_x. Beyond the contact the value is above
-        P, in proportion to the distance from its edge; it is 0 where the point sticks up to the
-        largest |Q|.
+        P is constant. While |Q| grows, eta = P - |Q|/f falls and the stick zone I(eta) recedes; P_x
+        is the eta at which its edge is at x, found by bisection. It is 0 where the point sticks up
+        to the largest |Q|, and above P beyond the contact, in proportion to the distance from its
+        edge. Here x is the argument `half_width`, with its sign.
         """
+        # the constant load P, then middle and half-width of the contact
         largest_load, contact_middle, contact_half_width = self._contact
         relative_x = (np.asarray(half_width, dtype=float) - contact_middle) / contact_half_width
         least_unloading = np.zeros(relative_x.shape)
@@ -360,13 +362,13 @@ class OppositeSlip(TiltedProfile):
     def _integral_up_to_largest_load(
         self, x: ArrayLike, load: ArrayLike, kernel: KernelName
     ) -> Array:
-        """Integral over eta from `load` to the largest load P of a kernel K(x, eta): pi times the
-        traction (inverse_root), or pi/A times the slip (arccosh_ratio), at x by a unit of load on
-        the stick zone I(eta), A = 2/E*. I(eta) is the stick zone after |Q| = f (P - eta). Arrays
-        broadcast.
+        """Shear q/f or slip at places x, but for a factor, after |Q| has grown at constant P: the
+        integral of a kernel K(x, eta) over eta from `load` to P. Arrays broadcast.
 
-        The ranges between neighbouring loads are integrated one by one and summed from P down.
-        `_largest_unloading` is P - eta at the largest |Q|.
+        I(eta) is the stick zone after |Q| = f (P - eta). K is the effect at x of a unit of load on
+        I(eta): pi times the traction ("inverse_root"), or pi/A times the slip ("arccosh_ratio"), A
+        = 2/E*. The ranges between neighbouring loads are integrated one by one, and summed from P
+        down. `_largest_unloading` is P - eta at the largest |Q|.
         """
         # `intervals`: the contact under each load; its largest load is P
         largest_load = self.intervals.largest_load
@@ -387,19 +389,19 @@ class OppositeSlip(TiltedProfile):
         )
 
     def _integrals_between_loads(self, x: Array, load: Array, kernel: KernelName) -> Array:
-        """Integrals over eta of a kernel K(x, eta) between neighbouring loads, (n, k): row i from
-        `load[i]` to `load[i + 1]`, at places x (k,). `load` is (n + 1,), ascending up to the
-        constant P.
+        """Integrals over eta of a kernel K(x, eta), the effect at x of a unit of load on the stick
+        zone I(eta): row i from `load[i]` to `load[i + 1]`, at places x (k,), (n, k).
 
-        "inverse_root" is integrated where x is inside the stick zone I(eta), eta > P_x;
-        "arccosh_ratio" where it is outside, eta < P_x. P_x is the load at which a stick edge is at
-        x. The kernel is singular there: ranges close to it, at less than three times their length,
-        take `graded_nodes`, for singular ends. The others take Gauss' rule.
+        I(eta) is the stick zone after |Q| = f (P - eta); `load` (n + 1,) ascends to the constant P.
+        P_x is the eta at which a stick edge is at x. The traction, "inverse_root", is integrated
+        where x is inside I(eta), eta > P_x; the slip, "arccosh_ratio", where it is outside. Both
+        are singular at P_x: ranges closer to it than three times their length take a rule for
+        singular ends, `graded_nodes`, the others Gauss' rule.
         """
-        largest_load = load[-1]
+        largest_load = load[-1]  # P
         lower_load = load[:-1, None]
         upper_load = load[1:, None]
-        # P_x
+        # P_x; adding 0 times it gives ends of ranges for each x, (n, k)
         load_with_edge_at_x = self.load(x)
         integration_begin = lower_load + 0 * load_with_edge_at_x
         if kernel == "inverse_root":

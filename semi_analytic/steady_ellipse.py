@@ -502,10 +502,13 @@ def _weighted_work_rate_at_points(
 
 
 def _ranges_of_slip(ellipses: Ellipses, load_at_x: Array) -> tuple[tuple[int, Array, Array], ...]:
-    """Angles [rad] between which the point x of each ellipse slips: number of the slip phase, first
-    and last angle s in the phase, (m, 1) each. It does not slip where the last is below the first.
-    `load_at_x` (m, 1) is P_x. `ellipses` holds P0 and P1 as `mean_load` and `load_amplitude`, t_E
-    as `slip_start`, D as `slip_angle`; `load_moves` is False for constant P.
+    """Angles [rad] between which a point x slips in the cycle of each load ellipse, four ranges:
+    number of the slip phase, first and last angle s in the phase, (m, 1) each.
+
+    The point slips while it is in contact and the stick edge is within it. A range whose last angle
+    is below the first is empty. `load_at_x` (m, 1) is P_x. `ellipses` holds P0 and P1 as
+    `mean_load` and `load_amplitude`, t_E as `slip_start`, D as `slip_angle`; `load_moves` is False
+    for constant P.
 
     # notation: P1 amplitude of P; P_x load at which the edge of contact is at x, P_T least load at
     #           the edge of stick, P_min least P; u, v forward and reverse amplitude, of (Q -+ f
@@ -535,7 +538,7 @@ def _ranges_of_slip(ellipses: Ellipses, load_at_x: Array) -> tuple[tuple[int, Ar
     )
     # that of E-G, counted from the begin of E-G
     begin_of_slip_at_x = np.maximum(slip_angle - stick_edge_angle_in_reverse_slip, 0.0)
-    # E-G before and after the least load, I-J, J-M
+    # E-G (0) before and after the least load, I-J (1), J-M (2)
     return (
         (0, begin_of_slip_at_x, np.minimum(slip_angle, math.pi - open_angle - start_angle)),
         (0, np.maximum(begin_of_slip_at_x, math.pi + open_angle - start_angle), slip_angle),
@@ -1302,6 +1305,10 @@ def log_weight_and_load(name: str, ellipses: Ellipses, angle: Array) -> tuple[Ar
     """Weight of ln a per rad in the friction work W pi E*/(2 f^2), and the load, shape of `angle`,
     along one course: P, or P_c at the stick edge, through a phase of slip.
 
+    W, integrated by parts, is the integral of -w P' ln a(P) + (w P_c' - w' (P - P_c)) ln a(P_c)
+    over the time of slip. The factors of ln a, over f, are the weights. w = +-Q - f P grows in slip
+    and counts from its end; ' is d/dt.
+
     # notation: t_E (`slip_start`, with its sine and cosine), t_I times at which reverse and forward
     #           slip begin, P1 (`load_amplitude`) amplitude of P; u and v (`forward_amplitude`,
     #           `reverse_amplitude`) amplitudes of (Q -+ f P)/f; D (`slip_angle`) length of E-G and
@@ -1338,7 +1345,7 @@ def log_weight_and_load(name: str, ellipses: Ellipses, angle: Array) -> tuple[Ar
             cosine,
             sine,
         )
-    # P0 + P1 cos(angle), counted from the least load
+    # P0 + P1 cos(angle), as a sum of positive terms
     load = (
         ellipses.mean_load - ellipses.load_amplitude
     ) + 2 * ellipses.load_amplitude * squared_cosine
@@ -1902,19 +1909,21 @@ def _gauss_rule_numbers(ellipses: Ellipses) -> NDArray[np.uint8]:
     """Number in `_LAM_RULES` of the Gauss rule with the fewest nodes that is good enough for the
     friction work of each ellipse, (m,); of the graded rule, the last, where none is.
 
+    The error of Gauss' rule falls the faster, the farther the integrand's nearest singularity in
+    the complex plane is from the interval. So this distance gives the number of nodes.
+
     # notation: P and P_c normal load and load at the edge of stick, P_T least P_c, P_min least P,
     #           P1 amplitude of P; u, v forward and reverse amplitude, of (Q -+ f P)/f; s angle from
     #           the begin of E-G and I-J; D length of E-G and of J-M, pi - D that of I-J; t_E
     #           (`slip_start`) time t of E in P = P0 + P1 cos t; _LEAST_DIVISOR 1e-100
 
     "Good enough" leaves exp(-30) of the integrals over the phases of slip (reverse E-G, forward I-J
-    and J-M). It follows from where the integrands stop being analytic in the complex plane. In J-M
-    and E-G the logarithm is singular where P_c = 0, at s = +-2 i arsinh(sqrt(P_T/u)) from M, and
-    with v from G. Where P = 0 it is so +-2 i arsinh(sqrt(P_min/(2 P1))) beside t = pi, at s = pi -
-    t_E in E-G and s = t_E in I-J; the mirror images in J-M and of I-J are farther away. Gauss' rule
-    of n nodes leaves about rho^(-2 n), rho + 1/rho being the sum of the distances of the nearest
-    singularity from the ends of the interval [-1, 1]. Twelve at least, since nearly without slip
-    the integrand is a cube of sines.
+    and J-M). Gauss' rule of n nodes leaves about rho^(-2 n). Here rho + 1/rho is the sum of the
+    distances of the nearest singularity from both ends of the interval [-1, 1]. In J-M and E-G the
+    logarithm is singular where P_c = 0, at s = +-2 i arsinh(sqrt(P_T/u)) from M, and with v from G.
+    Where P = 0 it is so +-2 i arsinh(sqrt(P_min/(2 P1))) beside t = pi, at s = pi - t_E in E-G and
+    s = t_E in I-J; the mirror images in J-M and of I-J are farther away. Twelve nodes at least,
+    since nearly without slip the integrand is a cube of sines.
     """
     length_of_reverse_slip = np.maximum(ellipses.slip_angle, _LEAST_DIVISOR)
     length_of_early_forward_slip = np.maximum(math.pi - ellipses.slip_angle, _LEAST_DIVISOR)
