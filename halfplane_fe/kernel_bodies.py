@@ -128,9 +128,9 @@ class CurvatureJumpKernels:
         minus those of a half-plane. The face is a flat |x| < b between arcs of radius R.
 
         The chord from the force to the place has the slope -(d(x) - d(s))/(x - s), where d is the
-        depth of the face below its flat. Flamant's displacement along this chord, minus that on a
-        flat surface, is the singular part, with a further term of the displacement along x by a
-        force along x:
+        depth of the face below its flat. The singular part is Flamant's displacement at the end of
+        this sloping chord, minus that on a flat surface. The displacement along x by a force along
+        x has a further term, from the jump of the curvature:
 
             4/(pi^2 E') (Phi(x) - Phi(s))/(x - s),    E' = E/(1 - nu^2)
             2 R Phi = (x + b)^2 ln|x + b| - (x - b)^2 ln|x - b|
@@ -159,11 +159,11 @@ class CurvatureJumpKernels:
         )
 
     def _phi(self, x: Array) -> Array:
-        """Phi at places x of a face that is a flat |x| < b between arcs of radius R [length]; `x`
-        is an array of any dimensions. Phi = [(x + b)^2 ln|x + b| - (x - b)^2 ln|x - b|] / (2 R).
+        """Function Phi [length] at places x of a face that is a flat |x| < b between arcs of radius
+        R, in the shape of `x`: Phi = [(x + b)^2 ln|x + b| - (x - b)^2 ln|x - b|] / (2 R).
 
-        Times 4/(pi^2 E'), E' = E/(1 - nu^2), its divided difference between the places of force and
-        displacement is a singular part of the displacement along x by a unit force along x.
+        A unit force along x at s displaces the place x along x. A singular part of this, due to the
+        jump of the curvature, is 4/(pi^2 E') (Phi(x) - Phi(s))/(x - s), E' = E/(1 - nu^2).
         """
         xlogy = scipy.special.xlogy  # xlogy(x, y) = x ln y, and 0 where x = 0
         distance_from_left_end = x + self.flat_half_length
@@ -176,9 +176,11 @@ class CurvatureJumpKernels:
         return np.asarray(logarithmic_sum / (2 * self.radius))
 
     def _phi_slope(self, x: Array) -> Array:
-        """Derivative dPhi/dx at places x of a face that is a flat |x| < b between arcs of radius R;
-        `x` is an array of any dimensions. Divided differences of Phi are in proportion to a
-        singular part of the displacement along x by a unit force along x:
+        """Derivative dPhi/dx at places x of a face that is a flat |x| < b between arcs of radius R,
+        in the shape of `x`.
+
+        It takes the place of the divided difference (Phi(x) - Phi(s))/(x - s) where the place x of
+        the displacement is the place s of the force.
 
             2 R Phi = (x + b)^2 ln|x + b| - (x - b)^2 ln|x - b|
             R dPhi/dx = (x + b) ln|x + b| - (x - b) ln|x - b| + b
@@ -186,13 +188,14 @@ class CurvatureJumpKernels:
         xlogy = scipy.special.xlogy  # xlogy(x, y) = x ln y, and 0 where x = 0
         distance_from_left_end = x + self.flat_half_length
         distance_from_right_end = x - self.flat_half_length
-        slope_by_left_end = (
+        # 2 R dPhi/dx: the derivatives of the terms of the left end, minus those of the right end.
+        derivative_at_left_end = (
             2 * xlogy(distance_from_left_end, np.abs(distance_from_left_end))
             + distance_from_left_end
         )
         logarithm_at_right_end = 2 * xlogy(distance_from_right_end, np.abs(distance_from_right_end))
-        slope = slope_by_left_end - logarithm_at_right_end - distance_from_right_end
-        return np.asarray(slope / (2 * self.radius))
+        scaled_slope = derivative_at_left_end - logarithm_at_right_end - distance_from_right_end
+        return np.asarray(scaled_slope / (2 * self.radius))
 
 
 def _divided_differences(
@@ -735,8 +738,11 @@ def _degree_of_kernels(name: str, shape: Solid, reach: float) -> int:
 def body_kernels(
     scene: Scene, name: str, reach: float, datum_length: float, work_counts: Counter[str]
 ) -> BodyKernels | None:
-    """Kernels of one body over |x| <= `reach`, from a fine and from a coarse mesh: what its finite
-    size adds to the displacement of its face by unit forces, as polynomials. None for a half-plane.
+    """Kernels of one body: what its finite size adds to the displacement of its face at x by a unit
+    force at s, as polynomials in x and s for |x|, |s| <= `reach`. None for a half-plane.
+
+    They are computed by linear finite elements on a fine and on a coarse mesh. The difference of
+    both estimates their error.
 
     Parameters
     ----------
@@ -761,8 +767,8 @@ def body_kernels(
         return None
     material = getattr(scene.material, name)
 
-    # The curvature of a face jumps at the ends of a flat between arcs, which needs a higher degree
-    # and more elements.
+    # The singular part of the kernels of a curved face, None of a flat one. At the ends of a flat
+    # between arcs the curvature jumps, which needs a higher degree and more elements.
     jump_kernels = _singular_kernels(face_of(shape, scene.profile), material)
     has_curvature_jump = jump_kernels is not None and jump_kernels.flat_half_length > 0
     degree = _degree_of_kernels(name, shape, reach)

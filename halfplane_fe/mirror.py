@@ -161,18 +161,19 @@ def _folded(matrix: Array, parity_of_rows: float, parity_of_columns: float) -> A
 def _states_at_all_nodes(
     contact_states: Sequence[InterfaceState], images: _Images
 ) -> list[InterfaceState]:
-    """Contact states at all n nodes, from those at the nodes with x >= 0; without forces and gap
-    where a long run has dropped them.
+    """Contact states at all n nodes of mirror-symmetric faces, from those at the nodes with x >= 0;
+    without forces and gap where a long run has dropped them.
 
-    A state's values are approach, shift and tilt, then slip, p, q and gap of the nodes. `images`
-    has for each node the index of the node or its image in the half, the share of its force, and
-    the sign of its q and slip.
+    The values of a state are approach, tangential displacement and tilt, then slip, p, q and gap of
+    the nodes. `images` holds for each of the n nodes: the index of it or its image among the solved
+    ones (`node_of_half`), its share of the force there (`force_share`, 1/2, or 1 at x = 0), and the
+    sign of its slip and q (`shear_sign`).
     """
-    # Index of each value of a state among the values of the half.
+    # For each value at all nodes, its index among the values at the solved nodes.
     n_nodes_of_half = int(images.node_of_half.max()) + 1
     nodal_indices = [3 + images.node_of_half + quantity * n_nodes_of_half for quantity in range(4)]
     index_in_half = np.concatenate([np.arange(3), *nodal_indices])
-    # Factors of approach, shift and tilt, then of slip, p, q and gap.
+    # Factors of approach, displacement and tilt, then of slip, p, q and gap.
     factors = np.concatenate(
         [
             np.ones(3),
@@ -186,7 +187,9 @@ def _states_at_all_nodes(
     states_of_image = np.array([OPEN, STICK, SLIP_REVERSE, SLIP_FORWARD], dtype=np.int8)
 
     def at_all_nodes(state: InterfaceState) -> InterfaceState:
-        """One contact state at all nodes."""
+        """One contact state at all nodes: each value is that of the node or its image, times a
+        factor. A state without forces and gap ends with the slip.
+        """
         n_values = len(index_in_half) if state.is_complete else 3 + len(images.node_of_half)
         values_at_all_nodes = state.values[index_in_half[:n_values]] * factors[:n_values]
         values_at_all_nodes.flags.writeable = False
@@ -207,9 +210,9 @@ def run_at_all_nodes(run: PathRun, faces: Interface) -> PathRun:
     """Solution along a load path at all nodes of `faces`, from a `run` that was solved on those at
     x >= 0: the left half is the mirror image.
 
-    A state's values are approach, shift and tilt, then slip, p, q and gap of the nodes. Each is
-    that of the mirror image times a factor. It is 1/2 for p and q, which are forces of a node and
-    its image together (1 at x = 0). Slip and q change sign at x < 0 where they are odd.
+    In the solution on one half p and q of a node are the forces of it and its image together. So
+    each of the two gets half of them, but the node at x = 0 gets all. Slip and q change sign at
+    x < 0 where they are odd in x. Friction work is shared like the forces.
 
     Parameters
     ----------

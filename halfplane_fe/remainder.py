@@ -141,12 +141,12 @@ class RemainderKernels(NamedTuple):
 def remainder_kernels(
     body: BodyMesh, material: Elastic, x_of_forces: Array, datum_length: float
 ) -> RemainderKernels:
-    """Displacement of a body's face by unit forces on it, minus that of a half-plane, by one linear
-    solution on a coarse mesh without contact.
+    """Displacement of a body's face by unit forces on it, minus that of a half-plane (Flamant), by
+    one linear finite-element solution without contact.
 
-    The remainder is smooth: on supports it is minus the half-plane's displacement, and on the rest
-    of the outline its tractions are minus the half-plane's. So no mesh refinement is needed at the
-    force.
+    The difference is itself an elastic field without a force on the face: its displacement on the
+    supports is minus the half-plane's, and so are its tractions on the rest of the outline. It is
+    smooth, so that a coarse mesh is enough, without refinement at the force.
 
     Parameters
     ----------
@@ -339,11 +339,11 @@ def kernels_of_slope(slope: Array, material: Elastic) -> KernelsOfSlope:
 
 
 def _forces_of_tractions(system: System, forces: _SurfaceForces) -> Array:
-    """Nodal forces on a body whose outline bears the tractions that a half-plane has there under m
-    unit forces on its surface (Flamant): (2 n_nodes, 2 m).
+    """Nodal forces (2 n_nodes, 2 m) on a body whose outline bears the tractions that a half-plane
+    has along the same line, under m unit forces on its surface (Flamant).
 
     Rows are x and y of each node, columns the m unit forces along x, then along y. On a flat face
-    these tractions are zero.
+    the tractions are zero. The nodal forces do the same work as the tractions.
 
     Parameters
     ----------
@@ -352,7 +352,7 @@ def _forces_of_tractions(system: System, forces: _SurfaceForces) -> Array:
     forces
         places x, y of the forces (m,) on the face; y = 0 of a flat one
 
-    # notation: in subscripts of einsum g Gauss points, d directions, e element sides, m forces
+    # notation: in subscripts of einsum g Gauss points, d directions, e element sides, m unit forces
     """
     mesh = system.mesh
     # On a curved face an even number of Gauss points: the middle one of an odd number is a node,
@@ -361,12 +361,14 @@ def _forces_of_tractions(system: System, forces: _SurfaceForces) -> Array:
     n_points = _N_GAUSS_POINTS + 1 if forces.y.any() else _N_GAUSS_POINTS
     loaded_facets = _loaded_facets(mesh, on_curved_face=bool(forces.y.any()))
 
-    # Element sides on the outline: nodes, shape functions at Gauss points, tangents times weights.
-    elements = curve_elements(mesh.p, _outline_nodes(mesh, loaded_facets), n_points)
-    tangent_x, tangent_y = elements.tangents
+    # e element sides on the outline, with g Gauss points: `places` (2, e, g) of these, `tangents`
+    # (2, e, g) times the length that each stands for; `nodes` (e, 3) of the sides, and their shape
+    # functions `shapes` (3, g).
+    sides = curve_elements(mesh.p, _outline_nodes(mesh, loaded_facets), n_points)
+    tangent_x, tangent_y = sides.tangents
     # outward, times the length that each Gauss point stands for
     normals_by_length = np.stack([tangent_y.ravel(), -tangent_x.ravel()])
-    x, y = elements.places.reshape(2, -1)
+    x, y = sides.places.reshape(2, -1)
 
     def traction(x_of_points: Array, y_of_points: Array, x_of_forces: Array) -> Array:
         """Tractions at points by unit forces on the surface, times the length that each point
@@ -374,11 +376,12 @@ def _forces_of_tractions(system: System, forces: _SurfaceForces) -> Array:
         """
         return surface_force_traction(x_of_points, y_of_points, normals_by_length, x_of_forces)
 
+    # At the Gauss points, by forces of both directions at all places: (2, e, g, 2 m).
     tractions = _half_plane_field(traction, x, y, forces).reshape(2, *tangent_x.shape, -1)
 
     # Consistent nodal forces: tractions times shape functions, one node of each side at a time.
     nodal_forces = np.zeros((mesh.p.shape[1], 2, tractions.shape[-1]))
-    for nodes, shape_values in zip(elements.nodes.T, elements.shapes, strict=True):
+    for nodes, shape_values in zip(sides.nodes.T, sides.shapes, strict=True):
         np.add.at(nodal_forces, nodes, np.einsum("g,degm->edm", shape_values, tractions))
     return nodal_forces.reshape(-1, tractions.shape[-1])
 
@@ -660,13 +663,14 @@ def body_numbers(
     )
 
     # Coefficients of their power series in the places of displacement and force.
-    values = face_series(kernels)
-    coarse_values = face_series(coarse_kernels)
+    # `reciprocity_gap`: largest difference of the two kernels that are equal by reciprocity
+    coefficients = face_series(kernels)
+    coarse_coefficients = face_series(coarse_kernels)
     reciprocity_error = kernels.reciprocity_gap / float(np.abs(kernels.x).max())
     estimates = {}
     for coefficient in FaceSeries._fields:
-        value = getattr(values, coefficient)
-        uncertainty = abs(value - getattr(coarse_values, coefficient))
+        value = getattr(coefficients, coefficient)
+        uncertainty = abs(value - getattr(coarse_coefficients, coefficient))
         if coefficient in ("strain_under_pressure", "slope_under_shear"):
             uncertainty += reciprocity_error
         estimates[coefficient] = Estimate(value, uncertainty)

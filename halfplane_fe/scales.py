@@ -362,11 +362,12 @@ def _scales_at(scene: Scene, load_unit: float, work_counts: Counter[str]) -> Sca
 def _scales_of_run(
     pair: _CoarsePair, face_half_width: float, problem: ContactProblem, run: PathRun
 ) -> Scales:
-    """Read the scales of a contact off a run on a coarse mesh: half-width and reach of the contact,
-    innermost place of an edge, largest load and pressure, friction work of the last revolution.
+    """Size and load of a contact, from its states along the load path on a coarse mesh: half-width,
+    reach, innermost place of an edge, largest load and pressure, friction work of a revolution.
 
-    Lengths of the run are over `face_half_width`, forces over P, displacements over P/E*. A local
-    that is so divided is called scaled; the scales returned are in the scene's units.
+    From these the fine mesh is chosen. Lengths of the run are over
+    `face_half_width`, forces over P, displacements over P/E*. A local that is so divided is called
+    scaled; what is returned is in the scene's units.
 
     Parameters
     ----------
@@ -381,8 +382,7 @@ def _scales_of_run(
     load_unit = pair.load
     modulus = pair.modulus
 
-    # Half-width at the largest load, outermost place that touches, innermost place of an edge in
-    # the cycles; scaled.
+    # Half-width at the largest load; largest distance from x = 0 at which the faces touch.
     state_at_largest_load = max(run.states, key=lambda state: state.normal_load)
     scaled_half_width = float(
         np.nan_to_num(np.diff(_contact_edges(problem, [state_at_largest_load]))[0, 0] / 2)
@@ -391,9 +391,10 @@ def _scales_of_run(
         float(np.abs(problem.interface.x[state.is_closed]).max(initial=0.0)) for state in run.states
     )
 
-    scaled_innermost_edge = _innermost_edge_of_cycles(scene, problem, run)
-    # Rounded down, so that no last digit of the coarse run moves the mesh.
+    # Innermost place of an edge of contact or stick in the cycles, rounded down to a hundredth of
+    # the half-width, so that no last digit of the coarse run moves the mesh.
     # _ROUNDING_PARTS: 100
+    scaled_innermost_edge = _innermost_edge_of_cycles(scene, problem, run)
     scaled_innermost_edge = (
         np.floor(_ROUNDING_PARTS * scaled_innermost_edge / scaled_half_width)
         / _ROUNDING_PARTS
@@ -402,9 +403,10 @@ def _scales_of_run(
     # Fine elements begin at a kink of the profile: the slope of the pressure is infinite there.
     first_kink = min(scene.profile.kinks, default=np.inf)
 
-    # In the scene's units; `values` are what a finer run is compared with, with displacements
-    # counted from the datum of the scene. `states_approach`: the approach is prescribed, not P.
-    # _N_ELEMENTS: 24
+    # In the scene's units. `values`: results that a finer run is compared with for its
+    # uncertainty, displacements counted from the scene's datum length. `states_approach`: the
+    # approach is prescribed, so that the largest load is a result.
+    # _N_ELEMENTS: 24 surface elements over `face_half_width`
     return Scales(
         half_width=face_half_width * scaled_half_width,
         inner=min(face_half_width * scaled_innermost_edge, first_kink),
@@ -566,21 +568,21 @@ def _size_near_contact(pair: _CoarsePair) -> float:
 
 
 def _with_extreme_rows(scene: Scene) -> Scene:
-    """Shorten a scene whose loads are a record of more than 16 rows to the rows of extreme loads,
-    at which the contact is largest.
+    """Shorten a scene whose loads are a measured record of more than 16 rows (time, P, Q) to the
+    rows of extreme loads: at one of them the contact is largest.
 
-    Of P, Q, Q/P, bulk stress and tilt the rows of the largest and the smallest value stay, with the
-    first and the last row. Other scenes are returned as they are.
+    The first and the last row stay, and the rows at which P, Q, Q/P, bulk stress or tilt is largest
+    or smallest. Other scenes are returned unchanged.
 
-    Rows of the record are (time, P, Q). Its `optional_column_kinds` names further columns: of bulk
-    stress, tilt or moment. Each is one number, or a tuple with one for each row.
+    `optional_column_kinds` of the record names further columns: of bulk stress, tilt or moment.
+    Each is one number, or a tuple with one for each row.
     """
     load_record = scene.load
     if not isinstance(load_record, TimeSeriesLoad) or len(load_record.kept_rows()) <= _MOST_ROWS:
         return scene
 
-    # Rows (n, 3) that count: with bulk stress or tilt all that are used, else those left after
-    # means and reduction. And further columns (n,) by name.
+    # Rows (n, 3) that the load path goes through: with bulk stress or tilt all from the key
+    # `start` to `end`, else those left after means and reduction. Further columns (n,) by name.
     first_row, row_beyond = load_record.row_bounds()
     counted_rows = (
         load_record.rows.values[first_row:row_beyond]
@@ -593,9 +595,8 @@ def _with_extreme_rows(scene: Scene) -> Scene:
         if isinstance(getattr(load_record, name), tuple)
     }
 
-    # Numbers of the extreme rows of each column.
-    # _LEAST_LOAD_RATIO: 1e-6
-    # P, not near 0
+    # Numbers of the extreme rows of each column. For Q/P, P is at least 1e-6 of its largest value
+    # (_LEAST_LOAD_RATIO).
     safe_normal_load = np.maximum(counted_rows[:, 1], _LEAST_LOAD_RATIO * counted_rows[:, 1].max())
     columns = [
         counted_rows[:, 1],
@@ -606,13 +607,11 @@ def _with_extreme_rows(scene: Scene) -> Scene:
     row_numbers = {0, len(counted_rows) - 1}
     for column in columns:
         row_numbers |= {int(np.argmin(column)), int(np.argmax(column))}
-    sorted_numbers = sorted(row_numbers)
+    extreme_rows = sorted(row_numbers)
     short_record = TimeSeriesLoad(
-        rows=counted_rows[sorted_numbers],
+        rows=counted_rows[extreme_rows],
         repeats=load_record.repeats,
-        **{
-            name: tuple(column[sorted_numbers].tolist()) for name, column in further_columns.items()
-        },
+        **{name: tuple(column[extreme_rows].tolist()) for name, column in further_columns.items()},
         **{
             name: getattr(load_record, name)
             for name in load_record.optional_column_kinds
@@ -728,10 +727,10 @@ def _touches_an_end(run: PathRun) -> bool:
 def _coarse_run(
     pair: _CoarsePair, face_half_width: float, steps: int, cycles: int = COARSE_CYCLES
 ) -> tuple[ContactProblem, PathRun]:
-    """Follow the load path of a scene on a coarse mesh. Returned are the contact problem, scaled,
-    and the run: its states along the path, at all nodes.
+    """Solve a scene along its load path on a coarse mesh: the scaled contact problem, and the run,
+    with the contact states along the path at all nodes.
 
-    Faces that are their own mirror image are solved on one half.
+    Where the solution is its own mirror image in x = 0, the nodes at x >= 0 alone are solved.
 
     Parameters
     ----------
@@ -760,7 +759,8 @@ def _coarse_run(
         else problem
     )
 
-    # Units of load, length and stress, and increments of a revolution; no step error is too large.
+    # Units of load, length and stress, and increments of a revolution; np.inf: any step error is
+    # accepted.
     pace = Pace(pair.load, steps, np.inf, face_half_width, pair.modulus)
     # All states are stored, for their edges decide about the mesh; there are few nodes. These edges
     # are read off the nodes: those by the loads would be found for no answer.
@@ -889,11 +889,10 @@ def _innermost_edge(
     is_stuck: Mask,
     stick_may_be_anywhere: bool,
 ) -> float:
-    """Innermost place, over some instants, to which an edge of contact or of stick comes: the least
-    half-width of either zone, 0 where nothing sticks; scaled.
+    """Least distance from x = 0 to which an edge of contact or of stick comes at some instants: in
+    a symmetric contact the least half-width of either zone, 0 where nothing sticks; scaled.
 
-    Where the zones may be unsymmetric (`stick_may_be_anywhere`), it is the least distance of an
-    edge from x = 0, and 0 where an edge crosses it.
+    In an unsymmetric contact (`stick_may_be_anywhere`) it is 0 too where an edge crosses x = 0.
 
     Parameters
     ----------
@@ -926,6 +925,6 @@ def _innermost_edge(
             is_stuck.any(axis=1, keepdims=True), np.diff(stick_zones) / 2, 0.0
         )
         stick_zones = stick_half_width * signs_of_sides
-    # Distances from x = 0, negative where an edge has crossed it; NaN without an edge counts as 0.
+    # Distances from x = 0, negative where an edge has crossed it; NaN (no edge) counts as 0.
     distances_from_middle = np.concatenate([contact_zones, stick_zones]) * signs_of_sides
     return max(float(np.nan_to_num(distances_from_middle).min()), 0.0)

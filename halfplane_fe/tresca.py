@@ -171,10 +171,10 @@ def shear_at_known_pressure(
     ...     None,
     ... )
     >>> systems, pressure = Systems(flat, Layer(zeros, zeros), 0.5), np.array([0.2, 1.0])
-    >>> shear, shift, states = shear_at_known_pressure(systems, pressure, zeros, 0.5, 1e-12)
+    >>> shear, displacement, states = shear_at_known_pressure(systems, pressure, zeros, 0.5, 1e-12)
     >>> (
     ...     shear.round(12).tolist(),
-    ...     round(shift, 12),
+    ...     round(displacement, 12),
     ...     states.tolist(),
     ... )  # the first node slips at f p = 0.1, the second holds the rest
     ([0.1, 0.4], 0.4, [2, 1])
@@ -187,7 +187,7 @@ def shear_at_known_pressure(
     coulomb_limit = systems.friction * pressure  # f p
     is_closed = pressure > 0
     # function of U: tangential forces (n,) at that displacement; it keeps the states of the nodes
-    shear_at = _ShearAtShift(
+    shear_at = _ShearAtDisplacement(
         systems=systems,
         coulomb_limit=coulomb_limit,
         known_slip=known_slip,
@@ -202,24 +202,24 @@ def shear_at_known_pressure(
 
     # U is found between two displacements at which all nodes slide one way or the other.
     largest_slip_at_limit = np.abs(systems.tangential_compliance @ coulomb_limit)[is_closed].max()
-    largest_shift = (np.abs(known_slip[is_closed]).max() + largest_slip_at_limit) / n_y.min()
+    largest_displacement = (np.abs(known_slip[is_closed]).max() + largest_slip_at_limit) / n_y.min()
 
-    def excess_load(shift: float) -> float:
-        """Tangential load at the displacement U = `shift`, minus the given one."""
-        return float(n_y @ shear_at(shift)) - tangential_load
+    def excess_load(displacement: float) -> float:
+        """Tangential load at a displacement U, minus the given one."""
+        return float(n_y @ shear_at(displacement)) - tangential_load
 
     # xtol below the round-off of U; rtol is the least that brentq takes.
-    tolerance = 1e-13 * max(largest_shift, 1e-300)
-    shift = scipy.optimize.brentq(
-        excess_load, -largest_shift, largest_shift, xtol=tolerance, rtol=8.9e-16
+    tolerance = 1e-13 * max(largest_displacement, 1e-300)
+    displacement = scipy.optimize.brentq(
+        excess_load, -largest_displacement, largest_displacement, xtol=tolerance, rtol=8.9e-16
     )
-    return shear_at(float(shift)), float(shift), shear_at.node_states
+    return shear_at(float(displacement)), float(displacement), shear_at.node_states
 
 
 @dataclass(eq=False)
-class _ShearAtShift:
-    """Nodal tangential forces q (n,) as a function of the tangential displacement U (`shift`); each
-    solve starts from the node states at which the one before ended.
+class _ShearAtDisplacement:
+    """Nodal tangential forces q (n,) as a function of the tangential displacement U; each solve
+    starts from the node states at which the one before ended.
 
     Attributes
     ----------
@@ -241,17 +241,17 @@ class _ShearAtShift:
     round_off: float
     node_states: States
 
-    def __call__(self, shift: float) -> Array:
-        """Nodal tangential forces q (n,) within the limits of friction at the tangential
-        displacement U = `shift`; `node_states` become those there.
+    def __call__(self, displacement: float) -> Array:
+        """Nodal tangential forces q (n,) within the limits of friction at a tangential displacement
+        U; `node_states` become those there.
 
-        `coulomb_limit` (n,) is f p of the nodes. The slip is n_y U - T q - `known_slip`, T the
-        tangential compliance of `systems`.
+        `coulomb_limit` (n,) is f p of the nodes. The slip increment is n_y U - T q - `known_slip`,
+        n_y the component along y of the faces' normal, T the tangential compliance of `systems`.
         """
         n_y = self.systems.interface.face_normals[1]
-        known_slip_at_shift = self.known_slip - n_y * shift
+        slip_not_by_shear = self.known_slip - n_y * displacement
         shear, self.node_states = _shear_within_limits(
-            self.systems, self.coulomb_limit, known_slip_at_shift, self.node_states, self.round_off
+            self.systems, self.coulomb_limit, slip_not_by_shear, self.node_states, self.round_off
         )
         return shear
 

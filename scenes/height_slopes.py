@@ -106,11 +106,12 @@ class HeightSlope:
 
 
 def slope_of_height(height: Function, edges: Array) -> HeightSlope:
-    """Derivative h' of a profile's height for x > 0, from a function that gives the height only;
-    and the errors of load and stiffness that round-off in the height causes.
+    """Slope h' of a profile for x > 0, from a function that gives the height h only; and the errors
+    of load and stiffness that round-off in the height causes.
 
-    The height is approximated by Chebyshev series on intervals, which are differentiated. Where it
-    has few digits near x = 0, as R - sqrt(R^2 - x^2) has, one polynomial in x^2 takes their place.
+    The height is approximated by Chebyshev series on intervals, which are differentiated. Near
+    x = 0 a height such as R - sqrt(R^2 - x^2) has few correct digits. There one polynomial in x^2,
+    fitted to many heights, takes the place of the series.
 
     Parameters
     ----------
@@ -148,31 +149,32 @@ def slope_of_height(height: Function, edges: Array) -> HeightSlope:
         possible_ends = edges[edges >= extent * 0.5**_LARGEST_HALVING_OF_END]
         inner_polynomial = _inner_polynomial(height_above_middle, possible_ends)
     if inner_polynomial is None:
-        outer_edges = edges
+        outer_interval_ends = edges
         scale_of_fit = None
     elif inner_polynomial.end >= extent:
         return HeightSlope(inner_polynomial.slope, edges, inner_polynomial.load_errors)
     else:
-        outer_edges = np.append(inner_polynomial.end, edges[edges > inner_polynomial.end])
-        # The largest round-off that is expected outside counts as resolved.
+        outer_interval_ends = np.append(inner_polynomial.end, edges[edges > inner_polynomial.end])
+        # Outside too the height has round-off, which no series can resolve: it is to be ignored.
         # _GROWTH_OF_ROUNDOFF, _RESOLUTION_OF_FIT: 10 and 4e-15, of the scale that the fit is given
         scale_of_fit = _GROWTH_OF_ROUNDOFF * inner_polynomial.height_roundoff / _RESOLUTION_OF_FIT
 
     # Beyond the polynomial: series on intervals, and their derivatives.
     outer_series, outer_errors = _series_of_height(
         height_above_middle,
-        piecewise_series_of(height_above_middle, outer_edges, scale_of_fit).interval_ends,
+        piecewise_series_of(height_above_middle, outer_interval_ends, scale_of_fit).interval_ends,
     )
     outer_slope = outer_series.derivative
-    all_edges = np.union1d(edges, outer_slope.interval_ends)
+    all_interval_ends = np.union1d(edges, outer_slope.interval_ends)
     if inner_polynomial is None:
-        return HeightSlope(outer_slope, all_edges, outer_errors)
+        return HeightSlope(outer_slope, all_interval_ends, outer_errors)
 
     def slope(x: Array) -> Array:
         """h'(x): of the polynomial up to its end, of the series beyond."""
         return np.where(x < inner_polynomial.end, inner_polynomial.slope(x), outer_slope(x))
 
-    return HeightSlope(slope, all_edges, inner_polynomial.load_errors.larger_of_each(outer_errors))
+    load_errors = inner_polynomial.load_errors.larger_of_each(outer_errors)
+    return HeightSlope(slope, all_interval_ends, load_errors)
 
 
 @dataclass(frozen=True, eq=False)
@@ -310,9 +312,10 @@ def _errors_of_loads(
     """Largest relative errors of the load P(a) and of the stiffness dP/da that come from round-off
     in the coefficients of a height's Chebyshev series.
 
-    Nearly P = E* sqrt(a/2) int h'(x)/sqrt(a - x) dx, so the interval in which a lies counts most.
-    A term c_k T_k of h adds c_k T_k' over half the interval's length to h'. The integral of that
-    grows as k in P, and as k^3 in dP/da. Errors of coefficients are independent: squares add.
+    Nearly P = E* sqrt(a/2) int h'(x)/sqrt(a - x) dx. The weight is largest at x = a, so only errors
+    in the interval that ends at a are counted. A term c_k T_k of h adds c_k T_k' over half the
+    interval's length to h'. The integral of that grows as k in P, and as k^3 in dP/da. Errors of
+    coefficients are independent: their squares add.
 
     # notation: a contact half-width, E* contact modulus, h' slope of the height, T_k Chebyshev
     # polynomial
@@ -334,7 +337,7 @@ def _errors_of_loads(
     interval_ends = height_series.interval_ends
     half_lengths = np.diff(interval_ends) / 2
     degree = np.arange(CHEBYSHEV_DEGREE + 1)
-    # sqrt(a/2) over sqrt(half_length): the half-width a is taken at the end of each interval.
+    # sqrt(a/2) over sqrt(half_length), with a at the end of each interval.
     half_width_factor = np.sqrt(interval_ends[1:] / (2 * half_lengths))
     scaled_coefficient_error = coefficient_error * half_width_factor
     # `_LOAD_PER_DEGREE` and `_STIFFNESS_PER_DEGREE_CUBED` bound the integrals of T_k' and T_k''.
@@ -442,11 +445,11 @@ def _polynomial_up_to(
     end: float, height_above_middle: Function, n_samples: int
 ) -> _InnerPolynomial | None:
     """Polynomial in x^2 fitted to a profile's height for 0 <= x <= `end`, at `n_samples` places;
-    None where the height does not follow it, or round-off leaves no slope.
+    None where the height does not follow it, or has too much round-off for a slope.
 
-    The exponent of its lowest power of x^2 is tried from 1 up to 4: a height that rises as x^4 has
-    no term x^2.
-    `height_above_middle` is h(x) - h(0), from an array of x to an array of heights.
+    Its lowest power of x^2 has the first exponent, from 1 up to 4, whose slope has an error below
+    1e-7: a height that rises as x^4 has no term x^2. `height_above_middle` is h(x) - h(0), from an
+    array of x to an array of heights.
     """
     # Places on [-1, 1], that is 2 (x/end)^2 - 1.
     samples = _samples(n_samples)
@@ -488,11 +491,13 @@ def _polynomial_of_lowest_exponent(
     n_coefficients: int,
     height_roundoff: float,
 ) -> _InnerPolynomial | None:
-    """Least-squares fit of heights near x = 0 by h = s^m g(s) with s = (x/end)^2, and the errors of
-    load and stiffness from round-off; None where it leaves no slope at s = 0 or s = 1.
+    """Least-squares fit of a profile's heights near x = 0 by a polynomial in x^2 that begins with a
+    given power, and the errors of load and stiffness that round-off in the heights causes.
 
-    The slope is h' = (2 x/end^2) s^(m-1) B(s) with B = m g + s g'. Errors of B, and of its
-    derivative, at s = 0 and s = 1 give those of loads and stiffness.
+    With s = (x/end)^2 the fit is h = s^m g(s). Its slope is h' = (2 x/end^2) s^(m-1) B(s), where
+    B = m g + s g'. The load is an integral of h', so its relative error is in proportion to that
+    of B. The errors are taken at both ends of the fit, s = 0 and s = 1. None where four standard
+    deviations of round-off make an error of B above 1e-7 of B there.
 
     Parameters
     ----------
@@ -513,13 +518,14 @@ def _polynomial_of_lowest_exponent(
     g_coefficients, coefficients_per_height = _refined_least_squares(
         s[:, None] ** lowest_exponent * samples.polynomials[:, :n_coefficients], heights
     )
+    # B of each Chebyshev polynomial of g, as a series in s.
     terms_of_b = _slope_terms(lowest_exponent, n_coefficients)
     # B and its derivative dB/ds at s = 0 and s = 1 are linear in g: a column for each coefficient.
     s_of_ends = np.array([0.0, 1.0])
     b_at_ends = np.stack([term(s_of_ends) for term in terms_of_b], axis=1)
     b_rate_at_ends = np.stack([term.deriv()(s_of_ends) for term in terms_of_b], axis=1)
 
-    # Errors of B and dB/ds at the ends: four standard deviations of the heights' round-off.
+    # Errors of B and dB/ds at the ends: four standard deviations (_DEVIATIONS_IN_STATED_ERROR).
     stated_roundoff = _DEVIATIONS_IN_STATED_ERROR * height_roundoff
     b_errors = stated_roundoff * np.linalg.norm(b_at_ends @ coefficients_per_height, axis=1)
     b_rate_errors = stated_roundoff * np.linalg.norm(

@@ -311,8 +311,8 @@ class BulkAndTilt(Frozen, Generic[V]):
         return self.moment is not None or self.line_of_action is not None
 
     def path(self) -> LoadPath:
-        """Load path P(t), Q(t): initial loading, then the cycle. Its segments carry bulk stresses,
-        and tilt or moment, where the load states them.
+        """Load path P(t), Q(t) of this load: initial loading, then the cycle. Each of its segments
+        also holds the bulk stresses over its time, and tilt or moment, where the load states them.
 
         Raises
         ------
@@ -328,12 +328,13 @@ class BulkAndTilt(Frozen, Generic[V]):
         if not self.has_bulk_or_tilt:
             return path
         load_segments: tuple[LoadSegment, ...] = (*path.initial_loading, *path.cycle)
-        # Companions: two quantities beside P and Q, as a segment over the same time. The attribute
-        # "bulk" holds both bulk stresses, "tilt_and_moment" tilt and moment.
+        # Companions of the load segments, by attribute: two quantities beside P and Q, over the
+        # same time. "bulk" holds both bulk stresses, "tilt_and_moment" tilt and moment.
         companions: dict[str, Sequence[LoadSegment]] = {}
         # `line_of_action`: the line along which P acts, x, and the height at which Q acts; or None.
         if (line_of_action := self.line_of_action) is not None:
-            # Loads along a line: the tilt is 0, and the moment M = x P + height Q.
+            # The moment is M = x P + height Q; in the place of the tilt, which follows from it,
+            # stands 0.
             moment_of_loads = Combination(line_of_action.x, line_of_action.height)
             companions["tilt_and_moment"] = [
                 segment.companion_of(moment_of_loads) for segment in load_segments
@@ -352,11 +353,11 @@ class BulkAndTilt(Frozen, Generic[V]):
                 load_segments, *companions.values(), strict=True
             )
         ]
-        initial_count = len(path.initial_loading)
+        n_initial_segments = len(path.initial_loading)
         # `moment_is_given`: the moment is stated, and the tilt follows from it.
         return LoadPath(
-            tuple(complete_segments[:initial_count]),
-            tuple(complete_segments[initial_count:]),
+            tuple(complete_segments[:n_initial_segments]),
+            tuple(complete_segments[n_initial_segments:]),
             self.moment_is_given,
         )
 
@@ -380,43 +381,42 @@ class BulkAndTilt(Frozen, Generic[V]):
         return ()
 
     def _companion_segments(
-        self, path: LoadPath, load_segments: Sequence[LoadSegment], pair: Pair
+        self, path: LoadPath, load_segments: Sequence[LoadSegment], key_values: Pair
     ) -> list[LoadSegment]:
-        """Two quantities over time beside P and Q, such as both bulk stresses: one segment for each
-        load segment, over the same time.
+        """Two quantities over time beside P and Q, such as both bulk stresses: one segment of the
+        pair for each load segment, over the same time.
 
-        They follow formulas of time on the segments of the cycle, if the kind of load has formulas.
-        Functions of time that do not repeat have no cycle: their formulas hold from time 0 on. On
-        all other segments they are straight lines between their values at the vertices of the load
-        path. Where formulas follow, the last of these vertices is where they begin.
+        On the last load segments they follow formulas of time, if this kind of load has formulas:
+        on the cycle, or of functions without a cycle from time 0 on. On the load segments before,
+        they are straight lines between their values at the vertices, where load segments meet.
 
         Parameters
         ----------
         path
-            load path: initial loading, then the cycle
+            load path of P and Q: initial loading, then the cycle
         load_segments
             all segments of the path, in this order
-        pair
+        key_values
             what the scene states for the two quantities: number, list, formula, or None for 0
         """
         # On the last segments of the path: those on which the quantities follow formulas of time.
-        curved_segments = self.formula_segments(path, pair)
-        straight_count = len(load_segments) - len(curved_segments)
-        straight_load_segments = load_segments[:straight_count]
+        curved_segments = self.formula_segments(path, key_values)
+        n_straight_segments = len(load_segments) - len(curved_segments)
+        straight_load_segments = load_segments[:n_straight_segments]
         values_at_cycle_start: Pair = (0.0, 0.0)
         if curved_segments:
             values_at_cycle_start = curved_segments[0].loads(curved_segments[0].start)
 
         # P at the vertices, from 0 on, and the values of both quantities there. A list states them.
-        # A number or formula counts in proportion to P up to the cycle, or up to the begin of
-        # functions that do not repeat. On a cycle of straight lines a number holds at each vertex.
+        # A number or formula grows in proportion to P up to the last vertex, or up to a cycle of
+        # straight lines, on which a number holds at each vertex.
         normal_loads_at_ends = (
             float(segment.loads(segment.end)[0]) for segment in straight_load_segments
         )
         normal_loads = np.array([0.0, *normal_loads_at_ends])
         values_of_first_quantity, values_of_second_quantity = (
             self.values_at_vertices(key_value, normal_loads, float(value_at_start)).tolist()
-            for key_value, value_at_start in zip(pair, values_at_cycle_start, strict=True)
+            for key_value, value_at_start in zip(key_values, values_at_cycle_start, strict=True)
         )
         pairs_at_vertices = zip(values_of_first_quantity, values_of_second_quantity, strict=True)
         straight_segments_of_pair = (
@@ -718,11 +718,11 @@ class PolygonLoad(StraightLoad):
 
     @model_validator(mode="after")
     def _require_distinct_vertices(self) -> Self:
-        """Return this polygon; refuse (ValueError) one in which two successive vertices have equal
+        """Return this polygon of loads; refuse (ValueError) two successive vertices with equal
         loads, bulk stresses and tilt, since nothing happens between them.
 
-        Where the scene states the times of the vertices, such rests are allowed, and the times are
-        checked instead.
+        Where the scene states the times of the vertices, equal ones are a rest, which is allowed;
+        the times are checked instead.
         """
         _require_displacement_beside_approach(self)
         if self.times is not None:

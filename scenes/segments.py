@@ -846,8 +846,9 @@ class HarmonicSegment(LoadSegment):
         """Segment over the same time with 0 in place of P and the combination c_P P + c_Q Q of this
         segment's loads in place of Q.
 
-        With (c_P, c_Q) = (x, height) of the line along which the loads act, it is the history of
-        the tilt, 0, and of the moment x P + height Q.
+        With (c_P, c_Q) = (x, height) of the line along which the loads act, the combination is the
+        moment x P + height Q; the 0 before it stands in the place of the tilt, which then follows
+        from the moment.
         """
         coefficients = (np.array(combination) @ self._fourier_coefficients)[1:]
         amplitudes_and_lags = tuple((abs(c), -cmath.phase(c)) for c in coefficients.tolist())
