@@ -88,10 +88,10 @@ def answer_arrays(task: Task, problem: ContactProblem, run: PathRun) -> dict[str
     x = problem.interface.x * scales.half_width
 
     # Edges of contact and stick, and ends of the permanent stick zone. `surface_states` (n_states,
-    # n): open, stick or slip of the nodes at all instants, stored or not. `held_back` (2,): what
-    # was added to the ends, as growing elements make the zones too small.
+    # n): open, stick or slip of the nodes at all instants, stored or not. `end_correction` (2,):
+    # what was added to the ends, as growing elements make the zones too small.
     surface_states = reported_states(problem, run.states, run.cycle_starts)
-    edges, permanent_stick, held_back = _edges_corrected_for_growth(
+    edges, permanent_stick, end_correction = _edges_corrected_for_growth(
         task, _edges_of_run(scene, problem, run, surface_states), x, series["normal_load"]
     )
     arrays = {
@@ -108,7 +108,7 @@ def answer_arrays(task: Task, problem: ContactProblem, run: PathRun) -> dict[str
         "permanent_stick_half_width": float(np.diff(permanent_stick.places)[0]) / 2,
         "permanent_stick_edges": read_only_copy(permanent_stick.places),
         "permanent_stick_uncertainty": read_only_copy(permanent_stick.uncertainty),
-        "permanent_stick_held_back": read_only_copy(held_back),
+        "permanent_stick_correction": read_only_copy(end_correction),
         "steady_from": run.steady_from,
         "loop_work": _loop_work(scene, run) * work_unit,
     }
@@ -173,9 +173,11 @@ def _edges_corrected_for_growth(
     x: Array,
     normal_load: Array,
 ) -> tuple[dict[str, Array], Edges, Array]:
-    """Edges of contact and stick and of the permanent stick zone, in the scene's units, corrected
-    for elements whose size grows with the distance from the contact (`mesh.growth`): these make a
-    body too stiff, so that edges lie too far inside.
+    """Edges of contact and stick and ends of the permanent stick zone, in the scene's units, moved
+    outwards by what the growth of the elements holds them back.
+
+    Elements whose size grows with the distance from the contact (`mesh.growth`) make a body too
+    stiff, so that its edges lie too far inside.
 
     Parameters
     ----------
@@ -197,7 +199,7 @@ def _edges_corrected_for_growth(
     permanent_stick
         ends (2,) of the permanent stick zone, and their uncertainty where slip locates them
         [length]
-    held_back
+    end_correction
         (2,) what was added to these ends [length]
     """
     # In the scene's units. `half_width_by_load`: half-width of contact by the normal load.
@@ -207,13 +209,13 @@ def _edges_corrected_for_growth(
     half_width_by_load = ContactsOfLoads(np.diff(edges["contact_edges"])[:, 0] / 2, normal_load)
     growth = task.mesh.growth
 
-    # Edges of contact and stick are moved; what may be left of that error makes them uncertain.
+    # Edges of contact and stick are moved; what may be left of their error makes them uncertain.
     is_pressed = (normal_load > 0)[:, None]
     for edge_name in ("contact_edge", "stick_edge"):
         places = edges[f"{edge_name}s"]
         spacing = _spacing_at(x, places, task.spacing)
-        distance_held_back = held_back_by_growth(places, half_width_by_load, growth, spacing)
-        correction = np.where(is_pressed, distance_held_back, 0.0)
+        distance_to_move = held_back_by_growth(places, half_width_by_load, growth, spacing)
+        correction = np.where(is_pressed, distance_to_move, 0.0)
         edges[f"{edge_name}s"] = places + correction
         edges[f"{edge_name}_uncertainty"] = (
             edges[f"{edge_name}_uncertainty"]
@@ -224,12 +226,12 @@ def _edges_corrected_for_growth(
     # Likewise the ends of the permanent stick zone.
     ends = scaled_permanent_stick.places * half_width
     spacing = _spacing_at(x, ends, task.spacing)
-    correction_of_ends = held_back_by_growth(ends, half_width_by_load, growth, spacing)
+    end_correction = held_back_by_growth(ends, half_width_by_load, growth, spacing)
     permanent_stick = Edges(
-        places=ends + correction_of_ends,
+        places=ends + end_correction,
         uncertainty=scaled_permanent_stick.uncertainty * half_width,
     )
-    return edges, permanent_stick, correction_of_ends
+    return edges, permanent_stick, end_correction
 
 
 def _spacing_at(x: Array, places: Array, largest_spacing: float) -> Array:
@@ -252,11 +254,13 @@ def _is_thick(task: Task) -> bool:
 def _edges_of_run(
     scene: Scene, problem: ContactProblem, run: PathRun, surface_states: States
 ) -> tuple[dict[str, Array], Edges]:
-    """Left and right edges of contact and stick of a run, and of its permanent stick zone; scaled.
+    """Left and right edges of contact and stick at the stored instants of a run, and ends of its
+    permanent stick zone; scaled.
 
-    The permanent stick zone sticks all through the last cycle. Between like bodies without bulk
-    stress and tilt, the loads at the turning points of slip locate its ends. No stick edge of the
-    last cycle then lies inside these ends.
+    The permanent stick zone sticks all through the last cycle. Its ends are sharp between like
+    bodies without bulk stress and tilt. There the loads at the turning points of slip locate them,
+    and no stick edge of the last cycle lies inside them. Elsewhere nodes next to an end slip by
+    next to nothing in a cycle (creep).
 
     Parameters
     ----------
@@ -292,12 +296,12 @@ def _edges_of_run(
         scene,
     )
 
-    # Ends of the permanent stick zone: by slip or creep (with an uncertainty), else by the stick
-    # zones of single instants.
+    # Ends of the permanent stick zone: by slip or creep of the nodes (with an uncertainty), else by
+    # the stick zones of single instants.
     ends = _permanent_stick(scene, problem, run, surface_states, edges["stick_edges"])
     if not permanent_stick_ends_sharply(scene, problem):
         return edges, ends
-    # the zone by its nodes and by the loads at the turning points of slip, which confine it
+    # the zone by its nodes and by the loads at the turning points of slip: the ends lie within it
     zone = permanent_stick_zone(run)
     time = np.array([state.time for state in contact_states])
     normal_load = np.array([state.normal_load for state in contact_states])
@@ -485,10 +489,10 @@ def _edges_in_blocks(
     scene
         `unsymmetric` with bulk stress, tilt, or a profile that is not its own mirror image
     """
-    blocks = []  # of 256 instants each: edges by name
+    edges_of_blocks = []  # of 256 instants each: edges by name
     for first_step in range(0, len(contact_states), _INSTANTS_PER_BLOCK):
         block = slice(first_step, first_step + _INSTANTS_PER_BLOCK)
-        blocks.append(
+        edges_of_blocks.append(
             _edges_at_instants(
                 problem,
                 contact_states[block],
@@ -500,8 +504,8 @@ def _edges_in_blocks(
             )
         )
     edges: dict[str, Array] = {}
-    for name in blocks[0]:
-        edges[name] = np.concatenate([block[name] for block in blocks])
+    for name in edges_of_blocks[0]:
+        edges[name] = np.concatenate([block_edges[name] for block_edges in edges_of_blocks])
     return edges
 
 
@@ -630,7 +634,7 @@ def _permanent_stick(
     locates have an uncertainty, others NaN.
 
     A path that does not repeat starts unloaded, where nothing touches, so that it has no such zone.
-    Nodes that only creep belong to the zone too:
+    Nodes that creep, that is, slip by next to nothing in the cycle, belong to the zone too:
 
     - With bulk stress or tilt, where the steady state is only approached, and slip near the zone
       grows less from cycle to cycle.
@@ -663,7 +667,7 @@ def _permanent_stick(
     common_zone = _common_stick_zone(scene, x, run, surface_states, stored_stick_edges, is_in_cycle)
     permanent_zone = common_zone if common_zone[0] < common_zone[1] else places_without_zone
 
-    # Ends by the slip beyond the zone that creeps.
+    # Ends (2,) of the zone of nodes that at most creep, and ends by the slip of nodes beyond it.
     creeping_edges, slip_ends = _creeping_and_slip_ends(scene, x, run, surface_states, is_in_cycle)
 
     # Nodes that only creep belong to the zone.
@@ -680,9 +684,9 @@ def _permanent_stick(
 def _creeping_and_slip_ends(
     scene: Scene, x: Array, run: PathRun, surface_states: States, is_in_cycle: Mask
 ) -> tuple[Array, Edges]:
-    """Ends (2,) of the zone whose nodes stay closed all through the last cycle and slip by next to
-    nothing (creep), NaN without one, and ends of the permanent stick zone by the slip beyond it;
-    scaled.
+    """Ends of two zones by the slip of their nodes in the last cycle, scaled: of the nodes that
+    stay closed and slip by next to nothing (creep), (2,), NaN without one; and of the permanent
+    stick zone, located by how far the nodes beyond it slip.
 
     Parameters
     ----------
@@ -752,9 +756,11 @@ def _common_stick_zone(
 def _with_creeping_ends(
     x: Array, slip_ends: Edges, creeping_edges: Array, common_zone: Array
 ) -> Edges:
-    """Ends (2,) of the permanent stick zone by slip. Where slip does not locate one, and the nodes
-    creep far beyond the intersection of all stick zones, it is half-way between the last node that
-    creeps and the next one: single increments label as slip what moves by next to nothing.
+    """Ends (2,) of the permanent stick zone by slip, completed by creep.
+
+    Where slip does not locate an end, and nodes that slip by next to nothing (creep) reach far
+    beyond the intersection of all stick zones, it is half-way between the last of them and the next
+    node. For single increments label as slip what moves by next to nothing.
 
     Parameters
     ----------
@@ -773,7 +779,7 @@ def _with_creeping_ends(
     node_after = np.clip(np.searchsorted(x, creeping_edges), 1, len(x) - 1)
     spacing = x[node_after] - x[node_after - 1]
     creep_beyond_zone = (creeping_edges - common_zone) * [-1.0, 1.0]
-    # Far is more than two distances of nodes.
+    # _NODES_OF_CREEP: far is more than two node distances
     is_by_creep = np.isnan(slip_ends.uncertainty) & (creep_beyond_zone > _NODES_OF_CREEP * spacing)
     return Edges(
         np.where(is_by_creep, creeping_edges, slip_ends.places),
@@ -802,7 +808,8 @@ def permanent_stick_zone(run: PathRun) -> StickZone:
 def _hold_permanent_stick(
     edges: dict[str, Array], permanent_edges: Edges, zone: StickZone, time: Array, is_in_cycle: Mask
 ) -> None:
-    """Make the stick edges (k, 2) of the last cycle agree with the permanent stick zone, in place.
+    """Move the stick edges (k, 2) of the last cycle, in place, so that none lies inside the
+    permanent stick zone.
 
     At the turning points of slip the stick zone is smallest: its edges become the ends of the
     permanent zone, where slip or the loads locate these. At other instants the edges are moved
@@ -825,7 +832,7 @@ def _hold_permanent_stick(
     stick_edges = edges["stick_edges"]
     uncertainty_of_stick_edges = edges["stick_edge_uncertainty"]
     is_located = np.isfinite(zone.places_by_load) & np.isfinite(permanent_edges.uncertainty)
-    # left edges, of which the outermost is the smallest x, then right ones
+    # Column 0: left edges, of which the outermost is the smallest x; column 1: right ones.
     for column, outermost_place in enumerate((np.fmin, np.fmax)):
         if is_located[column]:
             has_slip_zone = stick_edges[:, column] != edges["contact_edges"][:, column]
@@ -988,12 +995,12 @@ def penalty_audit(
     arrays: Mapping[str, Any],
     scales: Scales,
 ) -> PenaltyAudit:
-    """How far the springs of a penalty method let the contact conditions be broken: overlap of the
-    faces, elastic slip, and creep of nodes that stick through the last cycle.
+    """Error of a penalty method, whose springs break the contact conditions: overlap of the faces,
+    elastic slip, and creep, the relative displacement of nodes that stick through the last cycle.
 
-    Overlap is compared with the rise of the profile over the largest contact, the others with the
-    largest slip of the last cycle: NaN where nothing slips. Where the path does not repeat, all of
-    it is the cycle.
+    Overlap is compared with the rise of the profile over the largest contact, elastic slip and
+    creep with the largest slip of the last cycle: NaN where nothing slips. Where the path does not
+    repeat, all of it is the cycle.
 
     Parameters
     ----------
@@ -1009,16 +1016,17 @@ def penalty_audit(
     scales
         half-width and modulus that lengths and compliances are scaled by
     """
-    # Overlap and elastic slip: deflections of the springs under pressure and shear; with the
-    # stiffness of these.
-    length_per_force = problem.interface.face_lengths * scales.half_width / scales.modulus
+    # Overlap and elastic slip: deflections of the springs under pressure and shear, with their
+    # stiffnesses. The factor turns the scaled compliance of a node into length per stress.
+    compliance_factor = problem.interface.face_lengths * scales.half_width / scales.modulus
     normal_deflection = _LayerDeflection.by_tractions(
-        problem.layer.normal_compliance * length_per_force, arrays["pressure"]
+        problem.layer.normal_compliance * compliance_factor, arrays["pressure"]
     )
     tangential_deflection = _LayerDeflection.by_tractions(
-        problem.layer.tangential_compliance * length_per_force, arrays["shear"]
+        problem.layer.tangential_compliance * compliance_factor, arrays["shear"]
     )
     largest_half_width = float(np.nanmax(arrays["contact_half_width"]))
+    # rise of the profile from x = 0 to the largest half-width of contact
     profile_rise = float(np.ptp(scene.profile.height(np.array([0.0, largest_half_width]))))
 
     largest_creep, largest_slip = _largest_creep_and_slip(scene, contact_states, arrays)

@@ -90,17 +90,15 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
     ----------
     task
         the scene, its mesh, and scales with W and element size of the run on the coarse mesh;
-        whether errors are of low order (linear elements, penalty layer), and whether kinks of
-        pressure and slip bound the step error (records of like bodies)
+        whether errors are of low order (linear elements, penalty layer)
     run
-        friction work of the nodes in each cycle, and index of the state at the start of each;
-        bounds of each increment by name. `edge_excess_by_cycle`: friction work that the mesh adds
-        in each cycle, since edges of contact and stick move from node to node
+        friction work of the nodes in each cycle, and bounds of the error of each increment.
+        `edge_excess_by_cycle`: friction work that the mesh adds in each cycle, since edges of
+        contact and stick move from node to node, and its scatter `rms`
     """
     scene = task.scene
     if not needs_shear(scene):
         return 0.0
-    first_increment = run.cycle_starts[-1] if run.cycle_starts else 0
     friction_unit = task.friction_unit  # A f^2 P^2, scaled
 
     # W of the run and of the coarse run. With bulk stress or tilt cycles only approach the steady
@@ -111,41 +109,13 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
     dissipation = float(cycle_works[-1].sum())
     coarse_dissipation = task.scales.dissipation / task.work_unit
 
-    # Scatter by edges between nodes, where what they add to W was taken off.
-    # `unsymmetric`: bulk stress, tilt, or a profile that is not its own mirror image
-    edges_are_known = (
-        bool(run.edge_excess_by_cycle)
-        and not task.has_errors_of_low_order
-        and not scene.unsymmetric
-    )
-    # `is_unplaced`: there is a permanent stick zone, and none of its edges could be located. Slip
-    # of real bodies ends node by node: such an edge may add work all the same. `half_planes`:
-    # whether both bodies are.
-    if edges_are_known and run.edge_excess_by_cycle[-1].is_unplaced:
-        edges_are_known = scene.bodies.half_planes
     # rms of W over the places of edges between their nodes, over A f^2 P^2
+    edges_are_known = _edges_are_known(task, run)
     edge_scatter = run.edge_excess_by_cycle[-1].rms / friction_unit if edges_are_known else None
 
-    # Part of the increments. "kink_work": what kinks of pressure and slip add to W of an increment,
-    # between the first node that starts to slide and the last. Between unlike bodies half of the
-    # bound "step_error" counts: nodes that start to slide change the pressure too.
-    if task.kinks_bound_step_error:
-        # _BENT_IN_RECORDS: share of the work by kinks that counts as uncertain in records of loads
-        step_uncertainty = (
-            _BENT_IN_RECORDS * run.values_of_increments("kink_work")[first_increment:].sum()
-        )
-    elif edges_are_known and bodies_are_alike(scene):
-        # _BENT: share of the work by kinks that counts as uncertain
-        step_uncertainty = _BENT * run.values_of_increments("kink_work")[first_increment:].sum()
-    else:
-        # _OF_BOUND: share of the bound that counts where edges are located
-        share_of_bound = _OF_BOUND if edges_are_known else 1.0
-        step_uncertainty = (
-            share_of_bound * run.values_of_increments("step_error")[first_increment:].sum()
-        )
-
     # The part of the mesh is found over A f^2 P^2, and added in the unit of the run.
-    return float(step_uncertainty) + friction_unit * uncertainty(
+    step_uncertainty = _uncertainty_by_increments(task, run, edges_are_known=edges_are_known)
+    return step_uncertainty + friction_unit * uncertainty(
         dissipation / friction_unit,
         abs(dissipation - coarse_dissipation) / friction_unit,
         task.scales.element_size,
@@ -153,6 +123,56 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
         edge_scatter,
         task.has_errors_of_low_order,
     )
+
+
+def _edges_are_known(task: Task, run: PathRun) -> bool:
+    """Whether the edges of contact and stick of the last cycle are located between the nodes, so
+    that what they add to the friction work, as they move from node to node, was subtracted.
+
+    Not so with linear elements or a penalty layer (`task.has_errors_of_low_order`), nor with bulk
+    stress, tilt, or a profile that is not its own mirror image (`unsymmetric`). Where no end of a
+    permanent stick zone could be located (`is_unplaced`), they are known of half-planes alone: slip
+    of other bodies ends node by node, and such an end may add work all the same.
+
+    `run.edge_excess_by_cycle` has, for each cycle that was completed, the work that edges add.
+    """
+    scene = task.scene
+    if not run.edge_excess_by_cycle or task.has_errors_of_low_order or scene.unsymmetric:
+        return False
+    return bool(not run.edge_excess_by_cycle[-1].is_unplaced or scene.bodies.half_planes)
+
+
+def _uncertainty_by_increments(task: Task, run: PathRun, *, edges_are_known: bool) -> float:
+    """Uncertainty of the friction work W of the last load cycle, or of a path that does not repeat,
+    by its finite increments, scaled: a share of what bounds their errors, added up.
+
+    Between like bodies whose edges are located, and in records of loads, the bound is the work by
+    kinks ("kink_work"): what kinks of pressure and slip add to W of an increment, between the first
+    node that starts to slide and the last. A fifth of it counts, in records three tenths. Elsewhere
+    the bound is the larger "step_error". That counts in full, or by half where edges are located.
+
+    Parameters
+    ----------
+    task
+        the scene with its bodies; `kinks_bound_step_error` in records of loads of like bodies
+    run
+        bounds of each increment by name, and index of the increment at which each cycle starts
+    edges_are_known
+        whether edges of contact and stick are located between the nodes
+    """
+    first_increment = run.cycle_starts[-1] if run.cycle_starts else 0
+    # _BENT_IN_RECORDS: 0.3; _BENT: 0.2; _OF_BOUND: 0.5
+    if task.kinks_bound_step_error:
+        name_of_bound = "kink_work"
+        share_of_bound = _BENT_IN_RECORDS
+    elif edges_are_known and bodies_are_alike(task.scene):
+        name_of_bound = "kink_work"
+        share_of_bound = _BENT
+    else:
+        name_of_bound = "step_error"
+        share_of_bound = _OF_BOUND if edges_are_known else 1.0
+    bounds_of_cycle = run.values_of_increments(name_of_bound)[first_increment:]
+    return float(share_of_bound * bounds_of_cycle.sum())
 
 
 def dissipation_uncertainty(task: Task, run: PathRun, arrays: Mapping[str, Any]) -> float:
@@ -329,7 +349,7 @@ def value_uncertainties(
             values_of_cycle,
             coarse_values,
             _scaled_work(task, arrays),
-            _nodes_to_edge(scene, arrays),
+            _relative_distance_to_edge(scene, arrays),
             has_low_order=task.has_errors_of_low_order,
         )
         estimates["largest_dissipation_density"] = _density_uncertainty(
@@ -343,10 +363,10 @@ def value_uncertainties(
     estimates["largest_half_width"] = _half_width_uncertainty(scene, arrays)
     # by nodes and loads; its ends are moved outwards as those of the solution were
     zone = permanent_stick_zone(run).in_unit(task.scales.half_width)
-    estimates["permanent_stick_half_width"] = _of_permanent_stick(
+    estimates["permanent_stick_half_width"] = _permanent_stick_uncertainty(
         scene,
         arrays,
-        zone.moved(arrays["permanent_stick_held_back"]),
+        zone.moved(arrays["permanent_stick_correction"]),
         is_sharp=permanent_stick_ends_sharply(scene, problem),
     )
     return estimates
@@ -437,9 +457,10 @@ def _displacement_uncertainties(
     return estimates
 
 
-def _nodes_to_edge(scene: Scene, arrays: Mapping[str, Any]) -> float:
-    """How far the contact goes beyond the node of the largest slip while that touches, over the
-    distance of the next node outwards, in the last load cycle: at most 1, and 1 where P varies.
+def _relative_distance_to_edge(scene: Scene, arrays: Mapping[str, Any]) -> float:
+    """Distance from the node of the largest slip outwards to the contact edge, over that to the
+    next node: the largest one in the last load cycle while that node touches. At most 1, and 1
+    where P varies.
 
     Slip grows up to the edge of contact. At constant P the edge stays between this node, which is
     the last one that touches, and the next. Where P varies an edge that is hardly beyond the node
@@ -557,7 +578,7 @@ def _spacing_at_edges(x: Array, edges: Array) -> Array:
     return np.asarray(np.max(x[node_after] - x[node_after - 1], axis=1))
 
 
-def _of_permanent_stick(
+def _permanent_stick_uncertainty(
     scene: Scene, arrays: Mapping[str, Any], zone: StickZone, is_sharp: bool
 ) -> float:
     """Uncertainty of the permanent stick half-width by the mesh [length], the mean over both ends;
@@ -578,9 +599,10 @@ def _of_permanent_stick(
     scene
         load path, with the period of its cycle
     arrays
-        fields and series of the solution by name, in the scene's units; "permanent_stick_held_back"
-        (2,) is what was added to the ends, since growing elements hold edges back;
-        "permanent_stick_uncertainty" (2,) is that of ends located by slip or creep, else NaN
+        fields and series of the solution by name, in the scene's units;
+        "permanent_stick_correction" (2,) is what was added to the ends, since growing elements hold
+        edges back; "permanent_stick_uncertainty" (2,) is that of ends located by slip or creep,
+        else NaN
     zone
         the permanent stick zone by its nodes and by the loads [length]
     is_sharp
@@ -592,6 +614,7 @@ def _of_permanent_stick(
     is_in_cycle = is_loaded_in_last_cycle(scene, arrays["time"], arrays["normal_load"])
     is_in_cycle &= np.isfinite(arrays["stick_half_width"])
     zone_ends = arrays["permanent_stick_edges"]
+    # by the load that locates an end; else by the innermost stick edges or, if closer, its nodes
     end_uncertainty = zone.uncertainty(
         zone_ends,
         _uncertainty_by_innermost_edges(
@@ -609,7 +632,7 @@ def _of_permanent_stick(
     end_uncertainty = np.where(
         np.isfinite(uncertainty_by_slip), uncertainty_by_slip, end_uncertainty
     )
-    uncertainty_by_growth = left_of_growth(arrays["permanent_stick_held_back"])
+    uncertainty_by_growth = left_of_growth(arrays["permanent_stick_correction"])
     return float(np.mean(end_uncertainty + uncertainty_by_growth))
 
 

@@ -275,18 +275,22 @@ def _solve(
     task = Task(scene, mesh, settings, scales)
     stopwatch.end_stage("coarse run")
 
-    # Meshes and compliance of both bodies; then the contact states along the load path.
+    # Meshes and compliance of both bodies, with the datum length from which displacements count;
+    # then the contact states along the load path.
     work_counts: Counter[str] = Counter(
         {f"coarse {name}": count for name, count in coarse_counts.items()}
     )
     report(0, None, "meshing and condensing the bodies")
-    pair = _bodies_of_contact(task, work_counts, stopwatch, by_kernels=by_kernels)
-    problem, run = _solve_path(task, pair.compliances, pair.datum_length, work_counts, report)
+    coupled_bodies = _bodies_of_contact(task, work_counts, stopwatch, by_kernels=by_kernels)
+    problem, run = _solve_path(
+        task, coupled_bodies.compliances, coupled_bodies.datum_length, work_counts, report
+    )
 
     # The solution in the scene's units; up to where the path was followed if it failed.
-    answer = _answer_of_run(task, pair, problem, run, stopwatch)
+    answer = _answer_of_run(task, coupled_bodies, problem, run, stopwatch)
     if run.failure is not None:
         raise type(run.failure)(str(run.failure), answer) from run.failure
+    # ConvergenceError, with the solution, where the contact reaches the end of the meshed side
     _require_room(answer, run, scales)
     return answer
 
@@ -366,7 +370,7 @@ def _bodies_of_contact(
 
 def _answer_of_run(
     task: Task,
-    pair: _BodiesOfContact,
+    coupled_bodies: _BodiesOfContact,
     problem: ContactProblem,
     run: PathRun,
     stopwatch: _Stopwatch,
@@ -379,8 +383,9 @@ def _answer_of_run(
     ----------
     task
         the scene, its mesh settings, solver settings, and the scales of its variables
-    pair
-        both condensed bodies, their datum length, and their kernels in a solve by kernels
+    coupled_bodies
+        both condensed bodies, their datum length (distance from a force at which a half-plane's
+        surface counts as unmoved), and their kernels in a solve by kernels, else None
     problem, run
         the contact problem and its states along the path, scaled; the run may have failed
     stopwatch
@@ -390,17 +395,21 @@ def _answer_of_run(
     scales = task.scales
     is_driven = scene.load.is_driven  # actuators prescribe movements in the place of loads
     notes_on_rig = notes_of_rig(scene, problem, run, scales) if is_driven else ()
-    if pair.datum_length > scene.profile.datum_length:
-        run = from_datum(scene, run, scene.profile.datum_length / pair.datum_length)
+    if coupled_bodies.datum_length > scene.profile.datum_length:
+        run = from_datum(scene, run, scene.profile.datum_length / coupled_bodies.datum_length)
     stopwatch.end_stage("load path")
     if is_driven:
         task = replace(task, scene=scene_of_loads(scene, run, scales.load))
-    answer = _solution(task, pair.condensed_bodies, problem, run, stopwatch.seconds)
-    if pair.kernels is not None:
-        answer = _with_error_of_kernels(answer, pair.kernels)
+    answer = _solution(task, coupled_bodies.condensed_bodies, problem, run, stopwatch.seconds)
+    if coupled_bodies.kernels is not None:
+        answer = _with_error_of_kernels(answer, coupled_bodies.kernels)
     if is_driven:
         answer = _with_closed_cycle(answer, notes_on_rig)
-    return answer if pair.kernels is None else _without_meshes(answer, pair.kernels)
+    return (
+        answer
+        if coupled_bodies.kernels is None
+        else _without_meshes(answer, coupled_bodies.kernels)
+    )
 
 
 def _with_error_of_kernels(
@@ -425,8 +434,8 @@ def _with_error_of_kernels(
 def _with_closed_cycle(
     answer: FiniteElementSolution, further_notes: tuple[str, ...]
 ) -> FiniteElementSolution:
-    """Complete the solution of a scene with actuators, where P and Q are results: at the end of the
-    last cycle they are set to their values at its begin. A scene's cycle of loads has to close.
+    """Close the load cycle of a solution with actuators, where P and Q are results: at the end of
+    the last cycle they are set to their values at its start. A scene's cycle of loads has to close.
 
     The scene of `answer` states these loads: the last cycle alone is its cycle, cycles before it
     are initial loading. So the friction work of one cycle stays, and it counts as steady from the
@@ -726,7 +735,7 @@ def _solution(
     notes = notes_of_answer(task, condensed_bodies, problem, run, arrays, work_uncertainty)
 
     # Arrays that the uncertainties alone needed are no attributes of the solution.
-    for name_of_array in ("permanent_stick_uncertainty", "permanent_stick_held_back"):
+    for name_of_array in ("permanent_stick_uncertainty", "permanent_stick_correction"):
         del arrays[name_of_array]
     if not scene.unsymmetric:
         del arrays["permanent_stick_edges"]  # an attribute of unsymmetric scenes alone
@@ -820,8 +829,8 @@ def _first_of_last_cycle(run: PathRun) -> int | None:
 
 
 def _turns_of_slip(scene: Scene, problem: ContactProblem, run: PathRun) -> Mask:
-    """Whether slip ends at each state of a run if the loads turn round there, neither earlier nor
-    later, (n_states,).
+    """At which states of a run slip ends because the loads turn round there, (n_states,), not
+    earlier or later.
 
     Increments end at the turning points of P, Q - f P and Q + f P. Slip ends there between
     half-planes of like materials, without bulk stress and tilt. Of other bodies it does where every
@@ -834,8 +843,8 @@ def _turns_of_slip(scene: Scene, problem: ContactProblem, run: PathRun) -> Mask:
     problem
         its `interface.coupling` is None of like materials
     run
-        states with their loads; indices of those at which increments end since the path may turn
-        round (`ends_of_stretches`), and at which cycles start
+        states with their loads; indices of those at the turning points and vertices of the path
+        (`ends_of_stretches`), and of those at which cycles start
     """
     is_turn = np.zeros(len(run.states), dtype=bool)
     is_turn[run.ends_of_stretches] = True

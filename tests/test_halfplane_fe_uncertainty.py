@@ -19,7 +19,7 @@ import halfplane_fe
 import semi_analytic
 from halfplane_fe import FiniteElementSolution, SolverSettings, answer_uncertainty
 from halfplane_fe.answer import _sticks_in_full_by_loads, _with_creeping_ends, creeping_zone
-from halfplane_fe.answer_uncertainty import _nodes_to_edge, _share_of_flanks
+from halfplane_fe.answer_uncertainty import _relative_distance_to_edge, _share_of_flanks
 from halfplane_fe.between_nodes import NO_ZONE
 from halfplane_fe.edges import (
     ContactsOfLoads,
@@ -191,11 +191,11 @@ def test_slip_is_missed_as_far_as_the_contact_goes_beyond_its_largest_node() -> 
         "contact_edges": np.array([[-3.25, 3.25], [-3.25, 3.25]]),
     }
     scene = load_scene("hertz-normal")
-    assert _nodes_to_edge(scene, arrays) == pytest.approx(0.25)
+    assert _relative_distance_to_edge(scene, arrays) == pytest.approx(0.25)
     # under a varying P the edge has been there for an instant alone
-    assert _nodes_to_edge(scene, arrays | {"normal_load": np.array([1.0, 0.9])}) == 1.0
+    assert _relative_distance_to_edge(scene, arrays | {"normal_load": np.array([1.0, 0.9])}) == 1.0
     arrays["contact_edges"] = np.array([[-4.5, 4.5], [-4.5, 4.5]])
-    assert _nodes_to_edge(scene, arrays) == 1.0
+    assert _relative_distance_to_edge(scene, arrays) == 1.0
 
 
 def at_jumps(places: np.ndarray, step_index: list[int], uncertainty: float = 0.01) -> np.ndarray:
@@ -391,10 +391,12 @@ def test_creep_of_a_node_or_two_beyond_the_stick_zone_is_its_edge(
     arrays["permanent_stick_half_width"] = 0.5
     arrays["permanent_stick_edges"] = 0.5 * ends
     arrays["permanent_stick_uncertainty"] = np.full(2, np.nan)
-    arrays["permanent_stick_held_back"] = np.zeros(2)
+    arrays["permanent_stick_correction"] = np.zeros(2)
     arrays["stick_edge_uncertainty"] = np.full(theory.stick_edges.shape, 1e-3)
     monkeypatch.setattr(answer_uncertainty, "creeping_zone", lambda *_arguments: reach * ends)
-    stated = answer_uncertainty._of_permanent_stick(theory.scene, arrays, NO_ZONE, is_sharp=False)
+    stated = answer_uncertainty._permanent_stick_uncertainty(
+        theory.scene, arrays, NO_ZONE, is_sharp=False
+    )
     assert stated == pytest.approx(reach - 0.5 if counts else 1e-3, rel=1e-9)
 
 
@@ -817,14 +819,14 @@ def test_the_permanent_stick_of_a_mirrored_answer_is_equally_uncertain() -> None
     arrays = {name: getattr(theory, name) for name in (*fields, *scalars)}
     arrays["permanent_stick_edges"] = theory.permanent_stick_half_width * np.array([-1.0, 1.0])
     arrays["permanent_stick_uncertainty"] = np.full(2, np.nan)
-    arrays["permanent_stick_held_back"] = np.zeros(2)
+    arrays["permanent_stick_correction"] = np.zeros(2)
     arrays["stick_edge_uncertainty"] = draw.uniform(0.01, 0.2, theory.stick_edges.shape)
     mirrored = arrays | {
         name: arrays[name][:, ::-1] for name in ("slip", "state", "stick_edge_uncertainty")
     }
     mirrored["stick_edges"] = -arrays["stick_edges"][:, ::-1]
     first, second = (
-        answer_uncertainty._of_permanent_stick(theory.scene, of, NO_ZONE, is_sharp=False)
+        answer_uncertainty._permanent_stick_uncertainty(theory.scene, of, NO_ZONE, is_sharp=False)
         for of in (arrays, mirrored)
     )
     assert first == pytest.approx(second, rel=1e-12)
