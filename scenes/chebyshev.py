@@ -279,10 +279,10 @@ def divided_difference(coefficients: Array, t: Any, t_before: Any) -> Any:
 
 
 def piecewise_series_of(
-    function: Function, edges: ArrayLike, scale: float | None = None
+    function: Function, first_interval_ends: ArrayLike, scale: float | None = None
 ) -> PiecewiseSeries:
-    """Approximate a function by a piecewise Chebyshev series to round-off, on the intervals between
-    `edges`, which are halved until each series is accurate.
+    """Approximate a function by a piecewise Chebyshev series to round-off: given intervals are
+    halved until the series on each part is accurate.
 
     Accurate means: to 1e-13 of the largest value on the interval, to 1e-15 of that on its first
     interval or the next one, or to 4e-15 of `scale`. A corner (jump of the slope) leaves a run of
@@ -293,7 +293,7 @@ def piecewise_series_of(
     ----------
     function
         takes an array of places, returns one of values
-    edges
+    first_interval_ends
         (n,) ascending places, the ends of the first intervals
     scale
         size of values beside which errors are negligible
@@ -303,20 +303,20 @@ def piecewise_series_of(
     UnresolvedError
         Where halving does not help: noise, a pole, a function that is too rough.
     """
-    first_edges = np.asarray(edges, dtype=float)
+    first_ends = np.asarray(first_interval_ends, dtype=float)
     # The function on intervals that were halved until each series is accurate.
-    halved_series = piecewise_series_by_halving(function, first_edges, scale)
+    halved_series = piecewise_series_by_halving(function, first_ends, scale)
     # Runs of very short intervals, as halving leaves them next to a corner: indices in
-    # `interval_ends` of begin and end of each.
-    runs_at_corners = _runs_of_short_intervals(halved_series, first_edges)
+    # `halved_series.interval_ends` of begin and end of each.
+    runs_at_corners = _runs_of_short_intervals(halved_series, first_ends)
     if not runs_at_corners:
         return halved_series
 
     # Corners become ends of first intervals, and all is fitted again.
     corners = [_place_of_corner(function, halved_series, run) for run in runs_at_corners]
-    edges_with_corners = np.union1d(first_edges, corners)
-    halved_series = piecewise_series_by_halving(function, edges_with_corners, scale)
-    runs_at_corners = _runs_of_short_intervals(halved_series, edges_with_corners)
+    ends_with_corners = np.union1d(first_ends, corners)
+    halved_series = piecewise_series_by_halving(function, ends_with_corners, scale)
+    runs_at_corners = _runs_of_short_intervals(halved_series, ends_with_corners)
 
     if runs_at_corners:
         first_run_begin, first_run_end = runs_at_corners[0]
@@ -337,7 +337,7 @@ class UnresolvedError(ValueError):
 
 
 def piecewise_series_by_halving(
-    function: Function, edges: Array, scale: ArrayLike | None = None
+    function: Function, first_interval_ends: Array, scale: ArrayLike | None = None
 ) -> PiecewiseSeries:
     """Approximate a function by a piecewise Chebyshev series: intervals whose series is not yet
     accurate to round-off are halved, all of them in each turn, until none is left.
@@ -349,7 +349,7 @@ def piecewise_series_by_halving(
     ----------
     function
         takes an array of places, returns one of values
-    edges
+    first_interval_ends
         (n + 1,) ascending places, the ends of the n first intervals
     scale
         size of values beside which errors are negligible: one number, or (n,) for the first
@@ -362,11 +362,13 @@ def piecewise_series_by_halving(
     """
     # The intervals that are not accurate yet, (m,). At the beginning these are the first intervals
     # themselves.
-    intervals = _Intervals(edges[:-1], edges[1:], np.arange(len(edges) - 1))
+    intervals = _Intervals(
+        first_interval_ends[:-1], first_interval_ends[1:], np.arange(len(first_interval_ends) - 1)
+    )
     values = intervals.values_of(function)
     limits = _HalvingLimits.of_first_intervals(intervals, values, scale)
     # For each first interval: how many of its parts have been given a series.
-    n_series = np.zeros(len(edges) - 1, dtype=int)
+    n_series = np.zeros(len(first_interval_ends) - 1, dtype=int)
 
     # Intervals that are done: their begins, and the coefficients of their series, CHEBYSHEV_DEGREE
     # + 1 = 25 each.
@@ -391,7 +393,7 @@ def piecewise_series_by_halving(
     all_begins = np.concatenate(accurate_begins)
     ascending_order = np.argsort(all_begins)
     return PiecewiseSeries(
-        np.append(all_begins[ascending_order], edges[-1]),
+        np.append(all_begins[ascending_order], first_interval_ends[-1]),
         np.concatenate(accurate_series)[ascending_order].T.copy(),
     )
 
@@ -481,7 +483,7 @@ class _HalvingLimits(NamedTuple):
 
 
 def _runs_of_short_intervals(
-    halved_series: PiecewiseSeries, first_edges: Array
+    halved_series: PiecewiseSeries, first_ends: Array
 ) -> list[tuple[int, int]]:
     """Runs of neighbouring intervals that halving has left shorter than a thousandth of the first
     ones, as it does next to a corner.
@@ -492,13 +494,13 @@ def _runs_of_short_intervals(
     ----------
     halved_series
         series on the halved intervals; `interval_ends` are the ascending ends of all
-    first_edges
+    first_ends
         (n + 1,) ends of the first intervals, before halving
     """
     interval_begins = halved_series.interval_ends[:-1]
     interval_lengths = np.diff(halved_series.interval_ends)
-    first_interval = np.searchsorted(first_edges, interval_begins, side="right") - 1
-    first_lengths = np.diff(first_edges)[first_interval]
+    first_interval = np.searchsorted(first_ends, interval_begins, side="right") - 1
+    first_lengths = np.diff(first_ends)[first_interval]
     # 1 for a short interval, 0 before the first and after the last: a run begins where it changes
     # from 0 to 1, and ends where it changes back.
     # _LENGTH_AT_CORNER: 1e-3 of the first interval

@@ -53,7 +53,7 @@ _FEWEST_ROWS = 8
 _MOST_ROWS = 20_000
 # Least distance of the points from a known middle, over their largest one, up to which points on
 # one side are enough: they need not begin exactly at x = 0.
-_LARGEST_GAP_SHARE_AT_MIDDLE = 0.1
+_LARGEST_DISTANCE_SHARE_AT_MIDDLE = 0.1
 # Points at x >= 0 are one half of a profile where the mean height of the first of so many parts is
 # above the lowest by no more than this fraction of the range of these means.
 _N_PARTS_OF_TRACE = 8
@@ -190,16 +190,16 @@ def _rows_far_from_fit(residuals: Array) -> NDArray[np.int64]:
     """
     absolute_residuals = np.abs(residuals)
     # _MEDIAN_OF_SQUARED_DEVIATE: 0.4549, that of a standard normal number
-    sigma = float(np.median(absolute_residuals)) / math.sqrt(_MEDIAN_OF_SQUARED_DEVIATE)
+    noise_deviation = float(np.median(absolute_residuals)) / math.sqrt(_MEDIAN_OF_SQUARED_DEVIATE)
     # _ROUND_OFF_SHARE_OF_RESIDUAL: 1e-9 of the largest residual
-    if not sigma > _ROUND_OFF_SHARE_OF_RESIDUAL * float(np.max(absolute_residuals)):
+    if not noise_deviation > _ROUND_OFF_SHARE_OF_RESIDUAL * float(np.max(absolute_residuals)):
         return np.array([], dtype=np.int64)
     largest_neighbours = np.maximum(
         np.append(absolute_residuals[1:], 0.0), np.append(0.0, absolute_residuals[:-1])
     )
     # LEAST_RESIDUAL_OF_SPIKE: 5 standard deviations of the noise
     return np.flatnonzero(
-        (absolute_residuals > LEAST_RESIDUAL_OF_SPIKE * sigma)
+        (absolute_residuals > LEAST_RESIDUAL_OF_SPIKE * noise_deviation)
         & (absolute_residuals > 2 * largest_neighbours)
     )
 
@@ -214,13 +214,17 @@ def _spikes_of(x: Array, h: Array) -> NDArray[np.int64]:
     if not _FEWEST_ROWS <= len(x) <= _MOST_ROWS or np.any(np.diff(x) < 0):
         return np.array([], dtype=np.int64)
     # Standard deviation of the noise of h, by differences of neighbouring points.
-    sigma = max(math.sqrt(_noise_variance(x, h)), 1e-12 * float(np.ptp(h)))
+    noise_deviation = max(math.sqrt(_noise_variance(x, h)), 1e-12 * float(np.ptp(h)))
     distinct_heights = np.unique(h)
     # _LEAST_FRACTION_OF_HEIGHTS: 0.7; fewer different heights are steps of the last digit, below
     # which noise hides.
     if 1 < len(distinct_heights) < _LEAST_FRACTION_OF_HEIGHTS * len(h):
-        sigma = max(sigma, float(np.min(np.diff(distinct_heights))))
-    return rows_that_stand_out(x, h, sigma) if sigma > 0 else np.array([], dtype=np.int64)
+        noise_deviation = max(noise_deviation, float(np.min(np.diff(distinct_heights))))
+    return (
+        rows_that_stand_out(x, h, noise_deviation)
+        if noise_deviation > 0
+        else np.array([], dtype=np.int64)
+    )
 
 
 class _Trace(NamedTuple):
@@ -298,17 +302,17 @@ def _check_rows_of_fit(
     x: Array, h: Array, middle: float, middle_is_known: bool, last_row: int
 ) -> None:
     """Refuse measured points x, h (n,) to which no profile can be fitted: too few, all of one
-    height, or all on one side of the middle (but for the case of `middle_is_known`).
+    height, or all on one side of a middle that is not known.
 
     Parameters
     ----------
     middle
         x of the axis of symmetry about which the profile is fitted
     middle_is_known
-        whether it is stated, not fitted: points on one side of it are then enough, if the nearest
-        is within a tenth of the largest distance from it
+        whether the middle is stated, not fitted: points on one side of it are then enough, if the
+        nearest is within a tenth of the largest distance from it
     last_row
-        index of the last measured point, for the message
+        index of the last measured point, for the message; a row is a point
 
     Raises
     ------
@@ -324,9 +328,9 @@ def _check_rows_of_fit(
             " needed",
         )
     distances = np.abs(x - middle)
-    # _LARGEST_GAP_SHARE_AT_MIDDLE: 0.1 of the largest distance from the middle
-    largest_gap = _LARGEST_GAP_SHARE_AT_MIDDLE * float(np.max(distances))
-    begins_near_middle = np.min(distances) <= largest_gap
+    # _LARGEST_DISTANCE_SHARE_AT_MIDDLE: 0.1 of the largest distance from the middle
+    largest_first_distance = _LARGEST_DISTANCE_SHARE_AT_MIDDLE * float(np.max(distances))
+    begins_near_middle = np.min(distances) <= largest_first_distance
     if not x[0] <= middle < x[-1] and not (middle_is_known and begins_near_middle):
         fault = (
             f"the middle, x = {middle:.6g}, is not among the rows, which go from x = {x[0]:.6g}"
@@ -470,9 +474,8 @@ def _fit_about(
     """Fit a profile to the points of a trace within the requested extent of an assumed middle.
 
     Places and heights are made dimensionless first, by the largest distance from that middle and by
-    the range of h: so no fit depends on the units of the trace. The middle itself may be fitted
-    too, and then differs from the assumed one. Returned are the fitted points, the assumed middle,
-    both units, and the dimensionless fit.
+    the range of h: so no fit depends on the units of the trace. Where the middle is fitted too, the
+    fitted one differs from the assumed one, which is x = 0 of the dimensionless fit.
 
     Parameters
     ----------
@@ -522,9 +525,9 @@ def _fit_about(
         guessed_half_length = half_length / length_unit
     # The dimensionless fit: middle, offset, tilt and weights of the basis functions.
     fit = scaled_rows.fit(scaled_noise, request.smoothing_weight, guessed_half_length)
-    # A straight line through the points bends by round-off alone.
-    # _LEAST_HEIGHT_RANGE_SHARE: 1e-9; _LONGEST_HALF_LENGTH: 0.98, here the farthest middle, over
-    # the largest distance; `profile_heights` are the fitted heights without offset and tilt
+    # A straight line through the points bends by round-off alone: `profile_heights` are the fitted
+    # heights without offset and tilt. And a middle at the last point has no points beyond.
+    # _LEAST_HEIGHT_RANGE_SHARE: 1e-9; _LONGEST_HALF_LENGTH: 0.98, also the farthest middle
     if (
         np.ptp(fit.profile_heights) < _LEAST_HEIGHT_RANGE_SHARE
         or abs(fit.middle) > _LONGEST_HALF_LENGTH
@@ -539,11 +542,11 @@ def _fit_about(
 def _record_of_fit(
     x_of_all_rows: Array, trace: _Trace, scaled_fit: _ScaledFit, request: FitRequest
 ) -> dict[str, Any]:
-    """Record of a fit for the scene file, in the units of the trace: the keys of `profiles.Fitted`
-    but for those of the file and its rows.
+    """Record of a profile's fit for the scene file, in the units of the trace: what was fitted and
+    what was stated, noise, residuals, and how far the points reach.
 
-    A noise that is not stated is the standard deviation of the residuals, their sum of squares
-    divided by the degrees of freedom: points minus fitted parameters.
+    A noise that is not stated is estimated from the residuals: the root of their sum of squares
+    over the degrees of freedom, points minus fitted parameters.
 
     Parameters
     ----------
@@ -571,8 +574,8 @@ def _record_of_fit(
     # The residuals of an exact fit are round-off: a noise of 0 would divide by 0 later.
     estimated_noise = max(math.sqrt(sum_of_squares / degrees_of_freedom), 1e-15 * height_unit)
 
-    # How far the points reach from the middle on each side. "extent" is the smaller distance: up to
-    # there points lie on both sides; of points on one side it is the larger.
+    # How far the points reach from the middle to each side. "extent" is the smaller distance, up to
+    # which points lie on both sides; where all lie on one side it is the larger.
     reach_to_left_end = middle - x[0]
     reach_to_right_end = x[-1] - middle
     larger_reach = max(reach_to_left_end, reach_to_right_end)
@@ -791,8 +794,8 @@ class _ScaledRows:
     tilt_is_fitted: bool
 
     @cached_property
-    def tilt_weight(self) -> float:
-        """Weight of the squared tilt beside the squared residuals: variance of the noise over that
+    def tilt_penalty_factor(self) -> float:
+        """Factor on the squared tilt beside the squared residuals: variance of the noise over that
         of the tilts expected.
         """
         return _noise_variance(self.x, self.h) / _DEVIATION_OF_EXPECTED_TILTS**2
@@ -835,13 +838,12 @@ class _ScaledRows:
 
             h = offset + tilt (x - middle) + sum_j w_j B_j(|x - middle|),   w_j >= 0
 
-        Minimised is the sum of squared residuals, of tilt_weight tilt^2, and of `smoothing_weight`
-        times the squared differences of neighbouring w_j. Offset and tilt are eliminated first, as
-        those that are best for any w. So non-negative least squares for w alone remain.
+        Minimised is the sum of squared residuals, plus `tilt_penalty_factor` times tilt^2, plus
+        `smoothing_weight` times the squared differences of neighbouring w_j. For any w the best
+        offset and tilt are known: so non-negative least squares for w alone remain.
 
         `x` and `h` (n,) are the dimensionless places and heights of the points. `middle_is_fitted`
-        and `tilt_is_fitted` say whether these two are unknown; a fixed middle is 0. `tilt_weight`
-        and `smoothing_weight` are factors in this sum; "weights" alone are the w_j.
+        and `tilt_is_fitted` say whether these two are unknown; a fixed middle is 0.
 
         Parameters
         ----------
@@ -856,7 +858,7 @@ class _ScaledRows:
         NotFoundError
             Where non-negative least squares do not converge.
         """
-        # The basis functions B_j at the points, (n_rows, n_functions).
+        # The basis functions B_j at the points, (n_rows, n_functions); a row is a measured point.
         middle = float(middle_and_half_length[0]) if self.middle_is_fitted else 0.0
         flat_half_length = float(middle_and_half_length[-1]) if self.kind == "flat_rounded" else 0.0
         basis_functions = self.basis_functions(np.abs(self.x - middle), flat_half_length)
@@ -865,16 +867,18 @@ class _ScaledRows:
         smoothing_rows = _smoothing_rows(basis_functions.shape[1], smoothing_weight)
         basis_weights = _non_negative_weights(np.vstack([equations, smoothing_rows]))
 
-        # Best offset and tilt for these weights, heights of the profile alone and of the fit, and
-        # the penalties: roots of what smoothing and tilt add to the sum of squares.
+        # Best offset and tilt for these w, and heights of the profile alone and of the fit. The
+        # penalties are roots of what smoothing and tilt add to the sum of squares.
         tilt = float(tilt_of_columns[-1] - tilt_of_columns[:-1] @ basis_weights)
         profile_heights = basis_functions @ basis_weights
         offset = float(
             self.h.mean() - means_of_functions @ basis_weights + tilt * (middle - self.x.mean())
         )
         fitted_heights = offset + tilt * (self.x - middle) + profile_heights
-        tilt_penalty = math.sqrt(self.tilt_weight) * tilt if self.tilt_is_fitted else 0.0
-        penalties = np.append(smoothing_rows[:, :-1] @ basis_weights, tilt_penalty)
+        root_of_tilt_penalty = (
+            math.sqrt(self.tilt_penalty_factor) * tilt if self.tilt_is_fitted else 0.0
+        )
+        penalties = np.append(smoothing_rows[:, :-1] @ basis_weights, root_of_tilt_penalty)
         # The offset counts as a parameter, and each weight that is not 0.
         n_fitted_parameters = (
             1.0
@@ -897,11 +901,13 @@ class _ScaledRows:
         )
 
     def _equations_of_weights(self, basis_functions: Array) -> tuple[Array, Array]:
-        """Linear least-squares equations for the k weights w_j of a profile, and the best tilt of
-        each of their columns. The best offset and tilt for any w are already eliminated.
+        """Linear least-squares equations for the k weights w_j of a profile h = offset + tilt x +
+        sum_j w_j B_j, and the best tilt of each of their columns. The offset and the tilt that are
+        best for any w are already eliminated.
 
         `x` and `h` (n,) are places and heights of the points, dimensionless. The tilt is fitted if
-        `tilt_is_fitted`, with `tilt_weight` tilt^2 in the sum of squares; else it is 0.
+        `tilt_is_fitted`, with `tilt_penalty_factor` times tilt^2 in the sum of squares; else it is
+        0.
 
         Parameters
         ----------
@@ -925,11 +931,11 @@ class _ScaledRows:
         tilt_of_columns = np.zeros(n_functions + 1)
         if self.tilt_is_fitted:
             tilt_of_columns = (
-                x_from_mean @ equations / (x_from_mean @ x_from_mean + self.tilt_weight)
+                x_from_mean @ equations / (x_from_mean @ x_from_mean + self.tilt_penalty_factor)
             )
             untilted_equations = equations - np.outer(x_from_mean, tilt_of_columns)
             equations = np.vstack(
-                [untilted_equations, math.sqrt(self.tilt_weight) * tilt_of_columns]
+                [untilted_equations, math.sqrt(self.tilt_penalty_factor) * tilt_of_columns]
             )
         # The triangle R of Q R has the same least squares, with as many rows as columns.
         if n_rows > n_functions + 1:
@@ -1030,19 +1036,18 @@ class _ScaledRows:
         )
 
     def _n_effective_parameters(self, middle: float, smoothing_weight: float) -> float:
-        """How many parameters a smoothing spline about a `middle` has in effect: the offset, the
-        middle and the tilt where they are fitted, and the sum of the diagonal of the smoother
-        matrix.
+        """How many parameters a smoothing spline about a `middle` has in effect: its basis weights,
+        each less than one by the smoothing, the offset, and middle and tilt where they are fitted.
 
-        Basis weights with smoothing are that matrix times those without. So each basis weight
-        counts as one parameter without smoothing, and as less with it. `smoothing_weight` is the
-        factor on the squared differences of neighbouring basis weights.
+        Basis weights with smoothing are a matrix, the smoother, times those without. The sum of its
+        diagonal is their effective number: without smoothing it is the unit matrix.
+        `smoothing_weight` is the factor on the squared differences of neighbouring basis weights.
         """
         basis_functions = self.basis_functions(np.abs(self.x - middle), 0.0)
-        normal_matrix = (basis_functions - basis_functions.mean(axis=0)).T @ basis_functions
-        differences = np.diff(np.eye(len(normal_matrix)), axis=0)
+        gram_matrix = (basis_functions - basis_functions.mean(axis=0)).T @ basis_functions
+        differences = np.diff(np.eye(len(gram_matrix)), axis=0)
         smoother_matrix = np.linalg.solve(
-            normal_matrix + smoothing_weight * differences.T @ differences, normal_matrix
+            gram_matrix + smoothing_weight * differences.T @ differences, gram_matrix
         )
         n_further_parameters = 1 + self.middle_is_fitted + self.tilt_is_fitted
         return n_further_parameters + float(np.trace(smoother_matrix))

@@ -105,7 +105,7 @@ class HeightSlope:
     load_errors: LoadErrors
 
 
-def slope_of_height(height: Function, edges: Array) -> HeightSlope:
+def slope_of_height(height: Function, interval_ends: Array) -> HeightSlope:
     """Slope h' of a profile for x > 0, from a function that gives the height h only; and the errors
     of load and stiffness that round-off in the height causes.
 
@@ -117,7 +117,7 @@ def slope_of_height(height: Function, edges: Array) -> HeightSlope:
     ----------
     height
         h(x) [length], from an array of x to an array of heights
-    edges
+    interval_ends
         (n,) ascending x between which h is smooth: extent/2^k, and corners of the slope; the last
         is the extent, the largest x
 
@@ -132,7 +132,7 @@ def slope_of_height(height: Function, edges: Array) -> HeightSlope:
     >>> parabola.slope(np.array([0.3, 0.9])).round(13).tolist(), parabola.load_errors.load < 1e-13
     ([0.3, 0.9], True)
     """
-    extent = float(edges[-1])
+    extent = float(interval_ends[-1])
     height_at_middle = float(height(np.zeros(1)).item())
 
     def height_above_middle(x: Array) -> Array:
@@ -146,15 +146,17 @@ def slope_of_height(height: Function, edges: Array) -> HeightSlope:
         > _LARGEST_ROUNDOFF_OF_EXACT_HEIGHT
     ):
         # _LARGEST_HALVING_OF_END: 13; the polynomial ends at extent/2^13 or beyond
-        possible_ends = edges[edges >= extent * 0.5**_LARGEST_HALVING_OF_END]
+        possible_ends = interval_ends[interval_ends >= extent * 0.5**_LARGEST_HALVING_OF_END]
         inner_polynomial = _inner_polynomial(height_above_middle, possible_ends)
     if inner_polynomial is None:
-        outer_interval_ends = edges
+        outer_interval_ends = interval_ends
         scale_of_fit = None
     elif inner_polynomial.end >= extent:
-        return HeightSlope(inner_polynomial.slope, edges, inner_polynomial.load_errors)
+        return HeightSlope(inner_polynomial.slope, interval_ends, inner_polynomial.load_errors)
     else:
-        outer_interval_ends = np.append(inner_polynomial.end, edges[edges > inner_polynomial.end])
+        outer_interval_ends = np.append(
+            inner_polynomial.end, interval_ends[interval_ends > inner_polynomial.end]
+        )
         # Outside too the height has round-off, which no series can resolve: it is to be ignored.
         # _GROWTH_OF_ROUNDOFF, _RESOLUTION_OF_FIT: 10 and 4e-15, of the scale that the fit is given
         scale_of_fit = _GROWTH_OF_ROUNDOFF * inner_polynomial.height_roundoff / _RESOLUTION_OF_FIT
@@ -165,7 +167,7 @@ def slope_of_height(height: Function, edges: Array) -> HeightSlope:
         piecewise_series_of(height_above_middle, outer_interval_ends, scale_of_fit).interval_ends,
     )
     outer_slope = outer_series.derivative
-    all_interval_ends = np.union1d(edges, outer_slope.interval_ends)
+    all_interval_ends = np.union1d(interval_ends, outer_slope.interval_ends)
     if inner_polynomial is None:
         return HeightSlope(outer_slope, all_interval_ends, outer_errors)
 
@@ -268,7 +270,7 @@ def _relative_roundoff_near_zero(height_above_middle: Function, extent: float) -
 
 
 def _series_of_height(
-    height_above_middle: Function, edges: Array
+    height_above_middle: Function, interval_ends: Array
 ) -> tuple[PiecewiseSeries, LoadErrors]:
     """Chebyshev series of a profile's height by least squares on intervals, and the errors of load
     and stiffness that round-off in the height causes.
@@ -279,7 +281,7 @@ def _series_of_height(
     ----------
     height_above_middle
         h(x) - h(0) [length], from an array of x to an array of heights
-    edges
+    interval_ends
         (n + 1,) ascending x, the ends of the n intervals
 
     Raises
@@ -289,14 +291,16 @@ def _series_of_height(
     """
     # 512 places on [-1, 1] for each interval, and the least-squares series through values at them.
     samples = _samples(_SAMPLES_OF_INTERVAL)
-    half_lengths = np.diff(edges) / 2
-    x = edges[:-1, None] + half_lengths[:, None] * (1 + samples.places)
+    half_lengths = np.diff(interval_ends) / 2
+    x = interval_ends[:-1, None] + half_lengths[:, None] * (1 + samples.places)
     # For each interval: coefficients, and standard deviation of the heights' round-off.
     # CHEBYSHEV_DEGREE: 24; `last_significant_degree`: of the last coefficient above its round-off
     coefficients, height_roundoff = samples.series_and_roundoff(height_above_middle(x))
     last_degree = samples.last_significant_degree(coefficients, height_roundoff)
     is_significant = np.arange(CHEBYSHEV_DEGREE + 1) <= last_degree[:, None]
-    height_series = PiecewiseSeries(edges, np.where(is_significant, coefficients, 0.0).T.copy())
+    height_series = PiecewiseSeries(
+        interval_ends, np.where(is_significant, coefficients, 0.0).T.copy()
+    )
 
     # Four standard deviations of a coefficient's round-off are stated as its error.
     # `coefficient_roundoff_ratio`: round-off of a coefficient over that of a height

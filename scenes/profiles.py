@@ -703,7 +703,7 @@ class CallableProfile(Gap):
 
         It is that of the slopes there and at twice that x; 1 where the slope is 0 there.
         """
-        # edges: ends of the intervals of the series, ascending
+        # `interval_ends`: of the series, ascending
         begin_of_series = self._slope.interval_ends[0]
         doubled_begin = self._slope.interval_ends[0] * 2
         slope_at_begin, slope_at_doubled_begin = self._slope(
@@ -727,7 +727,7 @@ class CallableProfile(Gap):
         )
 
         # Below the begin of the series h' goes as x^exponent; `_height` is the integral beyond it.
-        # edges: ends of the intervals of the series, ascending
+        # `interval_ends`: of the series, ascending
         tip_distance = np.minimum(inner_distance, self._slope.interval_ends[0])
         tip_height = tip_distance * self.slope(tip_distance) / (self.exponent + 1)
         return (
