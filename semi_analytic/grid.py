@@ -420,7 +420,6 @@ class Grid:
         ArithmeticError
             Where the active set does not converge, or the contact meets the end of the grid.
         """
-        # x (g, k): middles of the cells of g grids.
         unloaded_gap = gap_without_tilt + tilt * self.x
         # First guess: the cells in contact before; else five cells about the least gap.
         contact = self._contact
@@ -429,18 +428,18 @@ class Grid:
                 np.argmin(unloaded_gap, axis=1) - 2, np.full(len(unloaded_gap), 5)
             )
 
-        # At most 200 iterations; begin: number of the first cell in contact on each grid.
         for _ in range(_MOST_ACTIVE_SET_ITERATIONS):
             pressure, approach = self._pressure_on_cells(contact, normal_load, unloaded_gap)
-            # _compliance: C (k, k) of all cells.
             is_in_contact = self._contact_mask(contact)
-            loaded_gap = unloaded_gap - approach[:, None] + pressure @ self._compliance
+            displacement_by_pressure = pressure @ self._compliance
+            loaded_gap = unloaded_gap - approach[:, None] + displacement_by_pressure
             is_touching = np.where(is_in_contact, pressure > 0, loaded_gap < 0)
             if np.array_equal(is_touching, is_in_contact):
                 break
             contact = _cells_from_first_to_last(is_touching)
         else:
             raise ArithmeticError("the contact area does not converge")
+        # `begin` and `end`: number of the first cell in contact, and of the cell behind the last
         if np.any(contact.begin == 0) or np.any(contact.end == self.n_cells):
             raise ArithmeticError("the contact meets the end of the grid")
         return NormalSolution(pressure, contact, approach)
@@ -465,17 +464,17 @@ class Grid:
         """
         pressure = np.zeros(unloaded_gap.shape)
         approach = np.zeros(len(unloaded_gap))
-        # Grids with equally many cells in contact have one stiffness: traction_per_shift (m,) are
-        # the tractions that displace m cells by 1, total_per_shift is their sum, root is M with
-        # M^T M = C^-1.
+        # Grids with equally many cells in contact have one C. For m cells `root` is M with M^T M =
+        # C^-1, `traction_per_shift` (m,) the tractions that displace all m by 1,
+        # `total_per_shift` their sum.
         for n_cells in np.unique(contact.n_cells).tolist():
             cell_stiffness = self._stiffness_of_cells(n_cells)
-            grids_of_size = np.flatnonzero(contact.n_cells == n_cells)
+            grid_numbers = np.flatnonzero(contact.n_cells == n_cells)
             cells_in_contact = (
-                grids_of_size[:, None],
-                contact.begin[grids_of_size, None] + np.arange(n_cells),
+                grid_numbers[:, None],
+                contact.begin[grid_numbers, None] + np.arange(n_cells),
             )
-            approach[grids_of_size] = (
+            approach[grid_numbers] = (
                 normal_load / self.cell_width
                 + unloaded_gap[cells_in_contact] @ cell_stiffness.traction_per_shift
             ) / cell_stiffness.total_per_shift
@@ -483,35 +482,32 @@ class Grid:
                 unloaded_gap[cells_in_contact] @ cell_stiffness.root.T
             ) @ cell_stiffness.root
             pressure[cells_in_contact] = (
-                approach[grids_of_size, None] * cell_stiffness.traction_per_shift - pressure_by_gap
+                approach[grid_numbers, None] * cell_stiffness.traction_per_shift - pressure_by_gap
             )
         return pressure, approach
 
     def _solve_tangential(
         self,
         tangential_load: float,
-        displacement: Array,
+        displacement_without_shear: Array,
         friction_limit: Array,
-        cells_before: ContactCells,
+        contact_before: ContactCells,
     ) -> TangentialSolution:
         """Shear q, slip s, direction of slip and displacement U of all grids after an increment to
-        the tangential load Q. Newly touched cells are given slip from before the touch.
+        the tangential load Q, where the pressure is known.
 
-        Ahead of an edge of contact that advances, slip grows as the root of the distance. A cell
-        that is touched after a fraction t of the increment has then made 2/3 t of the slip that it
-        would have made without contact: 1/3 in the mean over all t. Where the earlier cells alone
-        cannot carry Q, new ones start without slip.
+        Newly touched cells start with the slip that they have made before the touch.
 
         Parameters
         ----------
         tangential_load
             Q at the end of the increment [force per thickness]
-        displacement
-            (g, k) tangential displacement of the faces that q does not cause, of g grids of k cells
-            [length]
+        displacement_without_shear
+            (g, k) tangential displacement of the faces by bulk strain and pressure, of g grids of k
+            cells [length]
         friction_limit
             (g, k) f p at the end of the increment [stress]
-        cells_before
+        contact_before
             cells in contact before the increment
 
         Raises
@@ -519,59 +515,90 @@ class Grid:
         ArithmeticError
             Where all cells in contact slip, or the active set does not converge.
         """
-        # Cells in contact after the increment, and those in contact both before and after: the
-        # number of the first cell, and how many, of each grid.
+        slip_at_begin = self._slip_with_early_slip(
+            tangential_load, displacement_without_shear, friction_limit, contact_before
+        )
+        all_grids = np.arange(len(self.x))
+        return self._solve_increment_of(
+            tangential_load,
+            displacement_without_shear,
+            friction_limit,
+            self._contact,
+            slip_at_begin,
+            all_grids,
+        )
+
+    def _slip_with_early_slip(
+        self,
+        tangential_load: float,
+        displacement_without_shear: Array,
+        friction_limit: Array,
+        contact_before: ContactCells,
+    ) -> Array:
+        """Slip at the begin of an increment, (g, k) for g grids of k cells [length]. Cells that are
+        newly touched in the increment have the slip that they make before the touch.
+
+        Ahead of an edge of contact that advances, slip grows as the root of the distance. A cell
+        that is touched after a fraction t of the increment has then made 2/3 t of the slip that it
+        would have made without contact: 1/3 in the mean over all t. That slip without contact is
+        solved for with the earlier cells alone. Where they cannot carry Q, new cells start without
+        slip.
+
+        Parameters
+        ----------
+        tangential_load
+            Q at the end of the increment [force per thickness]
+        displacement_without_shear
+            (g, k) tangential displacement of the faces by bulk strain and pressure [length]
+        friction_limit
+            (g, k) f p at the end of the increment [stress]
+        contact_before
+            cells in contact before the increment; those after it are stored in the grid
+        """
         contact = self._contact
-        cells_in_both = contact.common_with(cells_before)
-        has_grown = (cells_in_both.begin > contact.begin) | (cells_in_both.end < contact.end)
-        grown_grids = np.flatnonzero((cells_in_both.n_cells > 0) & has_grown)
+        earlier_contact = contact.common_with(contact_before)
+        has_grown = (earlier_contact.begin > contact.begin) | (earlier_contact.end < contact.end)
+        grown_grids = np.flatnonzero((earlier_contact.n_cells > 0) & has_grown)
         slip_at_begin = self.slip.copy()
 
-        # Slip without contact of the new cells: the same increment with the earlier cells alone.
+        # A group of grids in which one fails is split into its single grids.
         groups_to_solve = [grown_grids] if len(grown_grids) else []
-        # Groups of grids; one in which a grid fails is split into its single grids.
         while groups_to_solve:
-            group = groups_to_solve.pop()
+            grid_numbers = groups_to_solve.pop()
             try:
-                early_slip = self._solve_increment_of(
+                slip_without_contact = self._solve_increment_of(
                     tangential_load,
-                    displacement,
+                    displacement_without_shear,
                     friction_limit,
-                    cells_in_both,
+                    earlier_contact,
                     slip_at_begin,
-                    group,
+                    grid_numbers,
                 ).slip
             except ArithmeticError:
-                # Q is more than the earlier cells can carry: new ones start without slip.
-                if len(group) > 1:
-                    groups_to_solve += np.split(group, len(group))
+                if len(grid_numbers) > 1:
+                    groups_to_solve += np.split(grid_numbers, len(grid_numbers))
                 else:
                     self.increments_without_early_slip += 1
                 continue
-            # Newly touched cells get a third of the slip that they would have made without contact.
             is_new_cell = (
-                self._contact_mask(contact)[group] & ~self._contact_mask(cells_in_both)[group]
+                self._contact_mask(contact)[grid_numbers]
+                & ~self._contact_mask(earlier_contact)[grid_numbers]
             )
-            slip_at_begin[group] += np.where(
-                is_new_cell, _SLIP_SHARE_BEFORE_TOUCH * (early_slip - slip_at_begin[group]), 0.0
+            slip_at_begin[grid_numbers] += np.where(
+                is_new_cell,
+                _SLIP_SHARE_BEFORE_TOUCH * (slip_without_contact - slip_at_begin[grid_numbers]),
+                0.0,
             )
-        return self._solve_increment_of(
-            tangential_load,
-            displacement,
-            friction_limit,
-            contact,
-            slip_at_begin,
-            np.arange(len(self.x)),
-        )
+        return slip_at_begin
 
     def _solve_increment_of(
         self,
         tangential_load: float,
-        displacement: Array,
+        displacement_without_shear: Array,
         friction_limit: Array,
         contact: ContactCells,
         slip_at_begin: Array,
-        grids: NDArray[np.intp],
+        grid_numbers: NDArray[np.intp],
     ) -> TangentialSolution:
         """Shear q, slip s, direction of slip and displacement U of some grids under a tangential
         load, where the cells in contact are known. Which of them slide is found by an active set.
@@ -584,52 +611,53 @@ class Grid:
         ----------
         tangential_load
             Q [force per thickness]
-        displacement
-            tangential displacement of the faces that q does not cause, (g, k) for g grids of k
-            cells [length]
+        displacement_without_shear
+            (g, k) tangential displacement of the faces by all but q, of g grids of k cells [length]
         friction_limit
-            f p of the cells, (g, k) [stress]
+            (g, k) f p of the cells [stress]
         contact
             the cells in contact of each of the g grids
         slip_at_begin
-            slip before the increment, (g, k) [length]
-        grids
-            numbers of the n grids that are solved, (n,): shapes of the returned fields are (n, k),
-            of the displacement (n,)
+            (g, k) slip before the increment [length]
+        grid_numbers
+            (n,) numbers of the grids that are solved: shapes of the returned fields are (n, k), of
+            the displacement U (n,)
 
         Raises
         ------
         ArithmeticError
             Where all cells in contact slip, or the active set does not converge.
         """
-        block = _BlockOfCells.around(contact, grids, self.n_cells)
+        block = _BlockOfCells.around(contact, grid_numbers, self.n_cells)
+        # C of the m cells of a block: its inverse, and tractions that displace all cells by 1
         cell_stiffness = self._stiffness_of_cells(block.n_cells)
-        # Slip of the increment if there were neither shear nor U.
-        free_slip = block.values_of(displacement - slip_at_begin)
+        # slip of the increment if there were neither shear nor U
+        free_slip = block.values_of(displacement_without_shear - slip_at_begin)
 
-        # Active set: directions of slip, shear, and slip in the increment.
         directions_in_block, shear_in_block, increment_slip = _sliding_cells(
             cell_stiffness,
             self._shear_in_full_stick(tangential_load, free_slip, cell_stiffness),
             np.where(block.is_touching, block.values_of(friction_limit), 0.0),
             block.is_touching,
             _first_guess_of_directions(block, self._directions),
-            # 1e-12 of the largest f p, for round-off.
             tolerance=_ROUND_OFF_SHARE_OF_LIMIT * friction_limit.max(),
         )
 
-        # U from equilibrium: the sum of q is Q over the cell width. traction_per_shift are the
-        # tractions that displace all cells of the block by 1, total_per_shift is their sum.
-        rigid_displacement = (
+        # U from equilibrium: the sum of q is Q over the cell width.
+        displacement_of_body = (
             tangential_load / self.cell_width
             + (increment_slip - free_slip) @ cell_stiffness.traction_per_shift
         ) / cell_stiffness.total_per_shift
-        # From the blocks to all cells; _compliance (k, k): displacements of the cells by unit
-        # tractions on them.
-        all_shear = block.on_all_cells(shear_in_block, self.n_cells)
-        all_directions = block.on_all_cells(directions_in_block, self.n_cells)
-        all_slip = rigid_displacement[:, None] + displacement[grids] - all_shear @ self._compliance
-        return TangentialSolution(all_shear, all_slip, all_directions, rigid_displacement)
+        # from the block to all k cells
+        shear = block.on_all_cells(shear_in_block, self.n_cells)
+        directions = block.on_all_cells(directions_in_block, self.n_cells)
+        displacement_by_shear = shear @ self._compliance
+        slip = (
+            displacement_of_body[:, None]
+            + displacement_without_shear[grid_numbers]
+            - displacement_by_shear
+        )
+        return TangentialSolution(shear, slip, directions, displacement_of_body)
 
     def _shear_in_full_stick(
         self, tangential_load: float, free_slip: Array, cell_stiffness: CellStiffness
@@ -637,8 +665,8 @@ class Grid:
         """Shear q_0 of m cells side by side on each of n grids if no cell slid in an increment,
         (n, m) [stress].
 
-        One part is that of Q with the same displacement of all cells. The other part keeps each
-        cell at its slip before the increment.
+        One part carries Q, and displaces all cells alike. The other part undoes the differences of
+        `free_slip` between the cells, and has the sum 0.
 
         Parameters
         ----------
@@ -684,7 +712,8 @@ class Grid:
             Where active sets do not converge, all cells slip, or the contact meets the end of the
             grid.
         """
-        displacement_by_strain: Array = -strain * self.x  # of the faces, without shear, (g, k)
+        # (g, k) of the faces, if there were no shear
+        displacement_by_strain: Array = -strain * self.x
         normal_solution, tangential_solution = self._solve_under_loads(
             normal_load, tangential_load, tilt, displacement_by_strain
         )
@@ -692,8 +721,9 @@ class Grid:
         fields = self._fields_at_end(loads, normal_solution, tangential_solution)
 
         # Work of the loads in the increment, Q dU - m_q d eps, to compare the friction work with.
-        # _last_fields: fields at the end of the increment before, None before the first.
-        fields["work_of_loads"] = _work_of_loads_between(self._last_fields or fields, fields)
+        # There are no fields before the first increment: its work of the loads is 0.
+        fields_before = self._last_fields or fields
+        fields["work_of_loads"] = _work_of_loads_between(fields_before, fields)
         self._shear = tangential_solution.shear
         self.slip = tangential_solution.slip
         self._displacement = tangential_solution.displacement
@@ -734,13 +764,13 @@ class Grid:
                 normal_load, tilt, self._unloaded_gap
             )
         normal_solution = self._normal_by_load[normal_load, tilt]
-        cells_before = self._contact
+        contact_before = self._contact
         self._contact = normal_solution.contact
         tangential_solution = self._solve_tangential(
             tangential_load,
             displacement_by_strain,
             self.friction * normal_solution.pressure,
-            cells_before,
+            contact_before,
         )
         return normal_solution, tangential_solution
 
@@ -753,20 +783,32 @@ class Grid:
         """Fields at the end of an increment by their names in `GridFields`, but for the work of the
         loads. The grids still have the shear and slip from before the increment.
 
-        `loads` (4,) are P, Q, bulk strain and tilt at the end. The solutions have pressure, shear,
-        slip and its directions, (g, k) each, and approach and U, (g,) each. These two are solved
-        against a datum at the distance of the grid's length. The fields "approach" and
-        "displacement" are against a datum at distance 1: the solved ones minus `datum_compliance`
-        P and `datum_compliance` Q.
+        Parameters
+        ----------
+        loads
+            (4,) P, Q, bulk strain and tilt at the end
+        normal_solution
+            pressure (g, k) of g grids of k cells, and normal approach (g,) against a datum at the
+            distance of the grid's length
+        tangential_solution
+            shear, slip and directions of slip, +1, -1 or 0, (g, k) each, and displacement U (g,)
+            against that datum
+
+        Returns
+        -------
+        dict
+            "approach" and "displacement" are against a datum at distance 1
         """
         normal_load, tangential_load, _, _ = loads.tolist()
         pressure = normal_solution.pressure
         shear = tangential_solution.shear
         # Friction work: mean shear times the slip of the increment.
-        work_per_area = (self._shear + shear) * (tangential_solution.slip - self.slip) / 2
-        # _STATES_BY_DIRECTION: stick, forward and reverse slip for the directions 0, 1 and -1.
+        slip_of_increment = tangential_solution.slip - self.slip
+        work_per_area = (self._shear + shear) * slip_of_increment / 2
+        # stick, forward or reverse slip
         state_in_contact = _STATES_BY_DIRECTION[tangential_solution.directions]
         contact_state = np.where(self._contact_mask(self._contact), state_in_contact, OPEN)
+        # datum_compliance: change of the displacement per load as the datum moves
         return {
             "loads": loads,
             "pressure": pressure,
@@ -786,17 +828,17 @@ class Grid:
     def _solution_without_contact(
         self, displacement_by_strain: Array
     ) -> tuple[NormalSolution, TangentialSolution]:
-        """Normal and tangential solution of all grids while the bodies are apart: no traction, and
-        no cells in contact; the displacement U of the upper body stays, and the faces move by the
-        bulk strain alone.
+        """Normal and tangential solution of all grids while the bodies are apart: no traction, no
+        cells in contact, normal approach 0. The displacement U of the upper body stays.
 
-        `displacement_by_strain` (g, k) is that movement on g grids of k cells [length]. The normal
-        approach is 0. The grids are left without cells in contact.
+        The faces slide by the bulk strain alone: `displacement_by_strain` (g, k) is that movement
+        on g grids of k cells [length]. The grids are left without cells in contact.
         """
         no_cells = np.zeros(len(self.x), dtype=int)
         self._contact = ContactCells(self._contact.begin, no_cells)
         no_traction = np.zeros(self.x.shape)
-        normal_solution = NormalSolution(no_traction, self._contact, np.zeros(len(self.x)))
+        no_approach = np.zeros(len(self.x))
+        normal_solution = NormalSolution(no_traction, self._contact, no_approach)
         directions = np.zeros(self.x.shape, dtype=int)
         slip = self._displacement[:, None] + displacement_by_strain
         tangential_solution = TangentialSolution(no_traction, slip, directions, self._displacement)
@@ -827,14 +869,12 @@ class Grid:
             Where the shear still changes after 200 turns. Also where in one turn an active set
             does not converge, all cells slip, or the contact meets the end of the grid.
         """
-        # Cells in contact, and shear, before the increment.
-        cells_before = self._contact
+        contact_before = self._contact
         shear_of_last_turn = self._shear
         for _ in range(_MOST_ACTIVE_SET_ITERATIONS):
-            # _coupling (k, k): displacement of the faces, normal by shear and tangential by
-            # pressure.
+            # _coupling (k, k): normal displacement of the cells by shear, and tangential one by
+            # pressure
             gap_by_shear = shear_of_last_turn @ self._coupling.T
-            # _unloaded_gap: gap between the unloaded faces.
             normal_solution = self._solve_normal(
                 normal_load, tilt, self._unloaded_gap + gap_by_shear
             )
@@ -845,15 +885,15 @@ class Grid:
                 tangential_load,
                 displacement_by_strain + displacement_by_pressure,
                 friction_limit,
-                cells_before,
+                contact_before,
             )
-            # Until the shear changes by 1e-12 of the largest f p, at most 200 turns.
             shear_change = float(np.max(np.abs(tangential_solution.shear - shear_of_last_turn)))
             shear_of_last_turn = tangential_solution.shear
-            if (
-                shear_change
-                <= _ROUND_OFF_SHARE_OF_LIMIT * self.friction * normal_solution.pressure.max()
-            ):
+            # 1e-12 of the largest f p
+            largest_round_off = (
+                _ROUND_OFF_SHARE_OF_LIMIT * self.friction * normal_solution.pressure.max()
+            )
+            if shear_change <= largest_round_off:
                 return normal_solution, tangential_solution
         raise ArithmeticError("pressure and shear by turns do not converge")
 
@@ -866,7 +906,7 @@ class Grid:
 
         U is the displacement of the upper body, eps the bulk strain, q the shear of the cells.
         """
-        # State of the grids: q (g, k), U (g,) against a datum at the grid's length, and eps.
+        # The present state, which later increments replace: q (g, k), mean of U, and eps.
         shear = self._shear
         mean_displacement = float(np.mean(self._displacement))
         strain = self._strain
@@ -892,9 +932,8 @@ class Grid:
         converge, all cells slip, or the contact meets the end of the grid.
         """
         normal_load, tangential_load, strain, tilt = loads.tolist()
-        # The cells of each grid take the slip at their middles.
-        self.slip = np.stack([slip(x) for x in self.x])
-        # Cells in contact under these loads; _unloaded_gap: gap between the unloaded faces.
+        self.slip = np.stack([slip(cell_middles) for cell_middles in self.x])
+        # The contact of these loads counts as touched before, so that no cell slips before a touch.
         self._contact = self._solve_normal(normal_load, tilt, self._unloaded_gap).contact
         self._step_to_loads(normal_load, tangential_load, strain, tilt)
 
@@ -1018,7 +1057,7 @@ def _sliding_cells(
     shear_in_full_stick: Array,
     friction_limit: Array,
     is_touching: NDArray[np.bool_],
-    direction: NDArray[np.intp],
+    directions: NDArray[np.intp],
     tolerance: float,
 ) -> tuple[NDArray[np.intp], Array, Array]:
     """Which cells slide in an increment, by an active set: direction of slip (0 in stick), shear,
@@ -1038,8 +1077,8 @@ def _sliding_cells(
         (g, k) f p [stress]
     is_touching
         (g, k) which cells are in contact; open ones slide without friction
-    direction
-        (g, k) first guess, +1, -1 or 0
+    directions
+        (g, k) first guess of the directions of slip, +1, -1 or 0
     tolerance
         excess of |q| over f p that is round-off [stress]
 
@@ -1048,27 +1087,27 @@ def _sliding_cells(
     ArithmeticError
         Where all cells slide, or the active set does not converge.
     """
-    # At most 200 iterations, each with all cells that now slide.
     for _ in range(_MOST_ACTIVE_SET_ITERATIONS):
-        is_sliding = (direction != 0) | ~is_touching
+        is_sliding = (directions != 0) | ~is_touching
         if np.any(np.all(is_sliding, axis=1)):
             raise ArithmeticError("all cells slip")
-        shear_in_slip = direction * friction_limit
+        shear_in_slip = directions * friction_limit
         # Slip of the increment that brings the shear of the sliding cells to the limit.
-        slip = _slip_of_sliding_cells(
+        increment_slip = _slip_of_sliding_cells(
             cell_stiffness, is_sliding, shear_in_full_stick - shear_in_slip
         )
         shear = shear_in_full_stick
         if np.any(is_sliding):
-            shear_in_stick = shear_in_full_stick - slip @ cell_stiffness.matrix
+            shear_in_stick = shear_in_full_stick - increment_slip @ cell_stiffness.matrix
             shear = np.where(is_sliding, shear_in_slip, shear_in_stick)
         is_beyond_limit = ~is_sliding & (np.abs(shear) > friction_limit + tolerance)
         # A cell whose slip is against its direction sticks again.
-        direction_along_slip = np.where(direction * slip > 0, direction, 0)
-        new_direction = np.where(is_beyond_limit, np.sign(shear), direction_along_slip).astype(int)
-        if np.array_equal(new_direction, direction):
-            return direction, shear, slip
-        direction = new_direction
+        directions_along_slip = np.where(directions * increment_slip > 0, directions, 0)
+        new_directions = np.where(is_beyond_limit, np.sign(shear), directions_along_slip)
+        new_directions = new_directions.astype(int)
+        if np.array_equal(new_directions, directions):
+            return directions, shear, increment_slip
+        directions = new_directions
     raise ArithmeticError("the slip zones do not converge")
 
 
@@ -1078,33 +1117,40 @@ def _slip_of_sliding_cells(
     """Slip v of the sliding cells in an increment, (g, k) for g grids of k cells, 0 in all cells
     that stick [length]: the solution of G v = q_0 - q over the sliding cells.
 
-    `is_sliding` (g, k) marks those cells. `shear_excess` (g, k) is q_0 - q: q_0 is the shear if no
-    cell slid, q = +-f p. G is the stiffness of the cells in contact, `cell_stiffness.matrix` (k,
-    k). Grids have different numbers of sliding cells: their systems are filled up to one size with
-    unit rows.
+    All grids are solved at once. They have different numbers of sliding cells: their systems are
+    filled up to one size with rows v = 0.
+
+    Parameters
+    ----------
+    cell_stiffness
+        `matrix` (k, k): the stiffness G of the cells in contact
+    is_sliding
+        (g, k) which cells slide
+    shear_excess
+        (g, k) q_0 - q [stress]: q_0 is the shear if no cell slid, q = +-f p
     """
-    slip = np.zeros(shear_excess.shape)
+    increment_slip = np.zeros(shear_excess.shape)
     most_sliding_cells = int(np.max(np.sum(is_sliding, axis=1)))
     if not most_sliding_cells:
-        return slip
-    # As many rows n as the grid with most sliding cells has; sliding cells come first.
+        return increment_slip
+    # Numbers of the cells in each system, (g, n): sliding cells, then others that fill it up.
     n_cells = is_sliding.shape[1]
-    columns_sliding_first = np.argsort(~is_sliding, axis=1, kind="stable")[:, :most_sliding_cells]
-    is_real_row = np.take_along_axis(is_sliding, columns_sliding_first, axis=1)
+    cell_numbers = np.argsort(~is_sliding, axis=1, kind="stable")[:, :most_sliding_cells]
+    is_sliding_row = np.take_along_axis(is_sliding, cell_numbers, axis=1)
     # Rows and columns of G of these cells, (g, n, n).
     stiffness = cell_stiffness.matrix.ravel().take(
-        columns_sliding_first[:, :, None] * n_cells + columns_sliding_first[:, None, :]
+        cell_numbers[:, :, None] * n_cells + cell_numbers[:, None, :]
     )
-    if not is_real_row.all():
-        stiffness *= is_real_row[:, :, None] & is_real_row[:, None, :]
+    if not is_sliding_row.all():
+        stiffness *= is_sliding_row[:, :, None] & is_sliding_row[:, None, :]
         diagonal = np.arange(most_sliding_cells)
-        stiffness[:, diagonal, diagonal] += ~is_real_row
+        stiffness[:, diagonal, diagonal] += ~is_sliding_row
     right_side = np.where(
-        is_real_row, np.take_along_axis(shear_excess, columns_sliding_first, axis=1), 0.0
+        is_sliding_row, np.take_along_axis(shear_excess, cell_numbers, axis=1), 0.0
     )
-    solved_slip = np.linalg.solve(stiffness, right_side[..., None])[..., 0]
-    np.put_along_axis(slip, columns_sliding_first, solved_slip, axis=1)
-    return slip
+    slip_of_rows = np.linalg.solve(stiffness, right_side[..., None])[..., 0]
+    np.put_along_axis(increment_slip, cell_numbers, slip_of_rows, axis=1)
+    return increment_slip
 
 
 def _work_of_loads_between(fields_before: dict[str, Any], fields_at_end: dict[str, Any]) -> Array:
@@ -1177,61 +1223,70 @@ def follow_instants(
 
 # ------------------------------------------------------------------------------ a scene's load path
 class _Increments(NamedTuple):
-    """Increments of one cycle, and the instants asked for that lie in it.
+    """Increments of one cycle of a load path, and the wanted instants that lie in it.
 
     Attributes
     ----------
-    loads
-        (n, 4) P, Q, eps and alpha at the ends of the increments
+    loads_at_ends
+        (n, 4) P, Q, bulk strain eps and tilt alpha at the ends of the increments
     increment_numbers, instant_numbers
-        (k,) of each instant asked for that lies in this cycle: the number of the increment that
-        ends there, and its number among all instants asked for
+        (i,) of each wanted instant that lies in this cycle: the number of the increment that ends
+        there, and its number among all wanted instants
     """
 
-    loads: Array
+    loads_at_ends: Array
     increment_numbers: NDArray[np.intp]
     instant_numbers: NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
 class _PathInIncrements:
-    """A load path, to be followed in about so many increments a cycle."""
+    """A load path that is followed in about `increments_per_cycle` increments a cycle.
 
-    loads: PathLoads
+    `path_loads` has P, Q, bulk strain and tilt over time.
+    """
+
+    path_loads: PathLoads
     increments_per_cycle: int
     _loads_by_times: dict[bytes, Array] = field(default_factory=dict)
 
-    def increments_of_cycle(self, cycle_number: int, time: Array) -> _Increments:
-        """Loads at the ends of the increments of one cycle of the load path, and which increments
-        end at instants that were asked for.
-
-        Cycle -1 is the initial loading. Of the instants `time` (k,) those that fall into this cycle
-        are taken. First touch stands for any instant before it.
+    @property
+    def load_path(self) -> LoadPath:
+        """Segments of the initial loading and of a cycle, between turning points of the loads. All
+        cycles are like the first; `cycle` is empty for a path without cycles.
         """
-        # A LoadPath: segments of the initial loading and of a cycle, between turning points of the
-        # loads; all cycles are like the first.
-        path = self.loads.path
+        return self.path_loads.path
+
+    def increments_of_cycle(self, cycle_number: int, wanted_times: Array) -> _Increments:
+        """Increments of one cycle of the load path: the loads at their ends, and which of them end
+        at wanted instants.
+
+        Cycle -1 is the initial loading. Of the wanted instants (m,) those in this cycle are taken.
+        An instant before first touch counts as first touch.
+        """
+        load_path = self.load_path
         is_initial_loading = cycle_number < 0
-        segments = path.initial_loading if is_initial_loading else path.cycle
+        segments = load_path.initial_loading if is_initial_loading else load_path.cycle
+        cycle_start = segments[0].start
+        cycle_end = segments[-1].end
+        # wanted instants as times of the first cycle
         time_in_cycle = _times_at_boundaries_made_exact(
-            time - max(cycle_number, 0) * (path.period or 0.0), segments[0].start, segments[-1].end
+            wanted_times - max(cycle_number, 0) * (load_path.period or 0.0), cycle_start, cycle_end
         )
 
-        # Times of the ends of the increments, (n,) for each segment; then P, Q, bulk strain and
-        # tilt at these times, (n, 4) for each.
         times_of_segments = [
             self._increment_times(segment, segment_number, is_initial_loading, time_in_cycle)
             for segment_number, segment in enumerate(segments)
         ]
         loads_of_segments = [self._loads_at(times) for times in times_of_segments]
 
-        # The start of a cycle is the end of the one before.
-        is_after_start = (time_in_cycle > segments[0].start) | is_initial_loading
-        instant_numbers = np.flatnonzero((time_in_cycle <= segments[-1].end) & is_after_start)
-        # The increment whose end is nearest to each instant.
-        all_times = np.concatenate(times_of_segments)
+        # An instant at the start of a cycle belongs to the cycle before, which ends there.
+        is_after_start = (time_in_cycle > cycle_start) | is_initial_loading
+        instant_numbers = np.flatnonzero((time_in_cycle <= cycle_end) & is_after_start)
+        # the increment whose end is nearest to each instant
+        increment_ends = np.concatenate(times_of_segments)
         increment_numbers = [
-            np.argmin(np.abs(all_times - max(instant, path.start)))
+            np.argmin(np.abs(increment_ends - max(instant, load_path.start)))
             for instant in time_in_cycle[instant_numbers]
         ]
         return _Increments(
@@ -1248,17 +1303,17 @@ class _PathInIncrements:
         """
         key_of_times = times.tobytes()
         if key_of_times not in self._loads_by_times:
-            self._loads_by_times[key_of_times] = self.loads.loads_in_segment(times).T
+            self._loads_by_times[key_of_times] = self.path_loads.loads_in_segment(times).T
         return self._loads_by_times[key_of_times]
 
     def _increment_times(
         self, segment: LoadSegment, segment_number: int, is_initial: bool, time_in_cycle: Array
     ) -> Array:
         """Times at the ends of the increments of one segment of the load path, (n,) ascending:
-        evenly spaced ones, turning points of the loads, and instants asked for.
+        evenly spaced ones, turning points of the loads, and wanted instants.
 
-        An even time next to an instant asked for is left out, as is an instant asked for next to a
-        turning point. From first touch the times are such that the contact grows in equal steps.
+        An even time next to a wanted instant is left out, as is a wanted instant next to a turning
+        point. From first touch the contact grows in equal steps.
 
         Parameters
         ----------
@@ -1267,49 +1322,50 @@ class _PathInIncrements:
         is_initial
             whether the segment belongs to the initial loading
         time_in_cycle
-            instants asked for, as times of the first cycle
+            (m,) wanted instants, as times of the first cycle
         """
-        # A LoadPath; its first segment begins at first touch, at time `start`.
-        path = self.loads.path
-        is_first_touch = segment is path.initial_loading[0]
+        load_path = self.load_path
+        is_first_touch = segment is load_path.initial_loading[0]
         duration = segment.end - segment.start
-        segments_of_cycle = path.cycle or path.initial_loading
-
-        # Number of increments: by the share of the cycle's duration, but at least 4. A segment of
-        # the initial loading before cycles, or the first segment of a path without cycles, has at
-        # least a quarter of those of a cycle.
-        fewest_increments = _FEWEST_INCREMENTS
-        if is_initial and (path.cycle or not segment_number):
-            fewest_increments = self.increments_per_cycle // 4
-
-        # Duration of the segment over that of the cycle; 0 for the initial loading of a cycle.
-        share_of_cycle = duration / (segments_of_cycle[-1].end - segments_of_cycle[0].start)
-        if is_initial and path.cycle:
-            share_of_cycle = 0.0
-        n_increments = max(fewest_increments, math.ceil(self.increments_per_cycle * share_of_cycle))
-
+        n_increments = self._number_of_increments(segment, segment_number, is_initial)
         # From first touch P grows as the square of the contact's size.
-        shares_of_segment = np.linspace(0, 1, n_increments + 1)[1:] ** (2 if is_first_touch else 1)
+        exponent = 2 if is_first_touch else 1
+        shares_of_segment = np.linspace(0, 1, n_increments + 1)[1:] ** exponent
         even_times = segment.start + duration * shares_of_segment
-        # Turning points of the loads within the segment, and its end.
-        turning_times = self.loads.turning_times(segment)
-        asked_times = time_in_cycle[
-            (time_in_cycle > segment.start) & (time_in_cycle <= segment.end)
-        ]
-        if is_first_touch and np.any(time_in_cycle <= path.start):
-            asked_times = np.append(asked_times, path.start)
+        # turning points of the loads within the segment, and its end
+        turning_times = self.path_loads.turning_times(segment)
+        instants = time_in_cycle[(time_in_cycle > segment.start) & (time_in_cycle <= segment.end)]
+        if is_first_touch and np.any(time_in_cycle <= load_path.start):
+            instants = np.append(instants, load_path.start)
 
-        # Even times within half an increment of an instant asked for are left out; instants asked
-        # for at a turning point too.
-        time_to_asked_instant = np.min(
-            np.abs(even_times[:, None] - asked_times), axis=1, initial=math.inf
-        )
-        even_times = even_times[time_to_asked_instant >= 0.5 * duration / n_increments]
+        time_to_instant = np.min(np.abs(even_times[:, None] - instants), axis=1, initial=math.inf)
+        even_times = even_times[time_to_instant >= 0.5 * duration / n_increments]
         time_to_turning_point = np.min(
-            np.abs(asked_times[:, None] - turning_times), axis=1, initial=math.inf
+            np.abs(instants[:, None] - turning_times), axis=1, initial=math.inf
         )
-        asked_times = asked_times[time_to_turning_point > 2e-9 * duration]
-        return np.unique(np.concatenate([even_times, turning_times, asked_times]))
+        instants = instants[time_to_turning_point > 2e-9 * duration]
+        return np.unique(np.concatenate([even_times, turning_times, instants]))
+
+    def _number_of_increments(
+        self, segment: LoadSegment, segment_number: int, is_initial: bool
+    ) -> int:
+        """Number of even increments of one segment of the load path: the share of a cycle's
+        increments that its duration is of the cycle's, but at least 4.
+
+        A segment of the initial loading before cycles has a quarter of a cycle's increments. A path
+        without cycles counts as one cycle; its first segment has at least a quarter of the
+        increments. `segment_number` is that in the initial loading (`is_initial`) or in the cycle.
+        """
+        load_path = self.load_path
+        quarter_of_cycle = self.increments_per_cycle // 4
+        if is_initial and load_path.cycle:
+            return quarter_of_cycle
+        is_first_of_path = is_initial and not segment_number
+        fewest_increments = quarter_of_cycle if is_first_of_path else _FEWEST_INCREMENTS
+        cycle_segments = load_path.cycle or load_path.initial_loading
+        cycle_duration = cycle_segments[-1].end - cycle_segments[0].start
+        share_of_cycle = (segment.end - segment.start) / cycle_duration
+        return max(fewest_increments, math.ceil(self.increments_per_cycle * share_of_cycle))
 
 
 def _times_at_boundaries_made_exact(time: Array, start: float, end: float) -> Array:
@@ -1325,35 +1381,35 @@ def _times_at_boundaries_made_exact(time: Array, start: float, end: float) -> Ar
 
 
 @dataclass(eq=False)
-class _Answers:
-    """What g grids find at n instants and m points, along cycles.
+class _GridSolution:
+    """Solution by g grids along cycles of a load path, at n instants and m points.
 
     Attributes
     ----------
     friction_ratio, slip
-        (n, m) means over the grids of q/(f p) and of s [length]
+        (n, m) means over the grids of q/(f p) and of slip s [length]
     friction_ratio_by_grid, slip_by_grid
         (g, n', m) q/(f p) and s of each grid, at every so many instants
     stick_edges
         (n, 2) means over the grids [length]
     loads
-        (4, n) P, Q, eps and alpha
+        (4, n) P, Q, bulk strain eps and tilt alpha
     displacement, shear_moment
-        (n,) U and m_q, means over the grids
+        (n,) displacement U and m_q = int x q dx, means over the grids
     most_stick_zones
-        the largest number of stick zones at any instant
+        the largest number of stick zones of a grid at any instant
     slip_at_starts
         mean slip, as a function of x, where each cycle starts
     n_increments
         number of increments that were solved
-    works
-        (g, c) friction work of the c cycles
-    work, work_of_loads
+    works_of_cycles
+        (g, c) friction work of each of the c cycles on each grid [energy per thickness]
+    work_of_last_cycle, load_work_of_last_cycle
         (g,) friction work of the last cycle; its closed integral of Q dU - m_q d eps
-    density
-        (g, k) friction work per area of the cells in the last cycle
+    work_per_area
+        (g, k) friction work per area of the k cells in the last cycle
     permanent_stick_edges
-        (2,) mean edges of the cells that stick through the last cycle
+        (2,) mean edges of the cells that stick through the last cycle [length]
     """
 
     friction_ratio: Array
@@ -1367,30 +1423,28 @@ class _Answers:
     most_stick_zones: int = 1
     slip_at_starts: list[Callable[[Array], Array]] = field(default_factory=list)
     n_increments: int = 0
-    works: Array = field(default_factory=lambda: np.empty(0))
-    work: Array = field(default_factory=lambda: np.empty(0))
-    work_of_loads: Array = field(default_factory=lambda: np.empty(0))
-    density: Array = field(default_factory=lambda: np.empty(0))
+    works_of_cycles: Array = field(default_factory=lambda: np.empty(0))
+    work_of_last_cycle: Array = field(default_factory=lambda: np.empty(0))
+    load_work_of_last_cycle: Array = field(default_factory=lambda: np.empty(0))
+    work_per_area: Array = field(default_factory=lambda: np.empty(0))
     permanent_stick_edges: Array = field(default_factory=lambda: np.full(2, np.nan))
 
     @classmethod
-    def empty_storage(cls, n_grids: int, n_instants: int, n_points: int, stride: int) -> _Answers:
-        """Storage for what `n_grids` grids find at so many instants and points, before anything is
-        followed: zeros, and NaN for edges.
+    def empty_storage(
+        cls, n_grids: int, n_instants: int, n_points: int, stride: int
+    ) -> _GridSolution:
+        """Storage for the solution by `n_grids` grids at so many instants and points, before any
+        cycle is followed: zeros, and NaN for edges of stick.
 
-        Parameters
-        ----------
-        n_grids, n_instants, n_points
-            g, n and m
-        stride
-            fields of each grid by itself are stored at every `stride`-th instant
+        q/(f p) and slip of each single grid are stored at every `stride`-th instant, their means
+        over the grids at all instants.
         """
-        shape_of_each = (n_grids, -(-n_instants // stride), n_points)
+        shape_by_grid = (n_grids, -(-n_instants // stride), n_points)
         return cls(
             friction_ratio=np.zeros((n_instants, n_points)),
             slip=np.zeros((n_instants, n_points)),
-            friction_ratio_by_grid=np.zeros(shape_of_each),
-            slip_by_grid=np.zeros(shape_of_each),
+            friction_ratio_by_grid=np.zeros(shape_by_grid),
+            slip_by_grid=np.zeros(shape_by_grid),
             stick_edges=np.full((n_instants, 2), np.nan),
             loads=np.zeros((4, n_instants)),
             displacement=np.zeros(n_instants),
@@ -1399,83 +1453,93 @@ class _Answers:
 
     def store_cycle(
         self,
-        grid: Grid,
-        fields: GridFields,
+        grids: Grid,
+        cell_fields: GridFields,
         increments: _Increments,
         x: Array,
         compliance: Array,
         stride: int,
     ) -> None:
-        """Store loads, displacements, slip, q/(f p) and stick edges that the grids found in one
-        cycle, at those instants asked for that lie in it.
+        """Store the solution of one cycle at the wanted instants that lie in it: loads,
+        displacement U, moment of the shear, slip, q/(f p) and stick edges.
 
         Parameters
         ----------
-        grid
-            the g grids
-        fields
-            tractions and slip of the cells at each increment of the cycle
+        grids
+            g grids of k cells
+        cell_fields
+            tractions and slip of the cells, (n, g, k), at the ends of the n increments of the
+            cycle; U and moment of the shear there, (n, g)
         increments
-            `loads` (n, 4) at the ends of the increments; (i,) `increment_numbers` that end at
-            instants asked for, and `instant_numbers`, those of these instants among all that were
-            asked for
+            for each wanted instant in the cycle: `increment_numbers`, that of the increment which
+            ends there, and `instant_numbers`, its own among all wanted instants
         x, compliance
-            (m,) points; (g, m, k) displacements there by unit tractions on the k cells of each grid
+            (m,) points; (g, m, k) displacements there by unit tractions on the cells
         stride
-            what each grid finds by itself is stored at every so many instants
+            values of each single grid are stored at every `stride`-th instant
         """
-        # Number of solved increments; then means over the grids at these instants.
-        self.n_increments += len(increments.loads)
-        self.loads[:, increments.instant_numbers] = fields.loads[increments.increment_numbers].T
-        self.displacement[increments.instant_numbers] = np.mean(
-            fields.displacement[increments.increment_numbers], axis=1
+        increment_numbers = increments.increment_numbers
+        instant_numbers = increments.instant_numbers
+        self.n_increments += len(increments.loads_at_ends)
+        self.loads[:, instant_numbers] = cell_fields.loads[increment_numbers].T
+        self.displacement[instant_numbers] = np.mean(
+            cell_fields.displacement[increment_numbers], axis=1
         )
-        self.shear_moment[increments.instant_numbers] = np.mean(
-            fields.shear_moment[increments.increment_numbers], axis=1
+        self.shear_moment[instant_numbers] = np.mean(
+            cell_fields.shear_moment[increment_numbers], axis=1
         )
         for instant_number, increment_number in zip(
-            increments.instant_numbers.tolist(), increments.increment_numbers.tolist(), strict=True
+            instant_numbers.tolist(), increment_numbers.tolist(), strict=True
         ):
-            # By each grid: q/(f p) and slip at the points, stick edges, and the number of stick
-            # zones.
-            state_of_grids = _state_at(grid, fields, increment_number, x, compliance)
-            self.friction_ratio[instant_number] = np.mean(state_of_grids.friction_ratio, axis=0)
-            self.slip[instant_number] = np.mean(state_of_grids.slip, axis=0)
-            self.stick_edges[instant_number] = np.mean(state_of_grids.stick_edges, axis=0)
-            self.most_stick_zones = max(self.most_stick_zones, state_of_grids.most_stick_zones)
+            point_fields = _point_fields_at(grids, cell_fields, increment_number, x, compliance)
+            self.friction_ratio[instant_number] = np.mean(point_fields.friction_ratio, axis=0)
+            self.slip[instant_number] = np.mean(point_fields.slip, axis=0)
+            self.stick_edges[instant_number] = np.mean(point_fields.stick_edges, axis=0)
+            self.most_stick_zones = max(self.most_stick_zones, point_fields.most_stick_zones)
             if instant_number % stride == 0:
                 self.friction_ratio_by_grid[:, instant_number // stride] = (
-                    state_of_grids.friction_ratio
+                    point_fields.friction_ratio
                 )
-                self.slip_by_grid[:, instant_number // stride] = state_of_grids.slip
+                self.slip_by_grid[:, instant_number // stride] = point_fields.slip
 
     def store_last_cycle(
-        self, fields: GridFields, works_of_cycles: Sequence[Array], permanent_stick_edges: Array
+        self,
+        cell_fields: GridFields,
+        works_of_cycles: Sequence[Array],
+        permanent_stick_edges: Array,
     ) -> None:
-        """Store the friction work of all cycles, and work, work per area and permanent stick zone
-        of the last one.
+        """Store the friction work of all cycles. Of the last cycle store friction work, work of the
+        loads, friction work per area, and edges of permanent stick.
 
         Parameters
         ----------
-        fields
-            of the last cycle: `work_of_loads` (n, g) and `density` (n, g, k), the work of the loads
-            and the friction work per area in each of its n increments, on g grids of k cells
+        cell_fields
+            of the n increments of the last cycle, on g grids of k cells: work of the loads
+            (`work_of_loads`, (n, g)), and friction work per area (`density`, (n, g, k))
         works_of_cycles
             friction work of each cycle, (g,) each [energy per thickness]
         permanent_stick_edges
             (2,) outer edges of the cells that stick all through the last cycle, NaN without such
-            cells
+            cells [length]
         """
-        self.works = np.array(works_of_cycles).T
-        self.work = works_of_cycles[-1]
-        self.work_of_loads = np.sum(fields.work_of_loads, axis=0)
-        self.density = np.sum(fields.density, axis=0)
+        self.works_of_cycles = np.array(works_of_cycles).T
+        self.work_of_last_cycle = works_of_cycles[-1]
+        self.load_work_of_last_cycle = np.sum(cell_fields.work_of_loads, axis=0)
+        self.work_per_area = np.sum(cell_fields.density, axis=0)
         self.permanent_stick_edges = permanent_stick_edges
 
 
-class _State(NamedTuple):
-    """What g grids find at an instant: q/(f p) and slip s at m points (g, m), edges of stick
-    (g, 2), and the largest number of stick zones of a grid.
+class _PointFields(NamedTuple):
+    """Fields at m points at one instant, by g grids.
+
+    Attributes
+    ----------
+    friction_ratio, slip
+        (g, m) q/(f p) and slip s [length]
+    stick_edges
+        (g, 2) left and right outer edge of stick [length], NaN where nothing sticks
+    most_stick_zones
+        the largest number of stick zones of a grid
     """
 
     friction_ratio: Array
@@ -1484,175 +1548,183 @@ class _State(NamedTuple):
     most_stick_zones: int
 
 
-def _state_at(
-    grid: Grid, fields: GridFields, increment_number: int, x: Array, compliance: Array
-) -> _State:
-    """Shear, slip and stick zones of g grids at the end of one increment: q/(f p) and slip s at
-    points x (m,), (g, m) each, the outer edges of stick (g, 2), and the largest number of stick
-    zones of a grid, at least 1.
+def _point_fields_at(
+    grids: Grid, cell_fields: GridFields, increment_number: int, x: Array, compliance: Array
+) -> _PointFields:
+    """Fields of g grids at points x (m,) at the end of one increment: q/(f p) and slip s, (g, m)
+    each, the outer edges of stick (g, 2), and the largest number of stick zones of a grid.
 
-    q/(f p) is interpolated between cells, 0 without contact; slip follows from all tractions. Edges
-    are NaN where nothing sticks.
+    q/(f p) is linear between the middles of the cells in contact. It is 0 without contact, and the
+    number of zones is then 1. Edges are NaN where nothing sticks.
 
     Parameters
     ----------
-    grid
-        the g grids; x (g, k) are the middles of their cells
-    fields
-        tractions of the cells and their state of contact (open, stick or slip), at the ends of all
+    grids
+        the g grids; their `x` (g, k) are the middles of the k cells
+    cell_fields
+        pressure, shear and state (open, stick or slip) of the cells, (n, g, k), at the ends of n
         increments
     increment_number
-        number of the increment
-    x
-        (m,) points
-    compliance
-        (g, m, k) displacements at the points by unit tractions on the k cells of each grid
+        that of the increment, below n
+    x, compliance
+        (m,) points; (g, m, k) displacements there by unit tractions on the cells
     """
-    n_grids = len(grid.x)
+    n_grids = len(grids.x)
     friction_ratio = np.zeros((n_grids, len(x)))
     stick_edges = np.full((n_grids, 2), np.nan)
     most_stick_zones = 1
-    for grid_number, contact_states in enumerate(fields.state[increment_number]):
-        touching_cells = np.flatnonzero(contact_states != OPEN)
+    for grid_number, cell_states in enumerate(cell_fields.state[increment_number]):
+        touching_cells = np.flatnonzero(cell_states != OPEN)
         if not len(touching_cells):
             continue
-        cell_middles = grid.x[grid_number]
-        pressure = fields.pressure[increment_number, grid_number, touching_cells]
-        shear = fields.shear[increment_number, grid_number, touching_cells]
+        cell_middles = grids.x[grid_number]
+        pressure = cell_fields.pressure[increment_number, grid_number, touching_cells]
+        shear = cell_fields.shear[increment_number, grid_number, touching_cells]
         friction_ratio[grid_number] = np.interp(
-            x, cell_middles[touching_cells], shear / (grid.friction * pressure)
+            x, cell_middles[touching_cells], shear / (grids.friction * pressure)
         )
         stick_edges[grid_number], n_stick_zones = _stick_edges_and_zones(
-            contact_states, cell_middles, grid.cell_width
+            cell_states, cell_middles, grids.cell_width
         )
         most_stick_zones = max(most_stick_zones, n_stick_zones)
-    slip = _slip_at_points(grid, fields, increment_number, x, compliance)
-    return _State(friction_ratio, slip, stick_edges, most_stick_zones)
+    slip = _slip_at_points(grids, cell_fields, increment_number, x, compliance)
+    return _PointFields(friction_ratio, slip, stick_edges, most_stick_zones)
 
 
 def _slip_at_points(
-    grid: Grid, fields: GridFields, increment_number: int, x: Array, compliance: Array
+    grids: Grid, cell_fields: GridFields, increment_number: int, x: Array, compliance: Array
 ) -> Array:
     """Slip s = U - eps x - (displacement by the shear of all cells) at points x (m,), by each of g
     grids at the end of one increment, (g, m) [length].
 
-    `fields` has P, Q, bulk strain eps and tilt as `loads` (n, 4), the displacement U (n, g) and the
-    shear (n, g, k) at the ends of n increments. `compliance` (g, m, k) are displacements at the
-    points by unit tractions on the k cells.
+    Parameters
+    ----------
+    grids
+        the g grids of k cells
+    cell_fields
+        at the ends of n increments: P, Q, bulk strain eps and tilt (`loads`, (n, 4)), displacement
+        U (n, g) with its datum at distance 1, and shear (n, g, k)
+    increment_number
+        that of the increment, below n
+    x, compliance
+        (m,) points; (g, m, k) displacements there by unit tractions on the cells, with their datum
+        at the distance of the grid's length
     """
-    _, tangential_load, strain, _ = fields.loads[increment_number]
-    # U against the datum of the compliance, at the grid's length; datum_compliance: change of U per
-    # Q if the datum moves there from 1.
-    displacement = fields.displacement[increment_number] + grid.datum_compliance * tangential_load
-    displacement_by_shear = np.matmul(compliance, fields.shear[increment_number][..., None])[..., 0]
+    _, tangential_load, strain, _ = cell_fields.loads[increment_number]
+    # `datum_compliance` Q: change of U as its datum moves to the distance of the grid's length
+    displacement = (
+        cell_fields.displacement[increment_number] + grids.datum_compliance * tangential_load
+    )
+    displacement_by_shear = np.matmul(compliance, cell_fields.shear[increment_number][..., None])[
+        ..., 0
+    ]
     return np.asarray(displacement[:, None] - strain * x - displacement_by_shear)
 
 
 def _stick_edges_and_zones(
-    contact_states: NDArray[np.int8], cell_middles: Array, cell_width: float
+    cell_states: NDArray[np.int8], cell_middles: Array, cell_width: float
 ) -> tuple[tuple[float, float], int]:
     """Left and right outer edge of stick on one grid [length], and the number of stick zones.
 
-    A cell that sticks at the edge of contact sticks up to that edge, wherever it lies in the cell:
-    edge -inf on the left, +inf on the right. Both edges are NaN where nothing sticks.
+    Where the outermost cell in contact sticks, stick reaches the edge of contact, wherever that
+    lies in the cell: the edge of stick is -inf on the left, +inf on the right. Both edges are NaN
+    where nothing sticks.
 
     Parameters
     ----------
-    contact_states
+    cell_states
         (k,) open, stick or slip of the k cells; at least one is not open
     cell_middles, cell_width
         (k,) middles x of the cells, and their width [length]
     """
-    # Numbers of the first cell of each stick zone and of the cell behind its last, in turn.
-    sticks_in_padded_row = np.concatenate([[False], contact_states == STICK, [False]]).astype(int)
-    ends_of_stick_zones = np.flatnonzero(np.diff(sticks_in_padded_row))
-    if not len(ends_of_stick_zones):
+    # number of the first cell of each stick zone, then of the cell behind its last, in turn
+    sticks_in_padded_row = np.concatenate([[False], cell_states == STICK, [False]]).astype(int)
+    zone_boundaries = np.flatnonzero(np.diff(sticks_in_padded_row))
+    if not len(zone_boundaries):
         return (math.nan, math.nan), 0
-    first_sticking_cell = ends_of_stick_zones[0]
-    last_sticking_cell = ends_of_stick_zones[-1] - 1
-    touching_cells = np.flatnonzero(contact_states != OPEN)
-    left_edge = cell_middles[first_sticking_cell] - cell_width / 2
+    first_sticking_cell = zone_boundaries[0]
+    last_sticking_cell = zone_boundaries[-1] - 1
+    touching_cells = np.flatnonzero(cell_states != OPEN)
+    left_stick_edge = cell_middles[first_sticking_cell] - cell_width / 2
     if first_sticking_cell == touching_cells[0]:
-        left_edge = -math.inf
-    right_edge = cell_middles[last_sticking_cell] + cell_width / 2
+        left_stick_edge = -math.inf
+    right_stick_edge = cell_middles[last_sticking_cell] + cell_width / 2
     if last_sticking_cell == touching_cells[-1]:
-        right_edge = math.inf
-    return (left_edge, right_edge), len(ends_of_stick_zones) // 2
+        right_stick_edge = math.inf
+    return (left_stick_edge, right_stick_edge), len(zone_boundaries) // 2
 
 
 def _follow_cycles(
-    grid: Grid,
-    path: _PathInIncrements,
+    grids: Grid,
+    path_in_increments: _PathInIncrements,
     x: Array,
     time: Array,
     cycle_numbers: range,
     least_cycles: int,
     stride: int = 1,
-) -> _Answers:
+) -> _GridSolution:
     """Follow the cycles of a load path on g grids, until the friction work of a cycle repeats that
-    of the one before: mean shear, slip and stick edges at points and instants, and the friction
-    work.
+    of the one before: shear, slip and stick edges at points and instants, and the friction work.
 
     Parameters
     ----------
-    grid
-        the g grids, which start from their present state
-    path
-        loads at the ends of the increments of each cycle; `loads.path.cycle`: segments of a cycle,
-        empty for a path without cycles
+    grids
+        the g grids of k cells, which start from their present state
+    path_in_increments
+        the load path, divided into increments
     x, time
-        (m,) points and (n,) instants at which means over the grids are wanted
+        (m,) points and (n,) instants of the solution
     cycle_numbers
         cycles to follow at most, -1 for the initial loading
     least_cycles
         number of cycles to follow in any case
     stride
-        what each grid finds by itself is stored at every `stride`-th instant
+        values of each single grid are stored at every `stride`-th instant, means over the grids at
+        all
 
     Raises
     ------
     InputError
         Where an increment does not converge.
     """
-    n_grids = len(grid.x)
-    # Storage for means over the grids at the instants and points, and for what each grid finds.
-    answers = _Answers.empty_storage(n_grids, len(time), len(x), stride)
-    # (g,) friction work of each cycle on each grid; of the whole path where it has no cycles.
+    n_grids = len(grids.x)
+    solution = _GridSolution.empty_storage(n_grids, len(time), len(x), stride)
+    # (g,) friction work of each cycle; of the whole path where it has no cycles
     works_of_cycles: list[Array] = []
-
-    # (g, m, k) displacements at the points by unit tractions on the cells.
+    # (g, m, k) displacements at the points by unit tractions on the cells
     compliance = np.zeros(0)
     if len(time):
         compliance = np.array(
-            [grid.displacement_per_traction_at(x, grid_number) for grid_number in range(n_grids)]
+            [grids.displacement_per_traction_at(x, grid_number) for grid_number in range(n_grids)]
         )
     for cycle_number in cycle_numbers:
         if cycle_number >= 0:
-            # Mean slip over x at the start of each cycle, from which finer grids may resume.
-            answers.slip_at_starts.append(grid.slip_field())
-        # Loads at the ends of the increments, and which of them end at the instants that are
-        # wanted.
-        increments = path.increments_of_cycle(cycle_number, time)
-        slip_before = grid.slip
-        fields = _fields_of_cycle(grid, increments.loads, cycle_number)
-        answers.store_cycle(grid, fields, increments, x, compliance, stride)
-        if cycle_number >= 0 or not path.loads.path.cycle:
-            works_of_cycles.append(np.sum(fields.work, axis=0))
+            # mean slip over x at the start of each cycle, from which finer grids may resume
+            solution.slip_at_starts.append(grids.slip_field())
+        # loads at the ends of the increments, and which of them end at the instants `time`
+        increments = path_in_increments.increments_of_cycle(cycle_number, time)
+        slip_before = grids.slip
+        cell_fields = _fields_of_cycle(grids, increments.loads_at_ends, cycle_number)
+        solution.store_cycle(grids, cell_fields, increments, x, compliance, stride)
+        if cycle_number >= 0 or not path_in_increments.load_path.cycle:
+            works_of_cycles.append(np.sum(cell_fields.work, axis=0))
         if len(works_of_cycles) >= max(least_cycles, 2) and _last_cycle_repeats(works_of_cycles):
             break
-    answers.store_last_cycle(fields, works_of_cycles, _permanent_edges(grid, fields, slip_before))
-    return answers
+    permanent_stick_edges = _permanent_edges(grids, cell_fields, slip_before)
+    solution.store_last_cycle(cell_fields, works_of_cycles, permanent_stick_edges)
+    return solution
 
 
-def _fields_of_cycle(grid: Grid, loads: Array, cycle_number: int) -> GridFields:
+def _fields_of_cycle(grids: Grid, loads: Array, cycle_number: int) -> GridFields:
     """Tractions, slip and work of the cells of g grids at the end of each of the n increments of a
-    cycle, by `loads` (n, 4): P, Q, bulk strain and tilt there. The grids are left at its end.
+    cycle. The grids are left at its end.
 
-    `cycle_number` is -1 for the initial loading. Where an increment does not converge, InputError
-    names the loads and the cycle.
+    `loads` (n, 4) are P, Q, bulk strain and tilt at the ends of the increments. `cycle_number` is
+    -1 for the initial loading. Where an increment does not converge, InputError names the loads and
+    the cycle.
     """
     try:
-        return grid.follow(loads)
+        return grids.follow(loads)
     except ArithmeticError as fault:
         raise InputError(
             f"load: half-plane theory takes grids for such bulk stress or tilt, and {fault} of"
@@ -1672,63 +1744,68 @@ def _last_cycle_repeats(works_of_cycles: Sequence[Array]) -> bool:
     return bool(work_change <= STEADY_WORK_SHARE * np.mean(works_of_cycles[-1]))
 
 
-def _permanent_edges(grid: Grid, fields: GridFields, slip_before: Array) -> Array:
-    """Outer edges (2,) of the cells that stick all through a cycle, the permanent stick zone, mean
-    over the grids [length]; NaN if no grid has such a cell.
+def _permanent_edges(grids: Grid, cell_fields: GridFields, slip_before: Array) -> Array:
+    """Left and right outer edge (2,) of the permanent stick zone: of the cells that stick all
+    through a cycle, mean over g grids [length]; NaN if no grid has such a cell.
 
-    A cell sticks if it stays in contact, and the sum of its |slip increments| over the cycle is at
-    most 0.1 % of the longest such sum of all grids. Of one grid by itself that may be round-off:
-    its cells may all stick or open. If it is round-off of all grids, the sums of cells that open,
-    while they are in contact, take its place, times 0.1 %. A grid without a cell that sticks counts
-    as a zone of width 0 in the middle of that of the others.
+    The slip path of a cell is the sum of its |slip increments| over the cycle, while it is in
+    contact. A cell sticks if it stays in contact, and its slip path is at most 0.1 % of the longest
+    of such cells on all grids. Where that longest one is round-off, 0.1 % of the longest slip path
+    of the cells that open takes its place.
 
-    `fields` has slip and state of the k cells of g grids, (n, g, k), at the n increments of the
-    cycle. `slip_before` (g, k) is the slip at the begin of the cycle.
+    A grid without a cell that sticks counts as a zone of width 0 in the middle of that of the
+    others.
+
+    Parameters
+    ----------
+    grids
+        the g grids of k cells: their middles `x` (g, k) and `cell_width` [length]
+    cell_fields
+        slip and state of the cells, (n, g, k), at the ends of the n increments of the cycle
+    slip_before
+        (g, k) slip at the begin of the cycle [length]
     """
-    slips_in_increments = np.abs(np.diff(fields.slip, axis=0, prepend=slip_before[None]))
-    is_open = fields.state == OPEN
+    slip_increments = np.abs(np.diff(cell_fields.slip, axis=0, prepend=slip_before[None]))
+    is_open = cell_fields.state == OPEN
     stays_in_contact = ~np.any(is_open, axis=0)
-    # (g, k)
-    slip_path_in_contact = np.sum(np.where(is_open, 0.0, slips_in_increments), axis=0)
+    slip_path = np.sum(np.where(is_open, 0.0, slip_increments), axis=0)
     longest_slip_path = max(
-        float(np.max(slip_path_in_contact, where=stays_in_contact, initial=0.0)),
-        _STUCK_SLIP_PATH_SHARE * float(np.max(slip_path_in_contact)),
+        float(np.max(slip_path, where=stays_in_contact, initial=0.0)),
+        _STUCK_SLIP_PATH_SHARE * float(np.max(slip_path)),
     )
-    has_short_path = slip_path_in_contact <= _STUCK_SLIP_PATH_SHARE * longest_slip_path
-    is_stuck = stays_in_contact & has_short_path
+    is_stuck = stays_in_contact & (slip_path <= _STUCK_SLIP_PATH_SHARE * longest_slip_path)
     has_stuck_cells = np.any(is_stuck, axis=1)
     if not has_stuck_cells.any():
         return np.full(2, np.nan)
-    first_edges = np.min(grid.x, axis=1, where=is_stuck, initial=np.inf) - grid.cell_width / 2
-    last_edges = np.max(grid.x, axis=1, where=is_stuck, initial=-np.inf) + grid.cell_width / 2
-    edges_of_zones = np.stack([first_edges, last_edges], axis=1)
-    middle = np.mean(edges_of_zones[has_stuck_cells])
-    return np.asarray(np.mean(np.where(has_stuck_cells[:, None], edges_of_zones, middle), axis=0))
+    left_edges = np.min(grids.x, axis=1, where=is_stuck, initial=np.inf) - grids.cell_width / 2
+    right_edges = np.max(grids.x, axis=1, where=is_stuck, initial=-np.inf) + grids.cell_width / 2
+    zone_edges = np.stack([left_edges, right_edges], axis=1)
+    middle = np.mean(zone_edges[has_stuck_cells])
+    return np.asarray(np.mean(np.where(has_stuck_cells[:, None], zone_edges, middle), axis=0))
 
 
 def contact_edges_along(loads: PathLoads, contact: TiltedProfile) -> Array:
-    """Left and right edge of contact at some 320 instants of a cycle, and at instants of the
-    initial loading, (n, 2) [length]; instants without contact are left out.
+    """Left and right edge of contact at the n ends of some 320 increments a cycle, and of those of
+    the initial loading, (n, 2) [length]; instants without contact are left out.
 
     Parameters
     ----------
     loads
-        P, Q, bulk strain and tilt along the path; `loads.path.cycle` is empty without cycles
+        P, Q, bulk strain and tilt along the path
     contact
-        the profile, whose half-width and centre of contact follow from P and tilt
+        normal contact of the profile, whose centre and half-width follow from P and tilt
     """
-    # The path in 320 increments a cycle, which has P, Q, bulk strain and tilt at their ends.
     path_in_increments = _PathInIncrements(loads, INCREMENTS_PER_CYCLE)
-    # -1 is the initial loading, 0 the first cycle.
-    cycle_numbers = (-1, 0) if loads.path.cycle else (-1,)
-    loads_of_increments = np.concatenate(
+    # -1 is the initial loading, 0 the first cycle
+    cycle_numbers = (-1, 0) if path_in_increments.load_path.cycle else (-1,)
+    no_instants = np.zeros(0)
+    loads_at_ends = np.concatenate(
         [
-            path_in_increments.increments_of_cycle(cycle_number, np.zeros(0)).loads
+            path_in_increments.increments_of_cycle(cycle_number, no_instants).loads_at_ends
             for cycle_number in cycle_numbers
         ]
     )
-    loads_in_contact = loads_of_increments[loads_of_increments[:, 0] > 0]
-    # Exact centre and half-width of contact at each of them.
+    loads_in_contact = loads_at_ends[loads_at_ends[:, 0] > 0]
     normal_load, _, _, tilt = loads_in_contact.T
     middle, half_width = contact.centre_and_half_width_under(normal_load, tilt)
     return np.stack([middle - half_width, middle + half_width], axis=-1)
@@ -1883,18 +1960,19 @@ def follow_on_grid(
     """Shear, slip and friction work of a load path with bulk stress and tilt, by cells from first
     touch, cycle by cycle until the friction work is steady to 1e-6; with their errors.
 
-    Pressure and contact edges are exact. All else is the mean over 16 grids that are moved by
-    fractions of a cell. One coarse grid goes first and finds the number of cycles. Where only the
-    last cycle is asked for, all coarse grids go first. If there are more than two cycles, the fine
-    grids then follow the last two alone, from the mean slip of the coarse ones. The shear that is
-    locked in is then not that of the whole path. This changes W and the stick zones by less than
-    the fine grids differ from the coarse ones, which the stated error covers.
+    Pressure and contact edges are exact. All else is the mean over 16 grids, each moved by another
+    fraction of a cell, since the place of an edge in its cell makes an error that cancels in that
+    mean. A coarse grid goes first and finds the number of cycles.
+
+    Where only the last cycle is wanted, 16 coarse grids go first. If there are more than two
+    cycles, the fine grids then follow the last two alone, from the mean slip of the coarse ones.
+    The shear that is locked in is then not that of the whole path. This changes W and the stick
+    zones by less than the stated error.
 
     Each error is twice a sum: twice the standard error of that mean, plus what is left of the
-    change from coarse grids, of half as many cells and increments. With the cell width that change
-    falls by the power 1.5 in W, by 1 in q and W(x), by 0.95 in s, for which 0.9 is taken. These are
-    root mean squares: next to an edge of stick q errs by the root of the cell width. Within a
-    coarse cell of an edge of contact the power 1/3 is taken for q.
+    change from coarse grids, of half as many cells and increments. That change is taken to fall
+    with the cell width by the power 1.5 in W, 1 in q and W(x), 0.9 in s, as root mean squares over
+    the points. Within a coarse cell of an edge of contact it is 1/3 in q.
 
     Parameters
     ----------
@@ -1924,71 +2002,71 @@ def follow_on_grid(
     require_admissible([*loads.path.initial_loading, *loads.path.cycle], friction)
     setup = _setup_along_path(loads, contact, height, friction)
     points_of_fields = x if request.pointwise else np.zeros(0)
-    runs = _run_coarse_and_fine(setup, loads, points_of_fields, time, request)
-    normal_contact = _exact_normal_contact(contact, runs.fine_answers.loads, x)
-    fields = _fields_at_points(runs, friction, normal_contact, request, x)
-    work = _work_on_grids(runs, x)
-    return _record_of_path(runs, normal_contact, fields, work, request.cells)
+    solutions = _run_coarse_and_fine(setup, loads, points_of_fields, time, request)
+    normal_contact = _exact_normal_contact(contact, solutions.fine_solution.loads, x)
+    fields = _fields_at_points(solutions, friction, normal_contact, request, x)
+    friction_work = _work_on_grids(solutions, x)
+    return _record_of_path(solutions, normal_contact, fields, friction_work, request.cells)
 
 
 def _record_of_path(
-    runs: _Runs,
+    solutions: _CoarseAndFineSolutions,
     normal_contact: _NormalContact,
     fields: _FieldsAtPoints,
-    work: _WorkOnGrids,
+    friction_work: _WorkOnGrids,
     n_cells: int,
 ) -> PathOnGrids:
     """The record of a load path that was followed on grids, from its parts.
 
-    The answers of the fine grids are the means over 16 grids. Stick edges are moved into the exact
-    contact.
+    Loads, moment of the shear, displacement U and stick edges are those of the fine grids, means
+    over 16. Stick edges beyond the exact edges of contact are moved to these.
 
     Parameters
     ----------
-    runs
-        answers of coarse and fine grids
+    solutions
+        solutions by coarse and fine grids
     normal_contact, fields
-        exact normal contact, and q, s, state, at n instants and k points
-    work
-        friction work of each cycle, and W(x) of the last, with their errors
+        exact normal contact; shear, slip and state, at n instants and k points
+    friction_work
+        W of each cycle and W(x) of the last, with their errors
     n_cells
         number of cells across the largest contact
     """
-    fine_answers = runs.fine_answers
+    fine_solution = solutions.fine_solution
     contact_edges = normal_contact.edges
     return PathOnGrids(
-        time=runs.plan.time,
-        loads=fine_answers.loads,
+        time=solutions.plan.time,
+        loads=fine_solution.loads,
         moment=normal_contact.moment,
-        shear_moment=fine_answers.shear_moment,
-        displacement=fine_answers.displacement,
+        shear_moment=fine_solution.shear_moment,
+        displacement=fine_solution.displacement,
         contact_edges=contact_edges,
-        stick_edges=np.clip(fine_answers.stick_edges, contact_edges[:, :1], contact_edges[:, 1:]),
+        stick_edges=np.clip(fine_solution.stick_edges, contact_edges[:, :1], contact_edges[:, 1:]),
         pressure=normal_contact.pressure,
         shear=fields.shear,
         slip=fields.slip,
         state=fields.state,
-        works=work.works,
-        loop_work=work.loop_work,
-        unsteady_work=work.unsteady_work,
-        steady_from=work.steady_from,
+        works=friction_work.works_of_cycles,
+        loop_work=friction_work.loop_work,
+        unsteady_work=friction_work.unsteady_work,
+        steady_from=friction_work.steady_from,
         steady_tolerance=STEADY_WORK_SHARE,
-        density=work.density,
-        permanent_stick_edges=fine_answers.permanent_stick_edges,
-        permanent_stick_uncertainty=_uncertainty_of_permanent_stick(runs),
-        counts=_counts_of(runs, n_cells),
-        errors=work.errors | fields.errors,
+        density=friction_work.work_per_area,
+        permanent_stick_edges=fine_solution.permanent_stick_edges,
+        permanent_stick_uncertainty=_uncertainty_of_permanent_stick(solutions),
+        counts=_counts_of(solutions, n_cells),
+        errors=friction_work.errors | fields.relative_errors,
     )
 
 
 def _setup_along_path(
     loads: PathLoads, contact: TiltedProfile, height: Callable[[Array], Array], friction: float
 ) -> _GridSetup:
-    """What all grids along a load path have in common: the gap h(x) = `height`, f, E*, and the
-    leftmost and rightmost edge of contact of the path, which the grids must cover.
+    """What all grids along a load path have in common: the gap h(x) between the unloaded faces
+    (`height`), f, E*, and the leftmost and rightmost edge of contact along the path.
 
-    `loads` has P, Q, bulk strain and tilt along the path. `contact` is the profile, whose edges of
-    contact follow from P and tilt; its `intervals.compliance` is A = 2/E*.
+    `loads` has P, Q, bulk strain and tilt along the path. `contact` is the normal contact of the
+    profile, whose edges of contact follow from P and tilt; its `intervals.compliance` is A = 2/E*.
     """
     contact_edges = contact_edges_along(loads, contact)
     return _GridSetup(
@@ -2039,40 +2117,46 @@ def _exact_normal_contact(contact: TiltedProfile, loads: Array, x: Array) -> _No
 
 
 def _fields_at_points(
-    runs: _Runs, friction: float, normal_contact: _NormalContact, request: GridRequest, x: Array
+    solutions: _CoarseAndFineSolutions,
+    friction_coefficient: float,
+    normal_contact: _NormalContact,
+    request: GridRequest,
+    x: Array,
 ) -> _FieldsAtPoints:
-    """Shear q, slip s and state at n instants and k points, the mean over the fine grids, with the
-    relative errors of q and s, by name.
+    """Shear q, slip s and state at n instants and k points, the means over the fine grids, with the
+    relative errors of q and s.
 
-    They are NaN and open where no fields are wanted (`request.pointwise` is false). Errors are
-    estimated from the change between coarse and fine grids, but not where the last cycle alone is
-    wanted.
+    Shear and slip are NaN, and all points open, where no fields are wanted. Errors are estimated
+    from the change between coarse and fine grids. There are none where the last cycle alone is
+    wanted, since the coarse grids then have no fields at instants.
 
     Parameters
     ----------
-    runs
-        results of coarse and fine grids
-    friction
+    solutions
+        solutions by coarse and fine grids
+    friction_coefficient
         f
     normal_contact
-        exact edges of contact, pressure, and which points are in contact, (n, k) each
+        exact edges of contact (n, 2), pressure (n, k), and which points are in contact (n, k)
     request
-        `pointwise`, whether q, s and the state are wanted
+        `pointwise`: whether shear, slip and state are wanted
     x
-        (k,) points
+        (k,) points [length]
     """
     if not request.pointwise:
         return _FieldsAtPoints.nowhere_known(normal_contact.pressure.shape)
-    friction_limit = friction * normal_contact.pressure
+    friction_limit = friction_coefficient * normal_contact.pressure
     fields = _FieldsAtPoints.of_means(
-        runs.fine_answers, friction_limit, normal_contact.is_in_contact
+        solutions.fine_solution, friction_limit, normal_contact.is_in_contact
     )
-    if runs.plan.is_last_cycle_alone:
+    if solutions.plan.is_last_cycle_alone:
         return fields
-    # (n, k): within two cells, which is one coarse cell, of an edge of contact.
+    # (n, k) distance of the points from the nearer edge of contact
     distance_from_edge = np.min(np.abs(x[:, None] - normal_contact.edges[:, None, :]), axis=2)
-    is_beside_edge = distance_from_edge < runs.coarse_grids.cell_width
-    return fields._replace(errors=_errors_of_fields(runs, friction_limit, is_beside_edge))
+    is_beside_edge = distance_from_edge < solutions.coarse_grids.cell_width
+    return fields._replace(
+        relative_errors=_errors_of_fields(solutions, friction_limit, is_beside_edge)
+    )
 
 
 class _WorkOnGrids(NamedTuple):
@@ -2080,7 +2164,7 @@ class _WorkOnGrids(NamedTuple):
 
     Attributes
     ----------
-    works
+    works_of_cycles
         (c,) friction work of each cycle, the last by the fine grids [energy per thickness]
     loop_work
         closed integral of Q dU - m_q d eps of the last cycle
@@ -2088,35 +2172,36 @@ class _WorkOnGrids(NamedTuple):
         estimated difference of the last cycle's work from the steady one; infinite after one cycle
     steady_from
         index of the first cycle that repeats the one before to 1e-6, None where there is none
-    density
+    work_per_area
         (k,) W(x) of the last cycle at the points [energy per area]
     errors
         relative errors of W and W(x), by the names "dissipation" and "dissipation_density"
     """
 
-    works: Array
+    works_of_cycles: Array
     loop_work: float
     unsteady_work: float
     steady_from: int | None
-    density: Array
+    work_per_area: Array
     errors: dict[str, float]
 
 
-def _work_on_grids(runs: _Runs, x: Array) -> _WorkOnGrids:
+def _work_on_grids(solutions: _CoarseAndFineSolutions, x: Array) -> _WorkOnGrids:
     """Friction work of each cycle, and W(x) of the last one at points x (k,), as means over the
-    grids of `runs`; with errors by the change from coarse grids to fine ones, and what is missing
-    to the steady cycle.
+    grids; their errors by the change from coarse grids to fine ones, and how far the last cycle is
+    from the steady one.
     """
     # Whether the work is steady is judged by cycles that the same grids followed.
-    works_of_cycles = runs.works_of_cycles()
-    density_of_grids = _work_density_at(runs.fine_grids, runs.fine_answers, x)
+    works_by_same_grids = solutions.works_by_same_grids()
+    # (g, k) W(x) by each of the fine grids
+    work_per_area = _work_per_area_at(solutions.fine_grids, solutions.fine_solution, x)
     return _WorkOnGrids(
-        works=runs.works_with_last_by_fine_grids(),
-        loop_work=float(np.mean(runs.fine_answers.work_of_loads)),
-        unsteady_work=remainder_of(works_of_cycles.tolist()),
-        steady_from=first_repeated_cycle(works_of_cycles, STEADY_WORK_SHARE),
-        density=np.mean(density_of_grids, axis=0),
-        errors=_errors_of_work(runs, density_of_grids, x),
+        works_of_cycles=solutions.works_with_last_by_fine_grids(),
+        loop_work=float(np.mean(solutions.fine_solution.load_work_of_last_cycle)),
+        unsteady_work=remainder_of(works_by_same_grids.tolist()),
+        steady_from=first_repeated_cycle(works_by_same_grids, STEADY_WORK_SHARE),
+        work_per_area=np.mean(work_per_area, axis=0),
+        errors=_errors_of_work(solutions, work_per_area, x),
     )
 
 
@@ -2153,15 +2238,15 @@ class _GridSetup:
 
 
 class _Plan(NamedTuple):
-    """Cycles that the fine grids follow, and instants of their results.
+    """Cycles that the fine grids follow, and instants of their solution.
 
     Attributes
     ----------
     time
-        (n,) instants of the results
+        (n,) instants of the solution
     stride
-        each grid by itself, and the coarse grids, have results at every `stride`-th instant: about
-        40 of them
+        values of each single grid, and those of coarse grids, are stored at every `stride`-th
+        instant: about 40 of them
     cycle_numbers
         cycles to follow, -1 for the initial loading
     is_last_cycle_alone
@@ -2179,73 +2264,74 @@ class _Plan(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class _Runs:
-    """Results of coarse and fine grids along one load path; coarse ones have half as many cells and
-    increments.
+class _CoarseAndFineSolutions:
+    """Solutions by coarse and fine grids along one load path. Coarse grids have half as many cells
+    and increments.
 
     Attributes
     ----------
-    first_answers
-        of the coarse grids that went first and found the number of cycles
-    fine_grids, fine_answers
-        the fine grids in their state at the end, and their results
-    coarse_grids, coarse_answers
-        the coarse grids that the fine ones are compared with, and their results; those that went
+    first_solution
+        by the coarse grids that went first and found the number of cycles
+    fine_grids, fine_solution
+        the fine grids in their state at the end, and their solution
+    coarse_grids, coarse_solution
+        the coarse grids that the fine ones are compared with, and their solution; those that went
         first where the last cycle alone is wanted
     plan
-        cycles that the fine grids followed, and instants of their results
+        cycles that the fine grids followed, and instants of their solution
     """
 
-    first_answers: _Answers
+    first_solution: _GridSolution
     fine_grids: Grid
-    fine_answers: _Answers
+    fine_solution: _GridSolution
     coarse_grids: Grid
-    coarse_answers: _Answers
+    coarse_solution: _GridSolution
     plan: _Plan
 
-    def works_of_cycles(self) -> Array:
+    def works_by_same_grids(self) -> Array:
         """Friction work of each cycle from the first one on, the mean over the grids, (c,) [energy
         per thickness], with all cycles by the same grids.
 
-        These are the fine grids, or the coarse ones where the fine grids followed the last cycles
-        only, `plan.is_resumed`.
+        These are the fine grids; but the coarse ones where the fine grids followed the last cycles
+        only (`plan.is_resumed`).
         """
-        answers_of_all_cycles = self.first_answers if self.plan.is_resumed else self.fine_answers
-        return np.asarray(np.mean(answers_of_all_cycles.works, axis=0))
+        solution_of_all_cycles = self.first_solution if self.plan.is_resumed else self.fine_solution
+        return np.asarray(np.mean(solution_of_all_cycles.works_of_cycles, axis=0))
 
     def works_with_last_by_fine_grids(self) -> Array:
         """Friction work of each cycle from the first one on, the mean over the grids, (c,) [energy
         per thickness], with the last cycle by the fine grids in any case.
 
-        Earlier cycles are by coarse grids where the fine grids followed the last cycles only,
-        `plan.is_resumed`.
+        Earlier cycles are by coarse grids where the fine grids followed the last cycles only
+        (`plan.is_resumed`).
         """
-        works_of_fine_grids = np.mean(self.fine_answers.works, axis=0)
+        works_by_fine_grids = np.mean(self.fine_solution.works_of_cycles, axis=0)
         if not self.plan.is_resumed:
-            return np.asarray(works_of_fine_grids)
-        return np.append(self.works_of_cycles()[:-1], works_of_fine_grids[-1])
+            return np.asarray(works_by_fine_grids)
+        return np.append(self.works_by_same_grids()[:-1], works_by_fine_grids[-1])
 
 
 def _run_coarse_and_fine(
     setup: _GridSetup, loads: PathLoads, x: Array, time: Array | None, request: GridRequest
-) -> _Runs:
-    """Results of 16 fine and of coarse grids along one load path. Coarse grids have half as many
+) -> _CoarseAndFineSolutions:
+    """Solutions by 16 fine and by coarse grids along one load path. Coarse grids have half as many
     cells and increments; the difference gives the error.
 
-    A coarse grid goes first and finds how many cycles there are until the work is steady. Where the
-    last cycle alone is wanted, all 16 coarse grids go first. If there are more than two cycles, the
+    A coarse grid goes first and finds how many cycles there are until the work is steady. The fine
+    grids follow as many, then 16 coarse ones for comparison. Where the last cycle alone is wanted,
+    all 16 coarse grids go first, and are the comparison. If there are more than two cycles, the
     fine grids then start from their mean slip, where the last but one cycle begins.
 
     Parameters
     ----------
     setup
-        profile, edges of contact, friction and modulus that all grids have in common
+        profile, outermost edges of contact, f and E* that all grids have in common
     loads
         P, Q, bulk strain and tilt along the path
     x
         (m,) points at which q and s are wanted
     time
-        (n,) instants of the results; every second increment if None
+        (n,) instants of the solution; every second increment if None
     request
         how many cycles, cells and increments, and whether the last cycle alone is wanted
 
@@ -2254,24 +2340,23 @@ def _run_coarse_and_fine(
     InputError
         Where an increment does not converge.
     """
-    # The path in so many increments a cycle; path.period: duration of a cycle, None without cycles.
     coarse_path = _PathInIncrements(loads, request.increments // 2)
-    is_last_cycle_alone = request.steady and time is None and loads.path.period is not None
+    has_cycles = loads.path.period is not None
+    is_last_cycle_alone = request.steady and time is None and has_cycles
 
-    # _GRID_SHIFTS: 16 shifts by fractions of a cell.
-    first_grids = setup.moved_grids(
-        request.cells // 2, _GRID_SHIFTS if is_last_cycle_alone else _GRID_SHIFTS[:1]
-    )
-    first_answers = _answers_of_first_grids(first_grids, coarse_path, x, time, request)
-    plan = _plan_of_fine_grids(loads.path, first_answers, time, request, is_last_cycle_alone)
+    # 16 shifts of a grid by fractions of a cell, or the first of them alone
+    shifts_of_first_grids = _GRID_SHIFTS if is_last_cycle_alone else _GRID_SHIFTS[:1]
+    first_grids = setup.moved_grids(request.cells // 2, shifts_of_first_grids)
+    first_solution = _follow_first_grids(first_grids, coarse_path, time, request)
+    plan = _plan_of_fine_grids(loads.path, first_solution, time, request, is_last_cycle_alone)
     fine_grids = setup.moved_grids(request.cells, _GRID_SHIFTS)
-    fine_answers = _answers_of_fine_grids(fine_grids, loads, x, plan, first_answers, request)
+    fine_solution = _follow_fine_grids(fine_grids, loads, x, plan, first_solution, request)
 
     coarse_grids = first_grids
-    coarse_answers = first_answers
+    coarse_solution = first_solution
     if not is_last_cycle_alone:
         coarse_grids = setup.moved_grids(request.cells // 2, _GRID_SHIFTS)
-        coarse_answers = _follow_cycles(
+        coarse_solution = _follow_cycles(
             coarse_grids,
             coarse_path,
             x,
@@ -2279,97 +2364,105 @@ def _run_coarse_and_fine(
             plan.cycle_numbers,
             len(plan.cycle_numbers),
         )
-    return _Runs(
-        first_answers=first_answers,
+    return _CoarseAndFineSolutions(
+        first_solution=first_solution,
         fine_grids=fine_grids,
-        fine_answers=fine_answers,
+        fine_solution=fine_solution,
         coarse_grids=coarse_grids,
-        coarse_answers=coarse_answers,
+        coarse_solution=coarse_solution,
         plan=plan,
     )
 
 
-def _answers_of_first_grids(
-    grids: Grid, path: _PathInIncrements, x: Array, time: Array | None, request: GridRequest
-) -> _Answers:
-    """Friction work of each cycle on the coarse grids that go first, until the work is steady: they
-    find how many cycles there are. Nothing is stored at instants.
+def _follow_first_grids(
+    coarse_grids: Grid,
+    path_in_increments: _PathInIncrements,
+    time: Array | None,
+    request: GridRequest,
+) -> _GridSolution:
+    """Friction work of each cycle of a load path on coarse grids, until it is steady: how many
+    cycles finer grids must follow. Shear and slip are not stored.
 
     Parameters
     ----------
-    grids
-        one coarse grid or 16, which nothing touches yet
-    path
-        the load path in increments, as many a cycle as coarse grids take
-    x
-        (m,) points at which q and s are wanted
+    coarse_grids
+        the grids, which nothing touches yet: one, or 16 that are moved by fractions of a cell
+    path_in_increments
+        the load path, divided into increments
     time
-        (n,) instants of the results, which the cycles must reach; None if none are given
+        (n,) instants that the cycles must reach; None if none are wanted
     request
-        `most_cycles`, the largest number of cycles
+        `most_cycles`: the largest number of cycles, unless `time` needs more
 
     Raises
     ------
     InputError
         Where an increment does not converge.
     """
-    load_path = path.loads.path
-    fewest_cycles = cycles_needed(load_path, time)
-    most_cycles = max(request.most_cycles, fewest_cycles) if load_path.cycle else 0
+    load_path = path_in_increments.load_path
+    least_cycles = cycles_needed(load_path, time)
+    # A path without cycles consists of the initial loading alone, which is cycle -1.
+    most_cycles = max(request.most_cycles, least_cycles) if load_path.cycle else 0
+    no_points = np.zeros(0)
     no_instants = np.zeros(0)
-    # Cycle -1 is the initial loading.
-    return _follow_cycles(grids, path, x, no_instants, range(-1, most_cycles), fewest_cycles)
+    return _follow_cycles(
+        coarse_grids,
+        path_in_increments,
+        no_points,
+        no_instants,
+        range(-1, most_cycles),
+        least_cycles,
+    )
 
 
 def _plan_of_fine_grids(
-    path: LoadPath,
-    first_answers: _Answers,
+    load_path: LoadPath,
+    first_solution: _GridSolution,
     time: Array | None,
     request: GridRequest,
     is_last_cycle_alone: bool,
 ) -> _Plan:
-    """Which cycles the fine grids follow, and at which instants they give results.
+    """Which cycles of a load path the fine grids follow, and the instants of their solution.
 
-    They follow all cycles that coarse grids found until the work was steady. Where the last cycle
-    alone is wanted (`is_last_cycle_alone`) and there are more than two, they follow the last two.
+    They follow all cycles that coarse grids took until the friction work was steady. Where the last
+    cycle alone is wanted (`is_last_cycle_alone`) and there are more than two, they follow the last
+    two.
 
     Parameters
     ----------
-    path
-        the load path; `cycle` is empty without cycles
-    first_answers
-        of the coarse grids: `works` (g, c), friction work of each of c cycles on each grid
+    load_path
+        `cycle` has the segments of a cycle, none for a path without cycles
+    first_solution
+        by the coarse grids: `works_of_cycles` (g, c), friction work of each of c cycles on g grids
     time
-        (n,) instants of the results; about every second increment if None
+        (n,) instants of the solution; about every second increment if None
     request
         `increments`, the number of increments a cycle
-    is_last_cycle_alone
-        whether only results of the last cycle are wanted
     """
-    n_cycles = first_answers.works.shape[1]
-    # _CYCLES_RESUMED: the last two cycles.
+    n_cycles = first_solution.works_of_cycles.shape[1]
     is_resumed = is_last_cycle_alone and n_cycles > _CYCLES_RESUMED
-    cycle_numbers = range(-1, n_cycles if path.cycle else 0)
+    # cycle -1 is the initial loading
+    cycle_numbers = range(-1, n_cycles if load_path.cycle else 0)
     if is_resumed:
         cycle_numbers = range(n_cycles - _CYCLES_RESUMED, n_cycles)
     if time is None:
-        time = _default_times(path, n_cycles, request.increments, is_last_cycle_alone)
+        time = _default_times(load_path, n_cycles, request.increments, is_last_cycle_alone)
     time = np.asarray(time, dtype=float)
-    # _INSTANTS_COMPARED: 40.
+    # Values of each single grid are compared with coarse ones at about 40 instants.
     stride = max(len(time) // _INSTANTS_COMPARED, 1)
     return _Plan(time, stride, cycle_numbers, is_last_cycle_alone, is_resumed)
 
 
-def _answers_of_fine_grids(
+def _follow_fine_grids(
     fine_grids: Grid,
     loads: PathLoads,
     x: Array,
     plan: _Plan,
-    first_answers: _Answers,
+    first_solution: _GridSolution,
     request: GridRequest,
-) -> _Answers:
-    """What the fine grids find along the cycles of a plan: from first touch, or from the mean slip
-    of the coarse grids where the first of these cycles begins (`plan.is_resumed`).
+) -> _GridSolution:
+    """Solution by fine grids along the cycles of a plan: from first touch, or from the mean slip of
+    the coarse grids where the first of these cycles begins (`plan.is_resumed`).
 
     Parameters
     ----------
@@ -2381,9 +2474,10 @@ def _answers_of_fine_grids(
     x
         (m,) points at which q and s are wanted
     plan
-        cycles to follow, instants of the results, and the stride at which each grid is stored
-    first_answers
-        of the coarse grids: `slip_at_starts`, the slip as a function of x where each cycle begins
+        cycles to follow, instants of the solution; values of each single grid are stored at every
+        `stride`-th of them
+    first_solution
+        by the coarse grids: `slip_at_starts`, the slip as a function of x where each cycle begins
     request
         `increments`, the number of increments a cycle
 
@@ -2393,8 +2487,10 @@ def _answers_of_fine_grids(
         Where an increment does not converge.
     """
     if plan.is_resumed:
+        # All cycles begin with the same loads.
         loads_at_cycle_start = loads.loads_in_segment(np.array([loads.path.cycle_start]))[:, 0]
-        fine_grids.resume(first_answers.slip_at_starts[plan.cycle_numbers[0]], loads_at_cycle_start)
+        slip_at_start = first_solution.slip_at_starts[plan.cycle_numbers[0]]
+        fine_grids.resume(slip_at_start, loads_at_cycle_start)
     return _follow_cycles(
         fine_grids,
         _PathInIncrements(loads, request.increments),
@@ -2407,14 +2503,22 @@ def _answers_of_fine_grids(
 
 
 class _FieldsAtPoints(NamedTuple):
-    """q [stress], s [length] and the state at n instants and k points, (n, k) each; relative errors
-    of "shear" and "slip" by these names, empty where they are not estimated.
+    """Shear, slip and state of contact at n instants and k points.
+
+    Attributes
+    ----------
+    shear, slip
+        (n, k) q [stress]; s [length]
+    state
+        (n, k) open, stick, forward or reverse slip
+    relative_errors
+        of q and s, by the names "shear" and "slip"; empty where they are not estimated
     """
 
     shear: Array
     slip: Array
     state: NDArray[np.int8]
-    errors: dict[str, float]
+    relative_errors: dict[str, float]
 
     @classmethod
     def nowhere_known(cls, shape: tuple[int, ...]) -> _FieldsAtPoints:
@@ -2426,42 +2530,55 @@ class _FieldsAtPoints(NamedTuple):
 
     @classmethod
     def of_means(
-        cls, answers: _Answers, friction_limit: Array, is_in_contact: NDArray[np.bool_]
+        cls, solution: _GridSolution, friction_limit: Array, is_in_contact: NDArray[np.bool_]
     ) -> _FieldsAtPoints:
-        """Shear, slip and state of contact at n instants and k points from the means over the
-        grids, without errors. Shear is 0 outside the contact.
+        """Shear q = f p (q/(f p)), slip and state of contact at n instants and k points, without
+        errors. q/(f p) and slip are the means over grids.
 
-        `answers` has the means: q/(f p) as `friction_ratio` and s as `slip`, (n, k) each.
-        `friction_limit` (n, k) is f p. A point slips where |q| reaches f p.
+        Outside the contact the shear is 0. A point slips where |q| reaches f p.
+
+        Parameters
+        ----------
+        solution
+            `friction_ratio`, the mean of q/(f p), and `slip`, that of s [length], (n, k) each
+        friction_limit
+            (n, k) exact f p [stress]
+        is_in_contact
+            (n, k) which points are in contact
         """
-        friction_ratio = np.where(is_in_contact, answers.friction_ratio, 0.0)
+        friction_ratio = np.where(is_in_contact, solution.friction_ratio, 0.0)
         state = _states_of(friction_ratio, is_in_contact)
-        return cls(friction_limit * friction_ratio, answers.slip, state.astype(np.int8), {})
+        return cls(friction_limit * friction_ratio, solution.slip, state.astype(np.int8), {})
 
 
-def _errors_of_work(runs: _Runs, density_of_grids: Array, x: Array) -> dict[str, float]:
-    """Relative errors of the friction work W of the last cycle and of its density W(x) at points x
-    (k,), from the change between coarse and fine grids.
+def _errors_of_work(
+    solutions: _CoarseAndFineSolutions, work_per_area: Array, x: Array
+) -> dict[str, float]:
+    """Relative errors of the friction work W of the last cycle and of W(x), the work per area at
+    points x (k,), from the change between coarse and fine grids.
 
-    `runs` has the answers of both; `work` (g,) is W by each of g grids. `density_of_grids` (g, k)
-    is W(x) by the fine ones.
+    `work_per_area` (g, k) is W(x) by each of g fine grids.
     """
-    coarse_density = _work_density_at(runs.coarse_grids, runs.coarse_answers, x)
-    # convergence_order: power of the cell width with which the error falls.
+    coarse_work_per_area = _work_per_area_at(solutions.coarse_grids, solutions.coarse_solution, x)
+    # convergence_order: power of the cell width with which the error falls
     return {
         "dissipation": _relative_error(
-            runs.fine_answers.work, runs.coarse_answers.work, convergence_order=1.5
+            solutions.fine_solution.work_of_last_cycle,
+            solutions.coarse_solution.work_of_last_cycle,
+            convergence_order=1.5,
         ),
         "dissipation_density": _relative_error(
-            density_of_grids, coarse_density, convergence_order=1
+            work_per_area, coarse_work_per_area, convergence_order=1
         ),
     }
 
 
 def _errors_of_fields(
-    runs: _Runs, friction_limit: Array, is_beside_edge: NDArray[np.bool_]
+    solutions: _CoarseAndFineSolutions,
+    friction_limit: Array,
+    is_beside_edge: NDArray[np.bool_],
 ) -> dict[str, float]:
-    """Relative errors of the shear q and the slip s at points, by name, from the change between
+    """Relative errors of the shear q and the slip s at k points, by name, from the change between
     coarse and fine grids.
 
     Where a slip zone is narrower than a cell, q is the inverse root of the distance from the edge
@@ -2471,76 +2588,75 @@ def _errors_of_fields(
 
     Parameters
     ----------
-    runs
-        the answers of both; those of each of g grids by itself, (g, n', k), are at every
-        `plan.stride`-th instant and at k points
+    solutions
+        by coarse and fine grids; q/(f p) and slip by each single grid, (g, n', k), are at every
+        `plan.stride`-th of n instants
     friction_limit
         (n, k) f p at all n instants [stress]
     is_beside_edge
         (n, k) whether a point lies within a coarse cell of an edge of contact
     """
-    limit_at_instants = friction_limit[:: runs.plan.stride]
-    fine_answers = runs.fine_answers
-    coarse_answers = runs.coarse_answers
-    # convergence_order: power of the cell width with which the error falls.
+    limit_at_instants = friction_limit[:: solutions.plan.stride]
+    is_beside_edge_at_instants = is_beside_edge[:: solutions.plan.stride]
+    fine_solution = solutions.fine_solution
+    coarse_solution = solutions.coarse_solution
+    # convergence_order: power of the cell width with which the error falls
     return {
         "shear": _relative_error(
-            limit_at_instants * fine_answers.friction_ratio_by_grid,
-            limit_at_instants * coarse_answers.friction_ratio_by_grid,
+            limit_at_instants * fine_solution.friction_ratio_by_grid,
+            limit_at_instants * coarse_solution.friction_ratio_by_grid,
             convergence_order=np.where(
-                is_beside_edge[:: runs.plan.stride], _ORDER_OF_SHEAR_BESIDE_EDGE, 1.0
+                is_beside_edge_at_instants, _ORDER_OF_SHEAR_BESIDE_EDGE, 1.0
             ),
         ),
         "slip": _relative_error(
-            fine_answers.slip_by_grid, coarse_answers.slip_by_grid, convergence_order=0.9
+            fine_solution.slip_by_grid, coarse_solution.slip_by_grid, convergence_order=0.9
         ),
     }
 
 
-def _uncertainty_of_permanent_stick(runs: _Runs) -> float:
-    """Uncertainty of an edge of the permanent stick zone [length]: twice the larger change of its
-    two edges from coarse grids to fine ones, and the share of a cell by which grids are moved. NaN
-    where fine grids have no such zone.
+def _uncertainty_of_permanent_stick(solutions: _CoarseAndFineSolutions) -> float:
+    """Uncertainty of an edge of the permanent stick zone [length]: twice its change from coarse
+    grids to fine ones, plus the length by which one grid is moved against the next, 1/16 of a cell.
 
-    An edge errs by a fraction of a cell, so that half as many cells double its error. The mean over
-    the grids does not see less than that share. Where coarse grids have no zone, it is the width of
-    that of the fine ones.
+    Of the two edges the larger change counts. An edge errs by a fraction of a cell, so that half as
+    many cells double its error; the mean over the grids does not resolve less than 1/16 of a cell.
+    Where coarse grids have no such zone, the width of that of the fine ones stands for twice the
+    change. NaN where fine grids have none.
     """
-    fine_edges = runs.fine_answers.permanent_stick_edges
-    coarse_edges = runs.coarse_answers.permanent_stick_edges
-    width = float(fine_edges[1] - fine_edges[0])
-    # _GRID_SHIFTS: 16 shifts of a grid within a cell.
-    moved_length = runs.fine_grids.cell_width / len(_GRID_SHIFTS)
+    fine_edges = solutions.fine_solution.permanent_stick_edges
+    coarse_edges = solutions.coarse_solution.permanent_stick_edges
+    zone_width = float(fine_edges[1] - fine_edges[0])
+    shift_between_grids = solutions.fine_grids.cell_width / len(_GRID_SHIFTS)
     if np.isnan(coarse_edges).any():
-        return width + moved_length
+        return zone_width + shift_between_grids
     change = float(np.max(np.abs(fine_edges - coarse_edges)))
-    return _SAFETY_OF_CHANGE * change + moved_length
+    return _SAFETY_OF_CHANGE * change + shift_between_grids
 
 
-def _counts_of(runs: _Runs, n_cells: int) -> dict[str, int]:
+def _counts_of(solutions: _CoarseAndFineSolutions, n_cells: int) -> dict[str, int]:
     """Numbers that describe the effort of a solution on grids, by name: grids, cells across the
-    largest contact, increments, and zones that stick ("pieces").
+    largest contact (`n_cells`), increments, and zones that stick ("pieces").
 
     Where there are any, also cycles that coarse grids alone followed, and increments of the fine
     grids whose newly touched cells were given no slip before the touch, counted for each grid.
-    `runs` has the answers of coarse and fine grids; `n_cells` is the number of cells across the
-    largest contact.
     """
-    # _GRID_SHIFTS: 16 shifts, one for each grid.
+    first_solution = solutions.first_solution
+    fine_solution = solutions.fine_solution
     counts = {
-        "grids": 2 * len(_GRID_SHIFTS),
+        "grids": 2 * len(_GRID_SHIFTS),  # 16 fine and 16 coarse ones
         "cells": n_cells,
-        "increments": runs.first_answers.n_increments + runs.fine_answers.n_increments,
-        "pieces": runs.fine_answers.most_stick_zones,
+        "increments": first_solution.n_increments + fine_solution.n_increments,
+        "pieces": fine_solution.most_stick_zones,
     }
-    # Else the first answers are those of the coarse grids themselves.
-    if not runs.plan.is_last_cycle_alone:
-        counts["increments"] += runs.coarse_answers.n_increments
-    # The fine grids followed only the last cycles; cycle_numbers[0]: index of the first of them.
-    if runs.plan.is_resumed:
-        counts["cycles on coarse grids alone"] = runs.plan.cycle_numbers[0]
-    if runs.fine_grids.increments_without_early_slip:
-        counts["increments without early slip"] = runs.fine_grids.increments_without_early_slip
+    # Where the last cycle alone is wanted, the coarse grids are those that went first.
+    if not solutions.plan.is_last_cycle_alone:
+        counts["increments"] += solutions.coarse_solution.n_increments
+    if solutions.plan.is_resumed:
+        # index of the first cycle that the fine grids followed
+        counts["cycles on coarse grids alone"] = solutions.plan.cycle_numbers[0]
+    if solutions.fine_grids.increments_without_early_slip:
+        counts["increments without early slip"] = solutions.fine_grids.increments_without_early_slip
     return counts
 
 
@@ -2561,15 +2677,15 @@ def cycle_works(
     modulus: float,
     request: GridRequest,
 ) -> Array:
-    """Friction work of each of the c cycles of a load path, (16, c), on 16 grids that are moved by
-    parts of a cell [energy per unit thickness], until one cycle repeats the one before.
+    """Friction work of each of the c cycles of a load path, (16, c), on 16 grids [energy per unit
+    thickness], until one cycle repeats the one before. The grids are moved by fractions of a cell.
 
     Of a path without cycles it is the work of all of it, (16, 1).
 
     Parameters
     ----------
     loads
-        P, Q, bulk strain and tilt along the path; `loads.path.cycle` is empty without cycles
+        P, Q, bulk strain and tilt along the path
     outermost_edges
         the leftmost and the rightmost edge of contact along the path [length]
     height
@@ -2584,19 +2700,18 @@ def cycle_works(
     InputError
         Where an increment does not converge.
     """
-    # _GRID_SHIFTS: 16 shifts by fractions of a cell.
     grids = _GridSetup(height, outermost_edges, friction, modulus).moved_grids(
         request.cells, _GRID_SHIFTS
     )
     path_in_increments = _PathInIncrements(loads, request.increments)
-    n_cycles = request.most_cycles if loads.path.cycle else 0
-    # number -1 is the initial loading before the first cycle, 0
+    n_cycles = request.most_cycles if path_in_increments.load_path.cycle else 0
+    # Number -1 is the initial loading before the first cycle, 0.
     cycle_numbers = range(-1, n_cycles)
     no_points = np.zeros(0)
     no_instants = np.zeros(0)
     return _follow_cycles(
         grids, path_in_increments, no_points, no_instants, cycle_numbers, least_cycles=1
-    ).works
+    ).works_of_cycles
 
 
 class RatioOnGrids(NamedTuple):
@@ -2617,8 +2732,8 @@ def friction_ratio_on_grids(
     time: Array,
     request: GridRequest,
 ) -> RatioOnGrids:
-    """q/(f p) at n instants and k points by 16 grids alone, without coarser ones that estimate an
-    error or find the number of cycles.
+    """q/(f p) at n instants and k points, the mean over 16 grids that are moved by fractions of a
+    cell, without an error, along a known number of cycles.
 
     Parameters
     ----------
@@ -2633,25 +2748,23 @@ def friction_ratio_on_grids(
     x, time
         (k,) points; (n,) instants
     request
-        how fine the grids are, and how many cycles are followed, whether steady or not
+        how fine the grids are; `most_cycles`, how many cycles are followed, steady or not
 
     Raises
     ------
     InputError
         Where an increment does not converge.
     """
-    # _GRID_SHIFTS: 16 shifts by fractions of a cell.
-    grids = _setup_along_path(loads, contact, height, friction).moved_grids(
-        request.cells, _GRID_SHIFTS
-    )
+    setup = _setup_along_path(loads, contact, height, friction)
+    grids = setup.moved_grids(request.cells, _GRID_SHIFTS)
     path_in_increments = _PathInIncrements(loads, request.increments)
-    n_cycles = request.most_cycles if loads.path.cycle else 0
+    n_cycles = request.most_cycles if path_in_increments.load_path.cycle else 0
     # Number -1 is the initial loading before the first cycle, 0.
     cycle_numbers = range(-1, n_cycles)
-    answers = _follow_cycles(
+    solution = _follow_cycles(
         grids, path_in_increments, x, time, cycle_numbers, least_cycles=len(cycle_numbers)
     )
-    return RatioOnGrids(answers.friction_ratio, grids.cell_width)
+    return RatioOnGrids(solution.friction_ratio, grids.cell_width)
 
 
 def _default_times(
@@ -2683,30 +2796,41 @@ def _default_times(
     return np.unique(np.concatenate(times_of_parts))
 
 
-def _work_density_at(grid: Grid, answers: _Answers, x: Array) -> Array:
+def _work_per_area_at(grids: Grid, solution: _GridSolution, x: Array) -> Array:
     """Friction work per area of the last cycle, W(x), by each of g grids at points x (m,), (g, m)
     [energy per area]: linear between the middles of cells, 0 beyond them.
 
-    `grid.x` (g, k) are those middles, `answers.density` (g, k) is the work per area there.
+    Parameters
+    ----------
+    grids
+        `x` (g, k) are the middles of the k cells of each grid
+    solution
+        `work_per_area` (g, k) is that of the cells in the last cycle
     """
-    density_of_grids = [
-        np.interp(x, middles_of_cells, density_of_cells, left=0.0, right=0.0)
-        for middles_of_cells, density_of_cells in zip(grid.x, answers.density, strict=True)
+    by_grid = [
+        np.interp(x, cell_middles, work_of_cells, left=0.0, right=0.0)
+        for cell_middles, work_of_cells in zip(grids.x, solution.work_per_area, strict=True)
     ]
-    return np.array(density_of_grids)
+    return np.array(by_grid)
 
 
 def _relative_error(
     fine_values: Array, coarse_values: Array, convergence_order: float | Array
 ) -> float:
     """Relative error of the mean over the fine grids: a root mean square over all points and
-    instants, divided by the largest fine value.
+    instants, divided by the largest fine value. 0 where all fine values are 0.
 
-    It is twice the sum of two parts. The first is the change of the mean from coarse grids to fine
-    ones, divided by 2^order - 1 (Richardson); `convergence_order` is that of the error in the cell
-    width, one for all or one for each value. The second is twice the standard error of the mean,
-    from four groups of grids. Arrays have the grids along their first axis. 0 where all fine values
-    are 0.
+    It is twice the sum of two parts, of which each is such a root mean square:
+
+    - the change of the mean from coarse grids to fine ones, divided by 2^order - 1 (Richardson);
+    - twice the standard error of the mean, from the means of four groups of grids.
+
+    Parameters
+    ----------
+    fine_values, coarse_values
+        values by each grid, with the grids along the first axis
+    convergence_order
+        order with which the error falls with the cell width, one for all or one for each value
     """
     largest_value = float(np.max(np.abs(fine_values), initial=0.0))
     if largest_value <= 0:
@@ -2719,9 +2843,9 @@ def _relative_error(
             for first_grid in range(_COUNT_OF_GRID_GROUPS)
         ]
     )
-    # Squared standard error of the mean; the root of its mean over all values is taken below.
-    variance = np.var(means_of_groups, axis=0) / (_COUNT_OF_GRID_GROUPS - 1)
-    remainder = change_from_coarse_grids / (2**convergence_order - 1)
-    error_by_change = np.sqrt(np.mean(remainder**2))
-    error = 2 * np.sqrt(np.mean(variance)) + error_by_change
+    squared_standard_error = np.var(means_of_groups, axis=0) / (_COUNT_OF_GRID_GROUPS - 1)
+    standard_error = np.sqrt(np.mean(squared_standard_error))
+    remaining_error = change_from_coarse_grids / (2**convergence_order - 1)
+    error_by_change = np.sqrt(np.mean(remaining_error**2))
+    error = 2 * standard_error + error_by_change
     return _SAFETY_OF_CHANGE * float(error) / largest_value

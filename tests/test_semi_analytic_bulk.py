@@ -1425,8 +1425,8 @@ def test_a_permanent_stick_zone_that_coarse_grids_lack_is_uncertain_by_its_width
 
     def uncertainty(fine_edges, coarse_edges):
         runs = SimpleNamespace(
-            fine_answers=SimpleNamespace(permanent_stick_edges=np.array(fine_edges)),
-            coarse_answers=SimpleNamespace(permanent_stick_edges=np.array(coarse_edges)),
+            fine_solution=SimpleNamespace(permanent_stick_edges=np.array(fine_edges)),
+            coarse_solution=SimpleNamespace(permanent_stick_edges=np.array(coarse_edges)),
             fine_grids=SimpleNamespace(cell_width=0.016),
         )
         return dense_grid._uncertainty_of_permanent_stick(runs)
