@@ -666,11 +666,11 @@ def follow_actuator(
     # Memory of friction of the contact, of no memory curve yet, and the solver of Q in each step.
     memory = FrictionMemory(table, friction, largest_load, Pieces())
     step_solver = _StepSolver(memory, compliance)
-    # The first instant is unloaded: P = Q = 0. A row has loads, curvatures and contact edge.
-    first_row = step_solver.row_under_loads(0.0, 0.0)
+    # The first instant is unloaded: P = Q = 0. A contact is its loads, curvatures and edge.
+    unloaded_contact = step_solver.contact_under_loads(0.0, 0.0)
     growing_path = _GrowingPath(
         _Instant(float(rows.time[0]), 0.0, 0.0, float(rows.displacement[0])),
-        _SolvedStep(first_row, memory.step(UNLOADED_STATE, first_row)),
+        _SolvedStep(unloaded_contact, memory.step(UNLOADED_STATE, unloaded_contact)),
     )
     # where each instant of `rows` is in the path: begins of slides are in it too
     index_of_row = [0] * len(rows.time)
@@ -728,7 +728,7 @@ class _GrowingPath:
     def add(self, instant: _Instant, solved_step: _SolvedStep) -> None:
         """Add an instant, whose Q is that of the solved step that ends there."""
         self.free_displacement += solved_step.slide_distance + solved_step.distance_apart
-        self.last_instant = instant._replace(tangential_load=solved_step.row.tangential_load)
+        self.last_instant = instant._replace(tangential_load=solved_step.contact.tangential_load)
         self.steps.append(solved_step)
         self._instants.append(self.last_instant)
         self._free_displacements.append(self.free_displacement)
@@ -743,7 +743,7 @@ class _GrowingPath:
         A memory curve is the tangential force that stuck punches keep.
         """
         # Loads, curvatures and edge of contact: one line of the array for each field of `Row`.
-        memory_rows = np.array([solved_step.row for solved_step in self.steps]).T
+        memory_rows = np.array([solved_step.contact for solved_step in self.steps]).T
         memory_steps = [solved_step.memory_step for solved_step in self.steps]
         return DrivenPath(
             time=np.array([instant.time for instant in self._instants]),
@@ -784,7 +784,7 @@ class _SolvedStep(NamedTuple):
 
     Attributes
     ----------
-    row
+    contact
         P, Q, curvatures and edge of contact at its end
     memory_step
         memory of friction and slip zones at its end
@@ -794,7 +794,7 @@ class _SolvedStep(NamedTuple):
         way of the actuator while the bodies are apart [length]
     """
 
-    row: Row
+    contact: Row
     memory_step: MemoryStep
     slide_distance: float = 0.0
     distance_apart: float = 0.0
@@ -846,7 +846,7 @@ class _StepSolver:
         self._logarithm_integrals_at_tops = [0.0]
         self._second_moments_at_tops = [0.0]
 
-    def row_under_loads(self, normal_load: float, tangential_load: float) -> Row:
+    def contact_under_loads(self, normal_load: float, tangential_load: float) -> Row:
         """Loads P and Q, the curvatures that they add to gap and faces, and the edge of contact
         under them. With it are the loads of the flat punches up to that edge.
         """
@@ -900,11 +900,11 @@ class _StepSolver:
             sliding, at a fraction of the step [length].
             """
             instant = begin.at_fraction(end, fraction)
-            row_at_limit = self.row_under_loads(
+            contact_at_limit = self.contact_under_loads(
                 instant.normal_load, direction * memory.friction * instant.normal_load
             )
             displacement_at_limit = self._displacement_without_slide(
-                row_at_limit, memory.step_of_gross_sliding(row_at_limit, direction)
+                contact_at_limit, memory.step_of_gross_sliding(contact_at_limit, direction)
             )
             self._discard_pieces(n_pieces)  # of this trial
             return direction * (
@@ -961,10 +961,10 @@ class _StepSolver:
         memory = self._memory
         if memory.is_unloaded(end.normal_load):
             # The bodies are apart: the actuator moves freely.
-            row = self.row_under_loads(0.0, 0.0)
+            open_contact = self.contact_under_loads(0.0, 0.0)
             return _SolvedStep(
-                row,
-                memory.step(state, row),
+                open_contact,
+                memory.step(state, open_contact),
                 distance_apart=end.actuator_displacement - free_displacement,
             )
         target_displacement = end.actuator_displacement - free_displacement
@@ -980,16 +980,16 @@ class _StepSolver:
         direction = 1 if trial.displacement_without_slide <= target_displacement else -1
 
         # Sliding as a whole, if U_act goes beyond U + Q/k_s at Q = +-f P.
-        row_at_limit = self.row_under_loads(end.normal_load, direction * friction_limit)
-        sliding_step = memory.step_of_gross_sliding(row_at_limit, direction)
+        contact_at_limit = self.contact_under_loads(end.normal_load, direction * friction_limit)
+        sliding_step = memory.step_of_gross_sliding(contact_at_limit, direction)
         slide_distance = target_displacement - self._displacement_without_slide(
-            row_at_limit, sliding_step
+            contact_at_limit, sliding_step
         )
 
         # At the begin of a slide nothing is left but round-off, of either sign.
         # _ROUND_OFF_DISPLACEMENT_SHARE: 1e-12 of the displacement.
         if direction * slide_distance >= -_ROUND_OFF_DISPLACEMENT_SHARE * abs(target_displacement):
-            return _SolvedStep(row_at_limit, sliding_step, slide_distance=slide_distance)
+            return _SolvedStep(contact_at_limit, sliding_step, slide_distance=slide_distance)
         self._discard_pieces(n_pieces)
         return self._step_by_newton(
             state, end, trial, target_displacement, direction * friction_limit
@@ -1048,7 +1048,8 @@ class _StepSolver:
                 or trial.displacement_without_slide == target_displacement
             ):
                 return _SolvedStep(
-                    self.row_under_loads(end.normal_load, new_tangential_load), trial.memory_step
+                    self.contact_under_loads(end.normal_load, new_tangential_load),
+                    trial.memory_step,
                 )
             self._discard_pieces(n_pieces)
             if trial.displacement_without_slide < target_displacement:
@@ -1066,14 +1067,14 @@ class _StepSolver:
 
         The pieces of the new memory curve are stored.
         """
-        row = self.row_under_loads(normal_load, tangential_load)
-        step = self._memory.step(state, row)
-        return _Trial(tangential_load, step, self._displacement_without_slide(row, step))
+        contact = self.contact_under_loads(normal_load, tangential_load)
+        step = self._memory.step(state, contact)
+        return _Trial(tangential_load, step, self._displacement_without_slide(contact, step))
 
-    def _displacement_without_slide(self, row: Row, step: MemoryStep) -> float:
-        """Displacement U + Q/k_s of the actuator at the end of a step under the loads P, Q of `row`
-        [length]: U of contact and bodies, plus the extension of the spring k_s. Gross sliding and
-        separation are not in it.
+    def _displacement_without_slide(self, contact: Row, step: MemoryStep) -> float:
+        """Displacement U + Q/k_s of the actuator at the end of a step [length]: U of contact and
+        bodies, plus the extension of the spring k_s. Gross sliding and separation are not in it.
+        `contact` has P, Q, curvatures and edge of contact there.
 
             (A/pi) int ln(2 L/c) dM + (c_t + 1/k_s) Q + T q_2/2 + N_Q p_2/2 + U_tilt
 
@@ -1093,9 +1094,9 @@ class _StepSolver:
 
         # Integrals of ln(2 L/c) and c^2/2 over the punches up to the edge, each over d eta and over
         # dG.
-        sums_at_edge = self._table.punch_sums_at(row.edge_s, compliance.datum_length)
+        sums_at_edge = self._table.punch_sums_at(contact.edge_s, compliance.datum_length)
         uppermost_piece = step.state.uppermost_piece
-        face_curvature = row.tangential_curvature
+        face_curvature = contact.tangential_curvature
 
         # dM = dF + kt dG: the integrals over F are stored with the pieces of the memory curve.
         logarithm_integral = (
@@ -1107,7 +1108,8 @@ class _StepSolver:
             + face_curvature * sums_at_edge.parabola_second_moment
         )
         pressure_second_moment = (
-            sums_at_edge.second_moment + row.normal_curvature * sums_at_edge.parabola_second_moment
+            sums_at_edge.second_moment
+            + contact.normal_curvature * sums_at_edge.parabola_second_moment
         )
         displacement = compliance.unit_compliance * logarithm_integral
 
@@ -1115,10 +1117,12 @@ class _StepSolver:
         added_compliance = (
             compliance.tangential_body_compliance + compliance.tangential_spring_compliance
         )
-        displacement += added_compliance * row.tangential_load
+        displacement += added_compliance * contact.tangential_load
         displacement += curvatures.tangential * shear_second_moment / 2
         displacement += curvatures.normal_under_shear * pressure_second_moment / 2
-        displacement_by_tilt = compliance.displacement_by_tilt(row.normal_load, row.tangential_load)
+        displacement_by_tilt = compliance.displacement_by_tilt(
+            contact.normal_load, contact.tangential_load
+        )
         return displacement + float(displacement_by_tilt)
 
     def _compliance_at(self, step: MemoryStep, normal_load: float) -> float:

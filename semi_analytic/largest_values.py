@@ -50,10 +50,10 @@ _LEAST_CANDIDATE_SHARE = 0.97
 # parabola, with an error of the fourth power of the spacing, any other by the places themselves,
 # which leave a fifth of the former change: less than 1e-10.
 _MOST_SEARCH_ROUNDS = 16
-_NEARLY_SETTLED_CHANGE_SHARE = 1e-10
-_SETTLED_CHANGE_SHARE = 1e-12
+_NEARLY_CONVERGED_CHANGE_SHARE = 1e-10
+_CONVERGED_CHANGE_SHARE = 1e-12
 # The same on hundreds of straight steps: with a kink at each there is no square of the spacing.
-_SETTLED_CHANGE_SHARE_ON_STEPS = 1e-9
+_CONVERGED_CHANGE_SHARE_ON_STEPS = 1e-9
 # Instants at which the tension is looked at first.
 _INSTANTS_AT_FIRST = 120
 # Parts of a load path, between turning points of P, beyond which it is a long path.
@@ -437,7 +437,7 @@ class _Search:
         first_kink = max(nearest_kink - _KINKS_ON_EACH_SIDE, 0)
         kinks_nearby = self.kinks[first_kink : nearest_kink + _KINKS_ON_EACH_SIDE + 1]
         return _largest_value_and_place(
-            values_at, kinks_nearby, settled_share=_SETTLED_CHANGE_SHARE_ON_STEPS
+            values_at, kinks_nearby, converged_share=_CONVERGED_CHANGE_SHARE_ON_STEPS
         )
 
     def largest_edge_tension(self) -> tuple[float, float]:
@@ -511,17 +511,17 @@ def _largest_value_and_place(
     values_at: Callable[[Array], Array],
     kinks: Array,
     n_first_places: int = _PLACES_AT_FIRST,
-    settled_share: float = _SETTLED_CHANGE_SHARE,
+    converged_share: float = _CONVERGED_CHANGE_SHARE,
 ) -> tuple[float, float]:
     """Largest value of a function of place or time, and where it is, over the range of `kinks`
     (n,), ascending, between which the function is smooth.
 
-    `values_at` takes places (m,) and returns (m,). `n_first_places` places are tried at first, then
-    ever closer ones around the largest local maxima. A round that raises the largest value by less
-    than `settled_share` of itself ends the search, if the round before raised it by less than
-    1e-10. So do 16 rounds, and a value that is not finite, which is returned. One kink alone is the
-    place. Around a local maximum eleven places are tried, and the vertex of the parabola through it
-    and its neighbours.
+    About `n_first_places` places are tried at first. In each round closer ones follow around the
+    three largest local maxima: eleven places, and the vertex of the parabola through a maximum and
+    its neighbours. The search has converged if a round raises the largest value by less than
+    `converged_share` of itself, and the round before by less than 1e-10. It ends after 16 rounds in
+    any case, and at a value that is not finite, which is returned. `values_at` takes places (m,)
+    and returns the values (m,). A single kink is the place.
 
     >>> top, place = _largest_value_and_place(lambda x: 1 - (x - 0.3) ** 2, np.array([0.0, 1.0]))
     >>> round(top, 12), round(place, 5)
@@ -537,8 +537,8 @@ def _largest_value_and_place(
     place = float(first_places[index_of_largest_value])
     # three at most, each with its two neighbours
     local_maxima = _local_maxima(first_places, first_values)
-    nearly_settled_share = max(settled_share, _NEARLY_SETTLED_CHANGE_SHARE)
-    is_nearly_settled = False
+    nearly_converged_share = max(converged_share, _NEARLY_CONVERGED_CHANGE_SHARE)
+    is_nearly_converged = False
 
     # closer and closer places around the maxima
     for _ in range(_MOST_SEARCH_ROUNDS):
@@ -552,9 +552,9 @@ def _largest_value_and_place(
         if value_change > 0:
             largest_value = float(new_values[index_of_largest_value])
             place = float(all_places[index_of_largest_value])
-        if is_nearly_settled and value_change <= settled_share * abs(largest_value):
+        if is_nearly_converged and value_change <= converged_share * abs(largest_value):
             break
-        is_nearly_settled = value_change <= nearly_settled_share * abs(largest_value)
+        is_nearly_converged = value_change <= nearly_converged_share * abs(largest_value)
         local_maxima = [
             maximum.narrowed(places, new_values[np.searchsorted(all_places, places)])
             for maximum, places in zip(local_maxima, places_by_maximum, strict=True)

@@ -623,7 +623,7 @@ def _reasons_without_root(targets: _Targets, roots: _Roots, limits: _Limits) -> 
     conditions = {
         NoFriction.INVALID: ~(np.isfinite(targets.works) & (targets.works > 0)),
         NoFriction.LOADS: ~limits.is_solvable,
-        NoFriction.UNSETTLED: roots.is_unsettled,
+        NoFriction.UNSETTLED: roots.is_not_converged,
         NoFriction.TOO_MUCH: (roots.n_roots == 0) & (targets.works > limits.most_work),
         NoFriction.TOO_LITTLE: roots.n_roots == 0,
     }
@@ -791,13 +791,13 @@ class _Roots(NamedTuple):
         them, at least 1
     n_roots
         (n,) how many f each target has
-    is_unsettled
+    is_not_converged
         (n,) whether the search for one of them failed
     """
 
     rows: Array
     n_roots: NDArray[np.intp]
-    is_unsettled: NDArray[np.bool_]
+    is_not_converged: NDArray[np.bool_]
 
 
 def _roots_of(curve: _WorkCurve, work_of: WorkFunction, targets: _Targets) -> _Roots:
@@ -818,9 +818,9 @@ def _roots_of(curve: _WorkCurve, work_of: WorkFunction, targets: _Targets) -> _R
     sample_before_root, target_of_root = _samples_before_roots(curve, targets)
     n_roots = np.bincount(target_of_root, minlength=len(targets.works))
     rows = np.full((len(targets.works), max(1, int(n_roots.max(initial=0)))), np.nan)
-    is_unsettled = np.zeros(len(targets.works), dtype=bool)
+    is_not_converged = np.zeros(len(targets.works), dtype=bool)
     if not len(sample_before_root):
-        return _Roots(rows, n_roots, is_unsettled)
+        return _Roots(rows, n_roots, is_not_converged)
 
     # `scipy.optimize` alone does not load it
     from scipy.optimize import elementwise  # noqa: PLC0415
@@ -843,8 +843,8 @@ def _roots_of(curve: _WorkCurve, work_of: WorkFunction, targets: _Targets) -> _R
     rows[target_of_root, place_in_row] = np.exp(root_search.x)
     # a residual above 1e-8 of the target: not found
     is_found = np.abs(root_search.f_x) <= _LARGEST_RESIDUAL * works_at_roots
-    is_unsettled[target_of_root[~is_found]] = True
-    return _Roots(rows, n_roots, is_unsettled)
+    is_not_converged[target_of_root[~is_found]] = True
+    return _Roots(rows, n_roots, is_not_converged)
 
 
 def _samples_before_roots(

@@ -97,27 +97,30 @@ def loads_left_at_stroke_end(stick_ratio: float, n_panels: int) -> LoadsLeft:
 
 def _shear_left(stick_ratio: float, panel_begin: Array, panel_end: Array) -> Array:
     """Shear that the smooth end of a slip stroke leaves on each of n panels, ranges of x in the
-    slip zone, (n,), over (pi/A)^2 a a_s'^2/N''.
+    slip zone, (n,), divided by (pi/A)^2 a a_s'^2/N''.
 
-    A stroke is half a cycle, with slip in one direction. a is the contact half-width, A = 2/E*, s
-    the direction of slip. N'' is the second derivative of f P - s Q at the end of the stroke. a_s'
-    is the rate of f alpha - s eps, alpha the tilt, eps the bulk strain. The panels are in the order
-    in which they stop.
+    A stroke is half a cycle, with slip in one direction. Its end is smooth where the loads turn
+    without a jump of their rates. While tilt or bulk strain still changes, one panel after the
+    other comes to rest, in the order given. On a panel at rest f p - s q grows, at the rate that
+    keeps its slip rate 0. Elimination in this order (Cholesky) gives the instant y/z at which each
+    panel stops, and the integral of these rates up to the end, which is the shear left:
 
         L^-T (y^2/z)/2,    y = L^-1 sgn(x) sqrt(x^2 - c^2),    z = L^-1 arccosh(|x|/c)
 
     L is the Cholesky factor of the influence matrix ln|(1 - w w')/(w - w')| of shear outside of a
     stick zone |x| < c, integrated over panels. w = sgn(x) exp(-arccosh(|x|/c)) is the image of x.
+    Panels go from `panel_begin` to `panel_end`, over the contact half-width a; `stick_ratio` is
+    c/a.
 
-    Panels go from `panel_begin` to `panel_end`, over the half-width of contact; `stick_ratio` is c
-    over it.
+    # notation: A = 2/E*, s direction of slip, N'' second derivative of f P - s Q at the end of the
+    #           stroke, a_s' rate of f alpha - s eps, alpha tilt, eps bulk strain
     """
     panel_x = (panel_begin + panel_end) / 2
     panel_width = panel_end - panel_begin
     arccosh_of_x = np.arccosh(np.abs(panel_x) / stick_ratio)
     signed_root = np.sign(panel_x) * np.sqrt(panel_x**2 - stick_ratio**2)
     image_of_x = np.sign(panel_x) * np.exp(-arccosh_of_x)
-    # ln |w - w'| - ln |x - xi| is smooth, on the diagonal ln |dw/dx|; ln |x - xi| is integrated in
+    # ln |w - w'| - ln |x - x'| is smooth, on the diagonal ln |dw/dx|; ln |x - x'| is integrated in
     # closed form.
     image_distance = np.abs(image_of_x[:, None] - image_of_x)
     distance = np.abs(panel_x[:, None] - panel_x)
