@@ -187,107 +187,110 @@ def _figure_1(case: Case) -> Plate:
     `case` is the paper's ellipse of loads on one profile. Lengths are those of the drawing, in
     which a horizontal unit is a0, the contact half-width at the mean load (`unit_length`).
     """
-    # the foot: its gap at x/a0 in the scene's unit, and drawn 0.45 high at its ends
+    # the gap at x/a0, in the scene's unit of length; it is drawn 0.45 high at the ends of the foot
     x = np.linspace(-1.9, 1.9, 191)
-    gap = np.asarray(case.scene.profile.height(x * case.unit_length))
-    foot_height = gap * 0.45 / gap[0]
-
-    # the rotor on its axle, with the eccentric weight; the struts end at the rotor
-    circle_angles = np.linspace(0.0, 2 * math.pi, 121)
-    arrow_angles = np.linspace(math.radians(70), math.radians(160), 31)
-    axle = (0.0, 2.35)
-    rotor_radius = 0.85
-    weight_angle = math.radians(35.0)
-    direction_x = math.cos(weight_angle)
-    direction_y = math.sin(weight_angle)
-    weight_place = (axle[0] + 0.55 * direction_x, axle[1] + 0.55 * direction_y)
-    force_tip = (axle[0] + 1.6 * direction_x, axle[1] + 1.6 * direction_y)
-    strut_heights = [1.1, axle[1] - rotor_radius * math.sin(math.acos(0.4 / rotor_radius))]
-    arrow_x = axle[0] + 0.6 * np.cos(arrow_angles)
-    arrow_y = axle[1] + 0.6 * np.sin(arrow_angles)
-
-    # Half-plane, foot with its dimensions, struts, rotor with weight and force, sense of rotation,
-    # self-weight: _line(x, y, label, look), _text_at(x, y, text, shift, colour).
-    marks: list[Mark] = [
-        Band(np.array([-2.6, 2.6]), np.full(2, -0.9), np.zeros(2), "body lower"),
-        _line([-2.6, 2.6], [0.0, 0.0]),
-        Band(x, foot_height, np.full(len(x), 1.1), "body upper"),
-        _line(
-            np.concatenate([x, x[::-1], x[:1]]),
-            np.concatenate([foot_height, np.full(len(x), 1.1), foot_height[:1]]),
-        ),
-        Arrow((-2.5, 0.22), (-2.0, 0.22), "solid"),
-        *_text_at(-2.5, 0.22, "x, Q", (14.0, 9.0)),
-        Arrow((-0.505, -0.2), (0.505, -0.2), "solid"),
-        Arrow((0.505, -0.2), (-0.505, -0.2), "solid"),
-        *_text_at(0.0, -0.2, "flat face, 2 b", (0.0, -12.0)),
-        *_text_at(1.45, 0.55, "edges of\nradius R", (0.0, 7.0)),
-        *_text_at(0.0, -0.72, "half-plane"),
-        _line([-0.55, -0.4], strut_heights),
-        _line([0.55, 0.4], strut_heights),
-        _line(
-            axle[0] + rotor_radius * np.cos(circle_angles),
-            axle[1] + rotor_radius * np.sin(circle_angles),
-            look="bold",
-        ),
-        _line([axle[0], weight_place[0]], [axle[1], weight_place[1]], look="faint"),
-        *_text_at(*axle, "", dot=True),
-        _line(
-            weight_place[0] + 0.1 * np.cos(circle_angles),
-            weight_place[1] + 0.1 * np.sin(circle_angles),
-            look="c1 broad-line",
-        ),
-        Arrow(weight_place, force_tip, "c1"),
-        *_text_at(
-            *force_tip,
-            "turning force: P₁ cos ωt down,\nQ₁ cos(ωt − φ) along x",
-            (72.0, 14.0),
-            "1",
-        ),
-        _line(arrow_x, arrow_y, look="faint"),
-        Arrow((-0.5, 2.68), (float(arrow_x[-1]), float(arrow_y[-1]) - 0.06), "faint"),
-        *_text_at(-0.42, 2.95, "ω", (0.0, 4.0), text_class="tick"),
-        Arrow(axle, (0.0, 1.2), "c0"),
-        *_text_at(0.0, 1.3, "self-weight P₀", (-82.0, 1.0), "0"),
-    ]
+    initial_gap = np.asarray(case.scene.profile.height(x * case.unit_length))
+    underside_of_foot = initial_gap * 0.45 / initial_gap[0]
     panel = Panel(
         "figure_01",
         Axis(-2.8, 3.6, ""),
         Axis(-0.95, 3.6, ""),
-        marks,
+        [*_marks_of_foot(x, underside_of_foot), *_marks_of_rotor()],
         "A motor on its foot",
         620.0,
         440.0,
         without_axes=True,
         room=(0.0, 0.0, 0.0, 0.0),
     )
-    return _plate("figure_01", [panel], {"x / a(P0)": x, "gap under the foot [scene units]": gap})
+    table = {"x / a(P0)": x, "gap under the foot [scene units]": initial_gap}
+    return _plate("figure_01", [panel], table)
+
+
+def _marks_of_foot(x: Array, underside_of_foot: Array) -> Iterator[Mark]:
+    """The marks of a motor's foot on a half-plane, with names of their parts: both bodies, the
+    direction of x and Q, the width of the flat face. `underside_of_foot` (n,) is the height of its
+    lower face over the half-plane at `x` (n,), in units of the drawing; its top is 1.1 high.
+    """
+    # _line(x, y), _text_at(x, y, text, shift to the right and upwards)
+    yield Band(np.array([-2.6, 2.6]), np.full(2, -0.9), np.zeros(2), "body lower")
+    yield _line([-2.6, 2.6], [0.0, 0.0])
+    yield Band(x, underside_of_foot, np.full(len(x), 1.1), "body upper")
+    outline_x = np.concatenate([x, x[::-1], x[:1]])
+    outline_y = np.concatenate([underside_of_foot, np.full(len(x), 1.1), underside_of_foot[:1]])
+    yield _line(outline_x, outline_y)
+    yield Arrow((-2.5, 0.22), (-2.0, 0.22), "solid")
+    yield from _text_at(-2.5, 0.22, "x, Q", (14.0, 9.0))
+    yield Arrow((-0.505, -0.2), (0.505, -0.2), "solid")
+    yield Arrow((0.505, -0.2), (-0.505, -0.2), "solid")
+    yield from _text_at(0.0, -0.2, "flat face, 2 b", (0.0, -12.0))
+    yield from _text_at(1.45, 0.55, "edges of\nradius R", (0.0, 7.0))
+    yield from _text_at(0.0, -0.72, "half-plane")
+
+
+def _marks_of_rotor() -> Iterator[Mark]:
+    """The marks of a motor above its foot, with names of the forces: two struts; the rotor on its
+    axle; its eccentric weight with the force that turns with it; the sense of rotation; and the
+    self-weight. Lengths are those of the drawing.
+    """
+    circle_angles = np.linspace(0.0, 2 * math.pi, 121)
+    circle_x = np.cos(circle_angles)
+    circle_y = np.sin(circle_angles)
+    axle = (0.0, 2.35)
+    rotor_radius = 0.85
+    # the struts end at the rotor
+    strut_heights = [1.1, axle[1] - rotor_radius * math.sin(math.acos(0.4 / rotor_radius))]
+    yield _line([-0.55, -0.4], strut_heights)
+    yield _line([0.55, 0.4], strut_heights)
+    yield _line(axle[0] + rotor_radius * circle_x, axle[1] + rotor_radius * circle_y, look="bold")
+
+    # the eccentric weight, and the force in its direction from the axle
+    weight_angle = math.radians(35.0)
+    direction_x = math.cos(weight_angle)
+    direction_y = math.sin(weight_angle)
+    weight = (axle[0] + 0.55 * direction_x, axle[1] + 0.55 * direction_y)
+    force_tip = (axle[0] + 1.6 * direction_x, axle[1] + 1.6 * direction_y)
+    yield _line([axle[0], weight[0]], [axle[1], weight[1]], look="faint")
+    yield from _text_at(*axle, "", dot=True)
+    yield _line(weight[0] + 0.1 * circle_x, weight[1] + 0.1 * circle_y, look="c1 broad-line")
+    yield Arrow(weight, force_tip, "c1")
+    words_of_force = "turning force: P₁ cos ωt down,\nQ₁ cos(ωt − φ) along x"
+    yield from _text_at(*force_tip, words_of_force, (72.0, 14.0), "1")
+
+    # the sense of rotation: an arc with the head of an arrow
+    arc_angles = np.linspace(math.radians(70), math.radians(160), 31)
+    arc_x = axle[0] + 0.6 * np.cos(arc_angles)
+    arc_y = axle[1] + 0.6 * np.sin(arc_angles)
+    yield _line(arc_x, arc_y, look="faint")
+    yield Arrow((-0.5, 2.68), (float(arc_x[-1]), float(arc_y[-1]) - 0.06), "faint")
+    yield from _text_at(-0.42, 2.95, "ω", (0.0, 4.0), text_class="tick")
+    yield Arrow(axle, (0.0, 1.2), "c0")
+    yield from _text_at(0.0, 1.3, "self-weight P₀", (-82.0, 1.0), "0")
 
 
 def _figure_2(case: Case) -> Plate:
-    """Figure 2: the initial loading and the ellipse in the plane of P and Q. The letters A to M
-    stand for the events of contact, and lines of gradient f and -f define them. All loads are over
+    """Figure 2: the initial loading and the ellipse of the cycle in the plane of P and Q. Events,
+    such as the end of forward slip (E), have the letters A to M. Lines of gradient f and -f through
+    E and G lead to the load at the stick edge there.
+
+    `case` is the paper's ellipse of loads on one profile; f is its `friction`. Loads are drawn over
     P0/3, a third of the mean normal load (`unit_load`).
 
-    `case` is the paper's ellipse of loads on one profile. Of its events, `front_load` is the normal
-    load whose contact is as wide as the stick zone.
-
-    # notation: P normal load, P0 its mean, Q tangential load
+    # notation: f coefficient of friction, P normal load, P0 its mean, Q tangential load
     """
-    # letter -> P, Q and the load at the stick edge
+    # letter -> P, Q and the load at the stick edge (3,), over P0/3; `front_load`: the normal load
+    # under which the contact would be as wide as the stick zone is at the event
     loads_by_letter = {
         letter: np.array([event.normal_load, event.tangential_load, event.front_load])
         / case.unit_load
         for letter, event in case.events.items()
     }
-    # Limits, paths of the loads, lines and letters: _line(P, Q, label, look), _text_at(P, Q, text,
-    # shift, colour).
-    loads_on_limit = np.array([0.0, 4.6])  # P at both ends of the drawn Coulomb limit
-    q_on_limit = case.friction * loads_on_limit
+    # _line(P, Q, label, look), _text_at(P, Q, text, shift)
+    p_on_limit = np.array([0.0, 4.6])  # at both ends of the drawn limit of gross sliding
+    q_on_limit = case.friction * p_on_limit
     initial_times = np.linspace(case.scene.load.path().start, case.time_of("A"), 101)
     marks: list[Mark] = [
-        _line(loads_on_limit, q_on_limit, "sliding, |Q| = f P", "faint dash fine"),
-        _line(loads_on_limit, -q_on_limit, "", "faint dash fine"),
+        _line(p_on_limit, q_on_limit, "sliding, |Q| = f P", "faint dash fine"),
+        _line(p_on_limit, -q_on_limit, "", "faint dash fine"),
         _line(*case.scaled_loads(initial_times), "initial loading, parabola OA", "c1 dashdot"),
         *_lines_of_gradient_f(case.friction, loads_by_letter),
         _line(*case.scaled_loads(case.cycle_times()), "ellipse, gone round anticlockwise", "bold"),

@@ -446,8 +446,8 @@ def _load_at_k(case: Case) -> VerdictAndNumbers:
     def rate_as_printed(time: Array) -> Array:
         """ds/dt of the slip s where P_K is a constant load: (A f/pi) dP/dt arccosh(x/a)."""
         normal_load, _ = formulas.loads(time)  # P and Q
-        load_rate, _ = formulas.rates(time)
-        return slip_factor * load_rate * formulas.arccosh_ratio(x, normal_load)
+        normal_load_rate, _ = formulas.rates(time)
+        return slip_factor * normal_load_rate * formulas.arccosh_ratio(x, normal_load)
 
     def rate_as_mended(time: Array) -> Array:
         """ds/dt of the slip s with the moving stick edge."""
@@ -631,14 +631,14 @@ def _slip_out_of_contact(case: Case) -> VerdictAndNumbers:
         the half-widths of contact and stick zone; slip is reverse, from event E to G.
         """
         normal_load, _ = formulas.loads(time)  # P and Q
-        load_rate, _ = formulas.rates(time)  # dP/dt and dQ/dt
+        normal_load_rate, _ = formulas.rates(time)  # dP/dt and dQ/dt
         stick_edge_load = formulas.stick_edge_load("EG", time)  # P_c, with half-width c
         # int_c^x and int_a^x of dx' / sqrt(x'^2 - c^2)
         integral_from_c = formulas.arccosh_ratio(x, stick_edge_load)  # arccosh(x/c)
         half_width = case.contact.half_width(normal_load)
         integral_from_a = integral_from_c - formulas.arccosh_ratio(half_width, stick_edge_load)
         stick_edge_load_rate = formulas.stick_edge_load_rate("EG", time)
-        terms = 2 * stick_edge_load_rate * integral_from_c - load_rate * integral_from_a
+        terms = 2 * stick_edge_load_rate * integral_from_c - normal_load_rate * integral_from_a
         return slip_factor * terms
 
     def rate_as_mended(time: Array) -> Array:

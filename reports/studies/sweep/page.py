@@ -497,12 +497,8 @@ class _QuantityFigure:
         *,
         labels_in_corner: bool = False,
     ) -> Panel:
-        """A panel of curves of one quantity of a sweep over one axis.
-
-        Points are dots with bars for their uncertainty. A curve of many points (more than
-        `_MOST_DOTS`, 120) has a band instead, and dots only where the value is not resolved. So the
-        page stays small. A value is not resolved where it is an error that is no larger than its
-        uncertainty; its dot is hollow.
+        """A panel of curves of one quantity of a sweep over one axis, with the uncertainty of each
+        value, and a line at zero where the values have both signs.
 
         Parameters
         ----------
@@ -521,23 +517,44 @@ class _QuantityFigure:
         marks: list[Mark] = [Rule(0.0, "zero")] if y_axis.low < 0 < y_axis.high else []
         coordinate = self.coordinates(column)
         for curve_number, (label, mask) in enumerate(curves):
-            # points of the curve, in ascending order; one of six looks of the style sheet
+            # rows of the table on this curve, in the order of their coordinates
             rows = np.flatnonzero(mask)[np.argsort(coordinate[mask])]
-            style_number = curve_number % _N_LOOKS
-            look = f"line-{style_number}"
+            style_number = curve_number % _N_LOOKS  # one of six looks of the style sheet
             x = coordinate[rows]
-            marks.append(Curve(x, self.value[rows], look, label or self.title_words))
+            marks.append(
+                Curve(x, self.value[rows], f"line-{style_number}", label or self.title_words)
+            )
             if labels_in_corner:
                 marks.append(_label_in_corner(label, curve_number, x_axis, y_axis))
-            ends_of_bars = (self.lower_ends[rows], self.upper_ends[rows])
-            is_long = len(rows) > _MOST_DOTS
-            if is_long:
-                bands.insert(0, Band(x, *ends_of_bars, f"p{style_number} pale"))
-            else:
-                marks.append(bar_curve(x, *ends_of_bars, look))
-            marks += self._dots_of_curve(rows, x, style_number, marks_resolved=not is_long)
+            band, bars_and_dots = self._uncertainty_of_curve(rows, x, style_number)
+            bands = [*band, *bands]
+            marks += bars_and_dots
         alt = f"{self.title_words} over {self.label(column)}"
         return Panel(name, x_axis, y_axis, [*bands, *marks], alt, 480.0, 340.0)
+
+    def _uncertainty_of_curve(
+        self, rows: NDArray[np.intp], x: Array, style_number: int
+    ) -> tuple[list[Mark], list[Mark]]:
+        """The marks of the points of a curve with their uncertainties. First those that lie below
+        all curves: a band, or none; then those on the curve: bars and dots.
+
+        A curve of up to 120 points (`_MOST_DOTS`) has bars, and a dot for each point. A longer one
+        has a band, and dots only where the value is not resolved: so the page stays small.
+
+        Parameters
+        ----------
+        rows, x
+            (k,) indices of the points of the sweep on the curve, and their coordinates
+        style_number
+            number of the look of the curve in the style sheet
+        """
+        lower_ends = self.lower_ends[rows]
+        upper_ends = self.upper_ends[rows]
+        if len(rows) > _MOST_DOTS:
+            band = Band(x, lower_ends, upper_ends, f"p{style_number} pale")
+            return [band], [*self._dots_of_curve(rows, x, style_number, marks_resolved=False)]
+        bars = bar_curve(x, lower_ends, upper_ends, f"line-{style_number}")
+        return [], [bars, *self._dots_of_curve(rows, x, style_number, marks_resolved=True)]
 
     def _value_axis(self, n_labels: int = 0) -> ChartAxis:
         """The axis of the values of the quantity, upwards, with their uncertainties; longer at its
@@ -555,8 +572,9 @@ class _QuantityFigure:
     def _dots_of_curve(
         self, rows: NDArray[np.intp], x: Array, style_number: int, *, marks_resolved: bool
     ) -> Iterator[Dot]:
-        """The dots of a curve of the quantity: hollow ones where its value is not resolved, and
-        filled ones at the other points with `marks_resolved`.
+        """The dots of a curve of the quantity: hollow ones where its value is not resolved (an
+        error that is no larger than its uncertainty), and filled ones at the other points with
+        `marks_resolved`.
 
         Parameters
         ----------
@@ -630,28 +648,17 @@ class _QuantityFigure:
 
     def dots_with_scale(self, name: str, mask: Mask, columns: list[str], combination: str) -> Cell:
         """A panel with a dot for each point of `mask` (n,), and the scale of its colours beneath. A
-        dot shows the value of one quantity of a sweep over the first of the axes `columns`; its
-        colour is the second coordinate. `combination` says in words which values of the other axes
-        it is for.
-
-        `value`, its `lower_ends` and `upper_ends` (minus and plus its uncertainty) are given at all
-        n points of the sweep. `is_unresolved` is true for an error that is no larger than its
-        uncertainty, whose dot is hollow.
+        dot shows the value of one quantity of a sweep over the first of the axes `columns`, with a
+        bar for its uncertainty; its colour is the second coordinate. `combination` says in words
+        which values of the other axes it is for.
         """
         x, second_coordinate = map(self.coordinates, columns[:2])
         x_axis, colour_axis = map(self.chart_axis, columns[:2])
-        colour_share = _shares_along(colour_axis, second_coordinate)
-
-        # bars and dots
-        marks: list[Mark] = [
-            bar_curve(x[mask], self.lower_ends[mask], self.upper_ends[mask], "faint")
-        ]
-        for row in np.flatnonzero(mask & np.isfinite(self.value)).tolist():
-            look = "faint hollow" if self.is_unresolved[row] else ""
-            fill = "" if look else colours_of([colour_share[row]])[0]
-            marks.append(
-                Dot(float(x[row]), float(self.value[row]), look, 3.6, self.tooltip(row), fill=fill)
-            )
+        # from lower_ends to upper_ends: the value minus and plus its uncertainty
+        bars = bar_curve(x[mask], self.lower_ends[mask], self.upper_ends[mask], "faint")
+        rows = np.flatnonzero(mask & np.isfinite(self.value)).tolist()
+        dots = self._coloured_dots(rows, x, _shares_along(colour_axis, second_coordinate))
+        marks: list[Mark] = [bars, *dots]
         alt = f"{self.title_words} over {x_axis.words}, {combination}"
         panel = Panel(
             name, x_axis, self._value_axis(), marks, alt, 480.0, 340.0, _in_words(combination)
@@ -664,6 +671,19 @@ class _QuantityFigure:
         )
         # Cell: panels one under the other; None: a click on them shows no instant
         return Cell((panel, scale), None)
+
+    def _coloured_dots(self, rows: Sequence[int], x: Array, colour_share: Array) -> Iterator[Dot]:
+        """Dots of the values of the quantity at some points of the sweep (`rows`), over x: hollow
+        ones where the value is not resolved (an error that is no larger than its uncertainty), else
+        filled with their colour. `x` and `colour_share` (n,) are those of all points; the share is
+        the position on the scale of colours, 0 to 1.
+        """
+        for row in rows:
+            look = "faint hollow" if self.is_unresolved[row] else ""
+            fill = "" if look else colours_of([colour_share[row]])[0]
+            yield Dot(
+                float(x[row]), float(self.value[row]), look, 3.6, self.tooltip(row), fill=fill
+            )
 
 
 def _label_in_corner(label: str, curve_number: int, x_axis: ChartAxis, y_axis: ChartAxis) -> Note:

@@ -413,9 +413,10 @@ class Question:
     def address(self) -> str:
         """Name under which the result of this question is stored: SHA-256 of all that its numbers
         depend on, the versions of the code included. Questions whose scenes differ in texts alone,
-        such as a title, have one address.
+        such as a title, have one address; so have those that differ in mesh or solver where no
+        finite elements run.
 
-        A question has a scene, settings of mesh and solver, engines that run ("fe", "exact"),
+        A question has a scene, settings of mesh and solver, `engines` that run ("fe", "exact"),
         `figures` (names of the values that are kept), and the way to find their uncertainty.
         """
         content = self.as_json() | {
