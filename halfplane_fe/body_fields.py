@@ -412,15 +412,14 @@ def _has_data_of_size_effect(solution: ContactSolution) -> bool:
 
 
 def _tension_change_by_new_contact(solution: ContactSolution, step: int) -> Array:
-    """Possible error of s_xx at the left and right edge of contact, (2,) [stress], by growth of the
-    contact. The latest strip of it may be so narrow that no node shows the shear there.
+    """Possible error of the tension s_xx at the left and right edge of contact, (2,) [stress],
+    because the contact has grown by a strip so narrow that no node shows the shear there.
 
     While P grows in full stick, q/p in the new strip is dQ/dP; behind it q/p is what earlier slip
     has left. With p = K sqrt(d) near the edge, a jump c of q/p at the distance w changes s_xx by
-    (4/pi) c K sqrt(w). Returned is the largest change by the strips since each earlier instant. A
-    strip that reaches the outermost node counts a quarter; beyond the rim node it counts nothing.
-    Zero where not all of the contact sticks, where P does not grow, and where so few nodes touch
-    that there is no rim node.
+    (4/pi) c K sqrt(w). Strips are those since each earlier instant; the largest change counts. Of a
+    strip that reaches the outermost node a quarter counts, beyond the rim node nothing. Zero where
+    not all of the contact sticks, where P does not grow, and where too few nodes touch.
 
     # notation: d distance from the edge, K constant of the pressure there, w width of the strip;
     # the rim node is the first one whose tractions the mesh leaves undisturbed, next to the three
@@ -442,7 +441,7 @@ def _tension_change_by_new_contact(solution: ContactSolution, step: int) -> Arra
     if start_of_growth == step or len(nodal_tractions.x) <= 2 * N_DISTORTED_NODES:
         return np.zeros(2)
 
-    # Pressure at the rim node of the left and of the right side: it gives K.
+    # Pressure at the rim node of the left and of the right side, from which K follows.
     rim_nodes = [N_DISTORTED_NODES, -1 - N_DISTORTED_NODES]
     rim_pressure = nodal_tractions.pressure[rim_nodes]
     distances_of_rim = np.abs(nodal_tractions.x[rim_nodes] - solution.contact_edges[step])
@@ -506,7 +505,7 @@ def _edge_tension(solution: ContactSolution, steps: Sequence[int]) -> _EdgeTensi
     """Stress s_xx along each face just outside each edge of contact, with its uncertainty and its
     possible change by slip in a zone too narrow for the nodes.
 
-    The tractions cause opposite tensions in two half-planes; bulk stress and the finite size of
+    The tractions cause opposite tensions in the two half-planes; bulk stress and the finite size of
     each body add to them. Arrays are (n_steps, 2, 2) by body and edge. Where P = 0 all are 0. Where
     fewer than three nodes touch under a load, or it is not known what the size of a body adds,
     values and uncertainties are NaN.
@@ -529,6 +528,7 @@ def _edge_tension(solution: ContactSolution, steps: Sequence[int]) -> _EdgeTensi
         fit_of_step = tractions_with_uncertainty(_nodal_tractions(solution, step))
         if fit_of_step.tractions is not None:
             tractions_in_contact[k] = fit_of_step.tractions
+            # lower body, then upper one
             values[k] = np.outer([1.0, -1.0], fit_of_step.tractions.edge_tension())
             uncertainties[k] = fit_of_step.tension_uncertainty
             tension_changes_by_unseen_slip[k] = fit_of_step.tension_change_by_unseen_slip
@@ -974,8 +974,8 @@ def stress(
     solution
         by finite elements
     x, y
-        (n_points,) places [length]; y points out of the lower body and counts from the face as if
-        that were flat: y <= 0 in the lower body, y >= 0 in the upper one
+        (n_points,) places [length]; y points out of the lower body and counts from the face, also
+        from a curved one: y <= 0 in the lower body, y >= 0 in the upper one
     instants
         (n_instants,) times; the stored step nearest to each is taken
     body
@@ -1006,33 +1006,33 @@ def stress(
     x_in_body, y_in_body = _places_in_body(x, y, body_number)
     bulk_stress = _bulk_stress(solution, steps, body_number)  # (n_instants,)
 
-    # Stress of a half-plane under the tractions. These are sine series of p and q, on the lower
-    # body, then on this one; None where fewer than three nodes touch.
+    # Stress of a half-plane under the tractions on this body, sine series of p and q; None of steps
+    # at which fewer than three nodes touch.
     tractions_at_steps = _tractions_at_steps(solution, steps)
     tractions_on_body = _tractions_on_body_at_steps(tractions_at_steps, body_number)
-    stress = np.zeros((len(steps), len(x_in_body), 4))
+    stress_at_places = np.zeros((len(steps), len(x_in_body), 4))
     half_plane_stress = _stress_of_tractions(tractions_on_body, x_in_body, y_in_body)
-    stress[..., :3] = np.moveaxis(half_plane_stress, -1, 0)
+    stress_at_places[..., :3] = np.moveaxis(half_plane_stress, -1, 0)
 
-    # Bulk stress of a half-plane; of other bodies the fitted stress by their size contains it.
+    # Bulk stress of a half-plane. In other bodies the fitted stress by their size contains it.
     if isinstance(getattr(solution.scene.bodies, body), HalfPlane):
-        stress[..., 0] += bulk_stress[:, None]
+        stress_at_places[..., 0] += bulk_stress[:, None]
     elif bulk_stress.any() or any(
         step_tractions is not None for step_tractions in tractions_at_steps
     ):
         stress_by_size = _stress_by_size(
             solution, body_number, steps, tractions_at_steps, x_in_body, y_in_body
         )
-        stress[..., :3] += np.moveaxis(stress_by_size, -1, 0)
+        stress_at_places[..., :3] += np.moveaxis(stress_by_size, -1, 0)
 
     # Into the common frame, with s_zz of plane strain.
-    stress[..., 2] *= _sign_of_y(body_number)  # s_xy changes its sign with y
+    stress_at_places[..., 2] *= _sign_of_y(body_number)  # s_xy changes its sign with y
     poisson_ratio = solution.condensed_bodies[body_number].material.poisson_ratio
-    stress[..., 3] = poisson_ratio * (stress[..., 0] + stress[..., 1])
+    stress_at_places[..., 3] = poisson_ratio * (stress_at_places[..., 0] + stress_at_places[..., 1])
     for k, step in enumerate(steps):
         if tractions_at_steps[k] is None and solution.normal_load[step] > 0:
-            stress[k] = math.nan
-    return stress
+            stress_at_places[k] = math.nan
+    return stress_at_places
 
 
 def _places_in_body(x: ArrayLike, y: ArrayLike, body_number: int) -> tuple[Array, Array]:
@@ -1132,7 +1132,7 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
     size of a body adds to the stress of a half-plane. Just after a load reverses, the new slip zone
     is narrower than an element, so that the stress there is uncertain. A value from such an instant
     may be the largest by its error alone. So the instant, body and edge are those of the largest
-    value less its uncertainty. By how far another value is larger counts as uncertainty too.
+    value minus its uncertainty. By how far another value is larger counts as uncertainty too.
     """
     if why_tension_is_unknown(solution) is not None:
         return None
@@ -1176,7 +1176,7 @@ def _largest_with_uncertainty(
     """Place of the largest edge tension, as indices of candidate, body and edge, and its
     uncertainty [stress].
 
-    The place is that of the largest value less its uncertainty, the first of equal ones. What
+    The place is that of the largest value minus its uncertainty, the first of equal ones. What
     another value exceeds it by is added to the uncertainty. A candidate is left out once its value
     alone is below the largest difference of both found so far.
 
@@ -1344,6 +1344,7 @@ def _steps_of_large_tension(solution: ContactSolution) -> list[int]:
         at few points [stress].
         """
         tension_at_edges = sampled_tractions(nodal_tractions[step]).edge_tension()
+        # the tractions on the upper body are opposite, and so is the tension that they cause
         tension_estimate = np.outer([1.0, -1.0], tension_at_edges) + added_tension[step]
         return float(tension_estimate.max())
 

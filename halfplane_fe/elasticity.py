@@ -695,13 +695,14 @@ class _Elimination(NamedTuple):
         return lower_triangle + np.tril(lower_triangle, -1).T
 
     def displacements(self, loads: Array) -> Array:
-        """Displacement (n, k) of all degrees of freedom under `loads` (n, k), one column a case: of
-        those that are not eliminated by the Cholesky factor of their Schur complement, then of the
-        eliminated ones, which come first, by sparse factors.
+        """Displacement (n, k) of all degrees of freedom under `loads` (n, k), one column a case.
+
+        The first `n_inner` degrees of freedom are eliminated. The others follow first, from the
+        Cholesky factor of their Schur complement; then the eliminated ones, from sparse factors.
         """
         n_inner = self.n_inner
         remaining_dofs = slice(n_inner, None)
-        # Of the degrees of freedom that remain this gives the load that is left to them.
+        # In the rows of the others this is their load minus what the eliminated ones take of it.
         displacements = self.factors.solve(loads)
         displacements[remaining_dofs] = cho_solve(
             (self.schur_cholesky, True), displacements[remaining_dofs]
@@ -754,16 +755,18 @@ def _condensed_subspace(
         Motions that move the contact nodes, their compliance, amplitudes by a unit of tension on
         the ends, and the relative error of both.
     """
-    numbers = _motion_numbers(system, subspace, ranks)
+    # Motions by their numbers: inner ones, which are eliminated, then those with reactions to the
+    # contact, then those of the contact.
+    motion_numbers = _motion_numbers(system, subspace, ranks)
     ordered_motions = subspace.motions(
-        np.arange(len(subspace.column_of_dof)), np.concatenate(numbers)
+        np.arange(len(subspace.column_of_dof)), np.concatenate(motion_numbers)
     )
     ordered_stiffness = (ordered_motions.T @ stiffness @ ordered_motions).tocsc()
-    elimination = _Elimination.from_stiffness(ordered_stiffness, len(numbers.inner))
+    elimination = _Elimination.from_stiffness(ordered_stiffness, len(motion_numbers.inner))
 
     # Loads on these motions: B and the work in the half-plane, by unit forces on the contact.
-    contact_motions = subspace.motions(system.contact_dofs.ravel(), numbers.contact)
-    reaction_motions = subspace.motions(system.reaction_dofs.ravel(), numbers.reaction)
+    contact_motions = subspace.motions(system.contact_dofs.ravel(), motion_numbers.contact)
+    reaction_motions = subspace.motions(system.reaction_dofs.ravel(), motion_numbers.reaction)
     loads = _SubspaceLoads(
         arc_loads=reaction_motions.T @ (half_plane_loads.nodal_forces @ contact_motions),
         tractions_on_arc=(half_plane_loads.tractions @ contact_motions).T,

@@ -358,22 +358,22 @@ class SampledTractions:
         """Tension s_xx of the lower body at the left and right edge of contact, (2,) [stress], by
         the smooth shear and what that lacks of the load Q.
         """
-        return self._tension(self.shear + self.missing_shear)
+        return self._edge_tension_by_shear(self.shear + self.missing_shear)
 
     def tension_by_missing_shear(self) -> float:
         """Larger change of the tension s_xx at the two edges of contact by the shear that is added
         to the smooth one, whose resultant lacked a part of the load Q [stress].
         """
-        return float(np.abs(self._tension(self.missing_shear)).max())
+        return float(np.abs(self._edge_tension_by_shear(self.missing_shear)).max())
 
-    def _tension(self, shear: Array) -> Array:
-        """Stress s_xx at the left and right edge of contact by a shear traction q at n angles
-        theta_j across it, (2,) [stress].
+    def _edge_tension_by_shear(self, shear: Array) -> Array:
+        """Stress s_xx (2,) along the face of the lower body at its left and right edge of contact,
+        by a shear traction q at n angles theta_j across the contact; positive in tension [stress].
 
         The angles are the middles of n equal parts of 0 to pi (`theta`), from the left edge to the
-        right one. The stress is 2 sum_k B_k and 2 sum_k (-1)^k B_k of the sine series of q, each as
-        one weighted sum over angles. With B_k = (2/n) sum_j q_j sin(k theta_j), the highest once,
-        and cos(n theta_j) = 0,
+        right one. A half-plane has 2 sum_k B_k and 2 sum_k (-1)^k B_k at the edges, B_k the sine
+        coefficients of q. With B_k = (2/n) sum_j q_j sin(k theta_j), half of it for k = n, and
+        cos(n theta_j) = 0, each is one weighted sum over the angles:
 
             2 sum_k B_k = (2/n) sum_j q_j cot(theta_j/2),
             2 sum_k (-1)^k B_k = -(2/n) sum_j q_j tan(theta_j/2)

@@ -236,7 +236,8 @@ def _compliance_by_mortar(lower_body: CondensedBody, upper_body: CondensedBody) 
     """
     # Operators (2, n, 2, m) of both bodies, with gap, normals and face lengths on the middle line.
     mortar_sides = _mortar_operators(lower_body, upper_body)
-    # Sparse: these operators hold little but zeros.
+    # Sparse, since they hold little but zeros. Flattened (2 n, 2 m): rows are normal components of
+    # all nodes, then tangential ones; columns are x components of the body's nodes, then y.
     operator_of_lower_face = csr_array(_flattened(mortar_sides.lower))
     operator_of_upper_face = csr_array(_flattened(mortar_sides.upper))
     compliance_of_both = (

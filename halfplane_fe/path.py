@@ -151,7 +151,7 @@ def turning_points_of_combination(
     path: instants at which its rate of change is zero and changes sign.
 
     Changes of sign between samples are located by secants. Where the combination is constant for
-    a while, the begin and end of that time count.
+    a while, the start and the end of that time count.
 
     Parameters
     ----------
@@ -182,16 +182,18 @@ def turning_points_of_combination(
 
     instants = set()
     for sample in sign_changes.tolist():
-        # of the way between two samples at which a linear rate is zero
-        fraction = float(
+        # share of the time between two samples after which a linear rate is zero
+        share_to_zero = float(
             rates_at_samples[sample] / (rates_at_samples[sample] - rates_at_samples[sample + 1])
         )
         begin, end = times[sample : sample + 2].tolist()
         instants.add(
-            time_of_zero(scaled_rate, begin, end, fraction, rates_at_samples[sample] / largest_rate)
+            time_of_zero(
+                scaled_rate, begin, end, share_to_zero, rates_at_samples[sample] / largest_rate
+            )
         )
 
-    # Begins and ends of times without change.
+    # Starts and ends of times without change.
     is_end_of_constancy = (rates_at_samples[1:-1] == 0) & (
         (rates_at_samples[:-2] != 0) | (rates_at_samples[2:] != 0)
     )
@@ -215,9 +217,9 @@ def time_of_zero(
     function
         of the time
     begin, end
-        of the time in which the zero is looked for
+        first and last instant of the search
     first_fraction
-        of the way from begin to end: where the first secant starts
+        share of the time between both at which the first secant starts
     value_at_begin
         of the function
     """
@@ -233,7 +235,7 @@ def time_of_zero(
         if value == value_before and time_before > begin:
             return time  # only round-off is left
         if value == value_before:
-            break  # flat from the begin on: no secant
+            break  # flat from the first instant on: no secant
         time_change = -value * (time - time_before) / (value - value_before)
         if abs(time_change) <= 4e-16 * abs(time):  # twice the spacing of floating-point numbers
             return time

@@ -279,8 +279,8 @@ class _Iteration:
         SingularSet
             If so few nodes hold that the bodies are free to move.
         """
-        # The first step adds the loads, with the tractions and states at the start of the
-        # increment.
+        # The first step adds the loads, with the node states at the start of the increment: trial
+        # and projected tractions are both those at its start.
         pressure = self._iterated_pressure.copy()
         shear = self._iterated_shear.copy()
         tractions_at_start = Tractions(pressure, shear, pressure, shear, self.start.states, np.inf)
@@ -454,6 +454,7 @@ class _Iteration:
         )
         self.newton_steps += 1
         self.values += correction
+        # the moment at the end of the increment, the last load, if the tilt follows from it
         moment = self.start.moment
         if moment is None:
             self.values += change_of_loads @ np.array(derivatives_by_load)
@@ -476,8 +477,14 @@ class _Iteration:
             )
 
     def _targets_of_step(self, projected_tractions: Tractions) -> _TargetsOfStep:
-        """Right sides of the linearised equations of the return mapping in a Newton step: gap, slip
-        and shear by the difference of projected and trial tractions.
+        """Right sides of the linearised equations of the return mapping in a Newton step, from
+        projected tractions p_m, q_m and trial ones p_t, q_t of the n nodes:
+
+            closed       gap = c_n (p_m - p_t)
+            stick        slip = slip at the start of the increment + c_t (q_m - q_t)
+            slip, open   q - r p = q_m - r p_m,  r = +-f in slip, else 0
+
+        # notation: c_n, c_t compliances of the nodes, f coefficient of friction
         """
         compliance = self.systems.layer  # (n,) normal and tangential, of layer and penalty
         slip_sense = slip_sign(projected_tractions.states).astype(float)
@@ -563,18 +570,19 @@ class _Iteration:
         return np.abs(self._iterated_gap) <= tolerance * normal_compliance
 
     def _states_within_tolerance(self, tolerance: float) -> States:
-        """States (n,) of the nodes by the return mapping of their trial tractions; a node within
-        the `tolerance` of a force (scaled) of two states keeps that of the start of the increment.
+        """States (n,) of the nodes by the return mapping of their trial tractions. A node that is
+        between two states, but for the `tolerance` of a force (scaled), keeps the one that it had
+        at the start of the increment.
 
-        Between two states are a node with neither gap nor pressure, whose trial pressure is 0 but
-        for round-off, and a node on the Coulomb limit without slip.
+        Between open and closed is a node with neither gap nor pressure, whose trial pressure is
+        round-off. Between stick and slip is a node on the Coulomb limit without slip.
         """
         friction = self.problem.friction
         was_open = self.start.states == OPEN
         projected_tractions = self._projected_tractions()
         has_no_gap_or_pressure = np.abs(self._iterated_pressure) <= tolerance
         has_no_gap_or_pressure &= self._has_no_gap(tolerance)
-        # _TOUCHING_PRESSURE: a positive number of the size of round-off, 1e-11
+        # Such a node is closed if it was. _TOUCHING_PRESSURE: positive, of the size of round-off
         adjusted_trial_pressure = np.where(
             has_no_gap_or_pressure,
             np.where(was_open, 0.0, _TOUCHING_PRESSURE),
