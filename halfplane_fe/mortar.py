@@ -78,17 +78,18 @@ class Mortar:
 
 
 def mortar(lower_face: Face, upper_face: Face) -> Mortar:
-    """Dual mortar coupling of two contact faces: operators that give gap and slip at the n nodes of
-    the lower face as weighted means of the displacements of both faces.
+    """Dual mortar coupling of two contact faces whose nodes do not match: gap and slip at the n
+    nodes of the lower face, as weighted means of the displacements of both faces.
 
-    Points above each other are compared along the unit normal N and tangent T of the line half-way
-    between the faces. With psi_j the dual function (Lagrange multiplier) of node j of the lower
-    face, and w_j = int psi_j:
+    The weights psi_j are dual functions (Lagrange multipliers): the integral of psi_j times the
+    shape function of another node k of the lower face is 0. So each node has a gap, a slip and
+    forces of its own. With w_j = int psi_j, and N and T the unit normal and tangent of the line
+    half-way between the faces:
 
         gap_j = int psi_j N (X_u + u_u - X_l - u_l) / w_j,   slip_j = int psi_j T (u_u - u_l) / w_j
 
-    The integrals are sums over Gauss points of the common refinement of both faces: the segments
-    between the ends of the elements of either face.
+    The integrals are sums over Gauss points of the segments between the ends of the elements of
+    either face; both faces are taken at the same x.
 
     # notation: X places, u displacements, subscripts u, l of the upper and the lower face
 
@@ -101,8 +102,9 @@ def mortar(lower_face: Face, upper_face: Face) -> Mortar:
     Returns
     -------
     Mortar
-        Of each dual function its integral w_j, and weighted means: of the normal, of the distance
-        along it, and of the displacements of either face; also where the faces are nearest.
+        For each node of the lower face w_j, and means weighted by psi_j: of the normal, of the
+        distance of the faces along it, and operators for those of the displacements of either face.
+        Also the x and the distance where the faces are nearest.
 
     Raises
     ------
@@ -121,8 +123,9 @@ def mortar(lower_face: Face, upper_face: Face) -> Mortar:
     lower_at_points = _face_at_points(lower_face, x_of_points)
     upper_at_points = _face_at_points(upper_face, x_of_points)
     line = _line_half_way(lower_at_points, upper_at_points, weights_along_x)
+    # `integrals_with`: integral of each psi_j times a function that is given at the points
     duals = _DualFunctions.of_face(lower_face, lower_at_points, line.weights)
-    dual_integrals = duals.integrals_with(np.ones_like(x_of_points))
+    dual_integrals = duals.integrals_with(np.ones_like(x_of_points))  # w_j
     normal_integrals = [duals.integrals_with(component) for component in line.unit_normal]
     directions = np.stack([line.unit_normal, line.unit_tangent])
     nearest_point = np.unravel_index(np.argmin(line.distance), x_of_points.shape)

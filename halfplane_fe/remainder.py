@@ -125,7 +125,7 @@ class RemainderKernels(NamedTuple):
     unknowns: int
 
     @property
-    def reciprocity_gap(self) -> float:
+    def reciprocity_difference(self) -> float:
         """Largest |k_tn(x, s) + k_nt(s, x)| of places x and s of forces: 0 in exact elasticity, by
         reciprocity [1 / stress].
 
@@ -663,10 +663,10 @@ def body_numbers(
     )
 
     # Coefficients of their power series in the places of displacement and force.
-    # `reciprocity_gap`: largest difference of the two kernels that are equal by reciprocity
+    # `reciprocity_difference`: largest difference of the two kernels that are equal by reciprocity
     coefficients = face_series(kernels)
     coarse_coefficients = face_series(coarse_kernels)
-    reciprocity_error = kernels.reciprocity_gap / float(np.abs(kernels.x).max())
+    reciprocity_error = kernels.reciprocity_difference / float(np.abs(kernels.x).max())
     estimates = {}
     for coefficient in FaceSeries._fields:
         value = getattr(coefficients, coefficient)

@@ -293,7 +293,7 @@ def _approach_of_actuator(coarse_pair: _CoarsePair) -> float:
     """Approach that a normal actuator needs to press two coarse half-planes together under the load
     of `coarse_pair` [length]. The actuator yields by its own compliance.
     """
-    face_half_width = _fitting_size(coarse_pair)  # of the finely meshed part of the face
+    face_half_width = _fitting_half_width(coarse_pair)  # of the finely meshed part of the face
     pressed_state = _pressed(coarse_pair, face_half_width)[1]
     actuator_compliance = actuators_of(coarse_pair.scene, face_half_width).normal_compliance
     assert actuator_compliance is not None  # for the type checker: the approach is given
@@ -337,7 +337,7 @@ def _scales_at(scene: Scene, load_unit: float, work_counts: Counter[str]) -> Sca
     # The bodies on a coarse mesh; `pair.largest_face_half_width`: most of the half-width of the
     # narrower face. The contact takes 0.6 to 0.85 of the part of the face that is meshed finely.
     pair = _CoarsePair(scene, load_unit, modulus, work_counts)
-    face_half_width = _fitting_size(pair)
+    face_half_width = _fitting_half_width(pair)
     # _COARSE_STEPS_OF_RECORD: increments of a revolution, 16; _COARSE_STEPS: 48
     steps = _COARSE_STEPS_OF_RECORD if is_plain_record(scene) else _COARSE_STEPS
     for enlargements_left in reversed(range(_MOST_ENLARGEMENTS + 1)):
@@ -512,7 +512,7 @@ def estimate_room(scene: Scene, work_counts: Counter[str]) -> RoomForContact:
     # The bodies on a coarse mesh; `pair.largest_face_half_width`: most of the half-width of the
     # narrower face.
     pair = _CoarsePair(short_scene, load_unit, modulus, work_counts)
-    face_half_width = _size_near_contact(pair)
+    face_half_width = _zone_half_width(pair)
     while True:
         try:
             # _STEPS_OF_ESTIMATE: twelve increments
@@ -530,7 +530,7 @@ def estimate_room(scene: Scene, work_counts: Counter[str]) -> RoomForContact:
         face_half_width = min(face_half_width * _FAR_ENLARGEMENT, pair.largest_face_half_width)
 
 
-def _size_near_contact(pair: _CoarsePair) -> float:
+def _zone_half_width(pair: _CoarsePair) -> float:
     """Half-width [length] of the zone, the part of the face whose nodes may touch, so that the
     contact at the largest load reaches to 0.3 of it or more, but not to its end.
 
@@ -544,7 +544,7 @@ def _size_near_contact(pair: _CoarsePair) -> float:
 
     `pair` are the bodies on a coarse mesh, with the largest load.
     """
-    zone_half_width = min(_size_on_half_planes(pair), pair.largest_face_half_width)
+    zone_half_width = min(_half_width_on_half_planes(pair), pair.largest_face_half_width)
     # _MOST_ENLARGEMENTS: ten trials
     for _ in range(_MOST_ENLARGEMENTS):
         # farthest |x| of the contact over that half-width; 1 where all nodes of the zone touch
@@ -637,50 +637,53 @@ class _CoarsePair:
 
     def __post_init__(self) -> None:
         self.largest_face_half_width = least_face_half_width(self.scene) * _SHARE_OF_FACE
-        self._size_and_interface: tuple[float, Interface] | None = None
+        self._half_width_and_interface: tuple[float, Interface] | None = None
 
-    def faces(self, half_width: float) -> Interface:
+    def faces(self, face_half_width: float) -> Interface:
         """Contact compliance of the coarse bodies, whose nodes that may touch lie on |x| up to
-        `half_width` [length]; in the scene's units.
+        `face_half_width` [length]; in the scene's units.
 
-        The last one is cached. Half-planes are meshed once, with a half-width of 1: their
-        compliance does not depend on the size, so that only places are scaled. The error that the
-        mesh adds between nearby nodes is taken out, where no base or end of a face is too near.
+        Half-planes are meshed once, with a half-width of 1: their compliance is the same at any
+        half-width, and only places are scaled. Bodies of finite size are meshed for each one; the
+        last mesh is cached. The error that the mesh adds between nearby nodes is taken out, where
+        no base or end of a face is too near.
         """
-        # half-width of the part of the face that may touch, in the mesh
-        size_of_mesh = 1.0 if self.scene.bodies.half_planes else half_width
-        if self._size_and_interface is None or self._size_and_interface[0] != size_of_mesh:
-            # _COARSE_MESH: settings of the coarse mesh; `ratio`: factor on the element sizes of a
-            # body, see `_grading`
+        meshed_half_width = 1.0 if self.scene.bodies.half_planes else face_half_width
+        if (
+            self._half_width_and_interface is None
+            or self._half_width_and_interface[0] != meshed_half_width
+        ):
+            # _COARSE_MESH: settings of the coarse mesh; `_grading`: element sizes along the face,
+            # times `ratio`, that of the body
             meshed_bodies = meshed_pair(
-                self.scene, _COARSE_MESH, lambda ratio: _grading(size_of_mesh, ratio)
+                self.scene, _COARSE_MESH, lambda ratio: _grading(meshed_half_width, ratio)
             )
             meshed_interface = couple(
-                *condensed_pair(self.scene, meshed_bodies, size_of_mesh, self.work_counts)
+                *condensed_pair(self.scene, meshed_bodies, meshed_half_width, self.work_counts)
             )
-            self._size_and_interface = (
-                size_of_mesh,
+            self._half_width_and_interface = (
+                meshed_half_width,
                 without_mesh_error(meshed_interface, self.scene) or meshed_interface,
             )
-        interface = self._size_and_interface[1]
-        if size_of_mesh == half_width:
+        interface = self._half_width_and_interface[1]
+        if meshed_half_width == face_half_width:
             return interface
-        return interface.scaled(size_of_mesh / half_width, 1.0)
+        return interface.scaled(meshed_half_width / face_half_width, 1.0)
 
     def problem(
         self,
-        size: float,
+        face_half_width: float,
         unscaled_interface: Interface,
         has_shear: bool,
         actuators: Actuators = LOADS_ARE_GIVEN,
     ) -> ContactProblem:
-        """Scaled contact problem of the coarse bodies: lengths over `size`, forces over the largest
-        load, compliances over 1/E*.
+        """Scaled contact problem of the coarse bodies: lengths over `face_half_width`, forces over
+        the largest load, compliances over 1/E*.
 
         Parameters
         ----------
-        size
-            half-width of the part of the face that may touch [length]
+        face_half_width
+            half the width of the part of the face that may touch [length]
         unscaled_interface
             contact compliance of the bodies, in the scene's units
         has_shear
@@ -688,7 +691,7 @@ class _CoarsePair:
         actuators
             which loads are prescribed as movements: none by default
         """
-        interface = unscaled_interface.scaled(size, 1 / self.modulus)
+        interface = unscaled_interface.scaled(face_half_width, 1 / self.modulus)
         # displacements are over P/E*, P the largest load
         scaled_gap = initial_gap(self.scene, unscaled_interface) * self.modulus / self.load
         # compliances of a layer between the faces: 0, the exact contact law
@@ -704,16 +707,16 @@ class _CoarsePair:
         )
 
 
-def _grading(size: float, ratio: float) -> SurfaceGrading:
+def _grading(face_half_width: float, ratio: float) -> SurfaceGrading:
     """Element sizes of a coarse mesh along the face: 24 elements of one size, times `ratio`, on
-    each side of x = 0 of the part that may touch, whose half-width is `size` [length].
+    each side of x = 0 of the part that may touch, whose half-width is `face_half_width` [length].
     """
     return SurfaceGrading(
         inner=0.0,
-        outer=size,
-        size=ratio * size / _N_ELEMENTS,
-        edge_size=ratio * size / _N_ELEMENTS,
-        radius=5 * size,
+        outer=face_half_width,
+        size=ratio * face_half_width / _N_ELEMENTS,
+        edge_size=ratio * face_half_width / _N_ELEMENTS,
+        radius=5 * face_half_width,
     )
 
 
@@ -779,7 +782,7 @@ def _coarse_run(
     return problem, run_at_all_nodes(run, interface) if is_halved else run
 
 
-def _fitting_size(pair: _CoarsePair) -> float:
+def _fitting_half_width(pair: _CoarsePair) -> float:
     """Half-width [length] of the part of the face to be meshed finely, so that the contact at the
     largest load takes 0.6 to 0.85 of it.
 
@@ -794,7 +797,7 @@ def _fitting_size(pair: _CoarsePair) -> float:
     """
     too_small_size = 0.0
     too_large_size = np.inf
-    face_half_width = min(_size_on_half_planes(pair), pair.largest_face_half_width)
+    face_half_width = min(_half_width_on_half_planes(pair), pair.largest_face_half_width)
     # Factors of 3, then bisection: more than 400 trials floating-point numbers do not allow.
     for _ in range(400):
         # farthest |x| of the contact over the half-width of the part of the face
@@ -828,7 +831,7 @@ def _fitting_size(pair: _CoarsePair) -> float:
     )
 
 
-def _size_on_half_planes(pair: _CoarsePair) -> float:
+def _half_width_on_half_planes(pair: _CoarsePair) -> float:
     """First guess of the half-width [length] of the part of the face to be meshed finely: the one
     that suits the contact if both bodies were half-planes, which is cheap to find.
 
@@ -837,29 +840,30 @@ def _size_on_half_planes(pair: _CoarsePair) -> float:
     if pair.scene.bodies.half_planes:
         return pair.scene.profile.datum_length
     half_planes = on_half_planes(pair.scene, pair.scene.profile.datum_length)
-    return _fitting_size(_CoarsePair(half_planes, pair.load, pair.modulus, pair.work_counts))
+    return _fitting_half_width(_CoarsePair(half_planes, pair.load, pair.modulus, pair.work_counts))
 
 
-def _contact_fraction(pair: _CoarsePair, size: float) -> float:
+def _contact_fraction(pair: _CoarsePair, face_half_width: float) -> float:
     """Farthest |x| of a node that touches at the largest load without shear, over the half-width
-    `size` [length] of the part of the face that may touch. 1 where all nodes of that part touch.
+    of the part of the face that may touch, `face_half_width` [length]; 1 where all nodes of that
+    part touch.
 
     Where the contact is symmetric to x = 0 that |x| is its half-width, else more than that. `pair`
     are the bodies on a coarse mesh.
     """
-    problem, pressed_state = _pressed(pair, size)
+    problem, pressed_state = _pressed(pair, face_half_width)
     if pressed_state.is_closed.all():
         return 1.0
     return float(np.abs(problem.interface.x[pressed_state.is_closed]).max())
 
 
-def _pressed(pair: _CoarsePair, size: float) -> tuple[ContactProblem, InterfaceState]:
+def _pressed(pair: _CoarsePair, face_half_width: float) -> tuple[ContactProblem, InterfaceState]:
     """Scaled contact problem of the coarse bodies without shear, and its state at the largest load.
-    `size` is the half-width of the part of the face that may touch [length].
+    `face_half_width` is that of the part of the face that may touch [length].
     """
-    interface = pair.faces(size)
+    interface = pair.faces(face_half_width)
     solved_interface = half_interface(interface) if on_half(pair.scene, interface) else interface
-    problem = pair.problem(size, solved_interface, has_shear=False)
+    problem = pair.problem(face_half_width, solved_interface, has_shear=False)
     # equilibrium at the instant 0 under the scaled loads P = 1, Q = 0
     return problem, problem.equilibrium(problem.unloaded_state(), 0.0, (1.0, 0.0))[0]
 

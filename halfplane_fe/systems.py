@@ -1095,12 +1095,13 @@ class Systems:
     def _factorised(
         self, node_states: States, held_equations: Indices, free_equations: Indices
     ) -> _HeldEquations:
-        """Compliance of the contact for one set of node states: displacements in its equations by
-        unit forces at the k equations that prescribe a displacement; that square block as LU
-        factors.
+        """Factorise the linear equations of the contact for one set of node states: LU factors of
+        the displacements in the k equations that prescribe one, by unit forces in these; and the
+        displacements that these forces make in all other equations.
 
-        An equation pairs gap with p, or slip with q, of a node. The last two of the k pair P with
-        the approach and Q with U.
+        An equation pairs gap with p, or slip with q, of a node. By the factors, forces follow from
+        prescribed displacements. The last two of the k equations pair P with the approach and Q
+        with U.
 
         Parameters
         ----------

@@ -451,11 +451,11 @@ class BulkAndTilt(Frozen, Generic[V]):
         """
         stated_values = getattr(key_value, "initial_loading", ())
         # No list states (0, 0) and the start of the cycle.
-        point_count = len(normal_loads) - 2
-        if stated_values and len(stated_values) != point_count:
+        n_points = len(normal_loads) - 2
+        if stated_values and len(stated_values) != n_points:
             raise ValueError(
                 f"initial_loading of a bulk stress or tilt has {len(stated_values)} values"
-                f" for {point_count} points of the load"
+                f" for {n_points} points of the load"
             )
         if stated_values:
             return np.array([0.0, *stated_values, value_at_cycle_start])
@@ -619,7 +619,7 @@ class StraightLoad(BulkAndTilt[tuple[float, ...]]):
     """What the entries of a list of bulk stresses or tilts belong to, for messages."""
 
     @abc.abstractmethod
-    def entries_of_vertices(self, vertex_count: int) -> tuple[Sequence[int], int]:
+    def entries_of_vertices(self, n_vertices: int) -> tuple[Sequence[int], int]:
         """Index of the list entry that belongs to each vertex of the load path, -1 for a vertex
         whose value is 0; and index of the vertex up to which a single value grows with P.
         """
@@ -662,10 +662,10 @@ class StraightLoad(BulkAndTilt[tuple[float, ...]]):
             return (key_value or 0.0) * np.where(is_before_cycle, load_over_start_load, 1.0)
 
         # `rule_of_entries`: words for the message on what the entries belong to.
-        needed_count = self.needed_entry_count(entry_numbers)
-        if len(key_value) != needed_count:
+        n_needed_entries = self.needed_entry_count(entry_numbers)
+        if len(key_value) != n_needed_entries:
             raise ValueError(
-                f"a bulk stress or tilt has {len(key_value)} values, and {needed_count} are"
+                f"a bulk stress or tilt has {len(key_value)} values, and {n_needed_entries} are"
                 f" needed, {self.rule_of_entries}"
             )
         return np.array([key_value[k] if k >= 0 else 0.0 for k in entry_numbers])
@@ -707,14 +707,14 @@ class PolygonLoad(StraightLoad):
 
     rule_of_entries = "one for each point of initial_loading and cycle"
 
-    def entries_of_vertices(self, vertex_count: int) -> tuple[Sequence[int], int]:
-        """Index of the list entry that belongs to each of the `vertex_count` vertices of the
+    def entries_of_vertices(self, n_vertices: int) -> tuple[Sequence[int], int]:
+        """Index of the list entry that belongs to each of the `n_vertices` vertices of the
         polygon, -1 for (0, 0); and index of the vertex at which the cycle starts.
         """
         cycle_start_vertex = len(self.initial_loading)
         # -1 for (0, 0); the return to the start of the cycle has the entry of that start.
         entry_numbers = [*range(-1, cycle_start_vertex + len(self.cycle)), cycle_start_vertex - 1]
-        return entry_numbers[:vertex_count], cycle_start_vertex
+        return entry_numbers[:n_vertices], cycle_start_vertex
 
     @model_validator(mode="after")
     def _require_distinct_vertices(self) -> Self:
@@ -768,10 +768,10 @@ class PolygonLoad(StraightLoad):
 
         `times` are those of (0, 0), of each point, and of the return where there is a cycle.
         """
-        vertex_count = len(self._vertices)
-        if len(times) != vertex_count:
+        n_vertices = len(self._vertices)
+        if len(times) != n_vertices:
             raise ValueError(
-                f"times has {len(times)} entries, and {vertex_count} are needed: of (0, 0), of each"
+                f"times has {len(times)} entries, and {n_vertices} are needed: of (0, 0), of each"
                 " point of initial_loading and cycle, and of the return where there is a cycle"
             )
         for time_before, time_after in pairwise(times):
@@ -788,8 +788,8 @@ class PolygonLoad(StraightLoad):
         times = self.times or tuple(float(k) for k in range(len(vertices)))
         times_and_loads = [(time, *vertex) for time, vertex in zip(times, vertices, strict=True)]
         segments = straight_segments(times_and_loads)
-        initial_count = len(self.initial_loading)
-        return LoadPath(segments[:initial_count], segments[initial_count:])
+        n_initial_segments = len(self.initial_loading)
+        return LoadPath(segments[:n_initial_segments], segments[n_initial_segments:])
 
 
 def _require_load_or_approach(load: EllipseLoad | HarmonicLoad, variation_key: str) -> None:
@@ -1199,9 +1199,9 @@ class TimeSeriesLoad(StraightLoad, FromFile):
                 " out, and cut the noise by start and end"
             )
         # `used_rows`: the rows from the keys `start` to `end`
-        if self.average > 1 and (used_row_count := len(self.used_rows())) < 2 * self.average:
+        if self.average > 1 and (n_used_rows := len(self.used_rows())) < 2 * self.average:
             raise ValueError(
-                f"average = {self.average} leaves one of {used_row_count} rows: two at least are"
+                f"average = {self.average} leaves one of {n_used_rows} rows: two at least are"
                 " needed"
             )
         if self.has_bulk_or_tilt and (self.average > 1 or self.reduce is not None):
@@ -1365,15 +1365,15 @@ class TimeSeriesLoad(StraightLoad, FromFile):
 
     rule_of_entries = "one for each row"
 
-    def entries_of_vertices(self, vertex_count: int) -> tuple[Sequence[int], int]:
-        """Index of the list entry (row of the record) that belongs to each of the `vertex_count`
+    def entries_of_vertices(self, n_vertices: int) -> tuple[Sequence[int], int]:
+        """Index of the list entry (row of the record) that belongs to each of the `n_vertices`
         vertices of the load path; -1 for a vertex at (0, 0) before the rows. Second, the number 1:
         the index of the vertex up to which a single value grows with P.
         """
         first_row, row_after_last = self.row_bounds()
-        # 1 where a line from (0, 0) comes before the rows
-        vertices_before = vertex_count - (row_after_last - first_row)
-        return [*[-1] * vertices_before, *range(first_row, row_after_last)], 1
+        # 1 where a line from (0, 0) comes before the rows, else 0
+        n_vertices_before = n_vertices - (row_after_last - first_row)
+        return [*[-1] * n_vertices_before, *range(first_row, row_after_last)], 1
 
     def needed_entry_count(self, entry_numbers: Sequence[int]) -> int:  # noqa: ARG002
         return len(self.rows)

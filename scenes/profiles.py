@@ -1023,25 +1023,18 @@ def one_side_of_profile(points: Array, asymmetry: float) -> tuple[Array, Array]:
     return right_x, right_h - right_h[0]
 
 
-def rising_spline(x: Array, h: Array) -> Spline:
-    """Schumaker's quadratic spline through rows of one side of a profile, x (n,) from 0 up and h
-    (n,) [length], that rises wherever the rows rise, and is convex where they are.
+def _slopes_at_rows(interval_lengths: Array, secant_slopes: Array) -> Array:
+    """Slopes (n,) of a rising spline at its n rows, from the lengths (n - 1,) of the intervals
+    between neighbouring rows and the slopes (n - 1,) of the secants across them.
 
-    It consists of one parabola or two between neighbouring rows; the spline holds distance, height
-    and slope at all knots, and the curvature between them. Slopes at the rows are those of
-    parabolas through three neighbours, 0 at x = 0, extrapolated at the last row. They are never
-    beyond twice that of a secant (the line between two neighbouring rows). An interval gets one
-    knot inside where a single parabola would not meet the slopes at both its ends. Where three rows
-    lie on a line the spline follows it: any other slope at its ends would bend it back.
-
-    Source: Schumaker, SIAM J. Numer. Anal. 20 (1983).
+    The slope at a row is that of the parabola through the row and its two neighbours; 0 at the
+    first row, x = 0; extrapolated at the last. It is at most twice that of a secant beside it, so
+    that the spline rises. Where three rows lie on a line it is the slope of that line: any other
+    one would bend the spline back.
     """
-    interval_lengths = np.diff(x)
-    secant_slopes = np.diff(h) / interval_lengths
-
-    # Slopes at the rows. An interval is on a line where its secant is that of a neighbour.
     left_secants = secant_slopes[:-1]
     right_secants = secant_slopes[1:]
+    # An interval is on a line where its secant is that of a neighbour.
     # _SECANT_ROUNDOFF: 1e-9 of the slope
     is_row_in_line = np.concatenate(
         [
@@ -1057,23 +1050,40 @@ def rising_spline(x: Array, h: Array) -> Spline:
     parabola_slope_at_row = (
         left_secants * interval_lengths[1:] + right_secants * interval_lengths[:-1]
     ) / (interval_lengths[:-1] + interval_lengths[1:])
-    slopes = np.zeros(len(x))
+    slopes = np.zeros(len(secant_slopes) + 1)
     slopes[1:-1] = np.where(
         np.isfinite(line_slope_at_row), line_slope_at_row, parabola_slope_at_row
     )
     slopes[-1] = np.clip(2 * secant_slopes[-1] - slopes[-2], 0.0, 2 * secant_slopes[-1])
     slopes[1:-1] = np.minimum(slopes[1:-1], 2 * np.minimum(left_secants, right_secants))
+    return slopes
 
-    # Intervals that one parabola does not fit: the mean of both slopes is not the secant's. Excess:
-    # slope at a row minus that of the secant.
+
+def rising_spline(x: Array, h: Array) -> Spline:
+    """Schumaker's quadratic spline through rows of one side of a profile, x (n,) from 0 up and h
+    (n,) [length], that rises wherever the rows rise, and is convex where they are.
+
+    Between neighbouring rows it consists of one parabola, or of two with a knot between them: one
+    parabola meets the slopes at both its ends only if their mean is the slope of the secant, the
+    line between the two rows. The spline holds distance, height and slope at all knots, and the
+    curvature between them.
+
+    Source: Schumaker, SIAM J. Numer. Anal. 20 (1983).
+    """
+    interval_lengths = np.diff(x)
+    secant_slopes = np.diff(h) / interval_lengths
+    slopes = _slopes_at_rows(interval_lengths, secant_slopes)
+
+    # Intervals that get a knot inside. Excess: slope at a row minus that of the secant.
     excess_at_begin = slopes[:-1] - secant_slopes
     excess_at_end = slopes[1:] - secant_slopes
     # _ALIKE_SLOPES: 1e-12 of both slopes
     split_intervals = np.flatnonzero(
         np.abs(excess_at_begin + excess_at_end) > _ALIKE_SLOPES * (slopes[:-1] + slopes[1:])
     )
+
     # Place of the knot inside, 0 at the begin of its interval, 1 at the end. Where the secant's
-    # slope lies between both slopes, the place is such that both parts bend one way. Else the
+    # slope lies between both slopes, the place is such that both parabolas bend one way. Else the
     # spline has an inflection, and the place is the middle.
     bends_one_way = excess_at_begin * excess_at_end < 0
     difference_of_excess = np.where(bends_one_way, excess_at_end - excess_at_begin, 1.0)

@@ -54,7 +54,7 @@ def compression() -> tuple[ContactProblem, list[InterfaceState], Array]:
     """
     with mock.patch.object(scales, "_N_ELEMENTS", 40):
         pair = coarse_pair(load_scene("hertz-normal"))
-        size = scales._fitting_size(pair)
+        size = scales._fitting_half_width(pair)
         problem = pair.problem(size, half_interface(pair.faces(size)), has_shear=False)
     loads = np.linspace(0.5, 1.0, 400)
     states = [problem.unloaded_state()]
@@ -121,7 +121,7 @@ def at_many_places(name: str, count: int = 9) -> Iterator[tuple[PathRun, float, 
     and the unit of its energies.
     """
     pair = coarse_pair(load_scene(name))
-    size = scales._fitting_size(pair)
+    size = scales._fitting_half_width(pair)
     for larger in np.linspace(0.92, 1.06, count):
         problem, run = scales._coarse_run(pair, size * larger, scales._COARSE_STEPS)
         pressed = max(run.states, key=lambda state: state.normal_load)

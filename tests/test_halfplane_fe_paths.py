@@ -428,6 +428,6 @@ def test_linear_sides_that_do_not_match_are_no_penetration(tmp_path):
 
 def test_an_estimate_enlarges_the_side_that_the_contact_fills(monkeypatch):
     """A contact 1.5 wide on a side that was taken for 1 wide: how far it goes is not known yet."""
-    monkeypatch.setattr(scales, "_size_on_half_planes", lambda pair: 1.0)
+    monkeypatch.setattr(scales, "_half_width_on_half_planes", lambda pair: 1.0)
     monkeypatch.setattr(scales, "_contact_fraction", lambda pair, size: min(1.5 / size, 1.0))
-    assert scales._size_near_contact(SimpleNamespace(largest_face_half_width=100.0)) == 2.0
+    assert scales._zone_half_width(SimpleNamespace(largest_face_half_width=100.0)) == 2.0
