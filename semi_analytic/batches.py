@@ -1335,11 +1335,13 @@ class Members:
     loads: LoadArrays
 
     def shape_groups(self) -> Iterator[ShapeGroup]:
-        """The members of a batch in groups by the shape of their profiles: one normal contact, with
-        its own units of length and load, serves a group. Members that have the same profile are one
-        group, in units of the scene, since they share `contact`. Else `contact` is None and the
-        profiles differ by their `parameters`. `modulus` is E*, `ellipses` are the loads of the
-        members.
+        """The members of a batch in groups whose profiles have one shape, and differ by their units
+        of length and height alone: so one normal contact serves a group.
+
+        Each group has the numbers of its members, their contact, and their load ellipses over the
+        unit of load of each. Where all members have one profile (`contact` is not None) they are
+        one group, in the units of the scene. Else profiles have one shape if the ratios of their
+        `parameters` are equal.
         """
         if self.contact is not None:
             all_numbers = np.arange(len(self.is_mirrored))
@@ -1347,8 +1349,8 @@ class Members:
                 all_numbers, self.contact, self.ellipses, load_unit=1.0, length_unit=1.0
             )
             return
-        # numbers of the members of one shape, its ratios of parameters, and a unit of length and of
-        # height for each
+        # of each group: numbers of its members, their common ratios of parameters, and their units
+        # of length and height
         for member_numbers, ratios, length_unit, height_unit in _members_by_shape(
             self.kind, self.parameters
         ):

@@ -816,20 +816,24 @@ class Eccentricity(NamedTuple):
 
 
 def eccentricity(scene: Scene) -> Eccentricity | None:
-    """Eccentricity e of the stick zone under bulk stress, over the half-width a of contact; the
-    bulk strain that causes it, and the largest moderate one. None without bulk stress.
+    """Eccentricity e of the stick zone under bulk stress, the distance of its middle from that of
+    the contact over the half-width a; the amplitude of bulk strain that causes it, and the largest
+    amplitude that is moderate. None without bulk stress.
+
+    Bulk stress is moderate if both ends of the contact slip the same way, as they do under Q alone.
+    The limit is that of loads in phase at constant P. With P, Q or bulk stress out of phase the
+    ends may slip opposite ways below it.
 
     e = eps R/(f a) of a parabola of radius R, NaN of other profiles and without friction. eps is
     half the range of bulk strain in the cycle, or along a path without one. a is that of the
     largest P without tilt. With bulk stress sigma in one of two like bodies, e = sigma/(4 f p0), p0
-    the largest pressure (Nowell and Hills 1987). It is a measure, and no bound: with P, Q or bulk
-    stress out of phase the ends may slip opposite ways although bulk stress is moderate.
+    the largest pressure (Nowell and Hills 1987).
 
     Returns
     -------
     Eccentricity | None
-        e, the amplitude eps, and the largest moderate one, (A/(pi a)) Q with half the range of Q
-        and A = 2/E*; moderate: both ends of contact slip one way, in phase and at constant P
+        e, the amplitude eps, and the largest moderate amplitude, (A/(pi a)) Q with half the range
+        of Q and A = 2/E*
 
     # notation: p, q, eps samples (n,) of P, Q and bulk strain
 

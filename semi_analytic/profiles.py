@@ -545,7 +545,7 @@ def law_of_power(modulus: float, exponent: float, length: float, rise: float) ->
         load=lambda a: load_at_length * np.power(a / length, exponent),
         edge_advance=lambda load: length * np.power(load / load_at_length, 1 / exponent),
         stiffness=lambda a: exponent * load_at_length / length * np.power(a / length, exponent - 1),
-        power=exponent,
+        exponent=exponent,
     )
 
 
@@ -603,7 +603,7 @@ def law_of_even_polynomial(modulus: float, length: float, rises: tuple[float, ..
         load,
         edge_advance_function(load, stiffness, length),
         stiffness,
-        power=2.0 * (first_positive_term + 1),
+        exponent=2.0 * (first_positive_term + 1),
         half_width_may_be_steep=has_several_terms,
     )
 
@@ -1354,7 +1354,7 @@ def law_of_function(modulus: float, profile: CallableProfile) -> ContactLaw:
         stiffness=stiffness,
         least_half_width=least_half_width,
         corner_half_widths=tuple(corners_beyond_flat),
-        power=series_of_ranges[0].exponent_of_load if not least_half_width else 2.0,
+        exponent=series_of_ranges[0].exponent_of_load if not least_half_width else 2.0,
         extent=profile.extent,
         half_width_may_be_steep=True,
         # A derivative was taken of h', and two of h: the rounding of dP/da.

@@ -108,8 +108,8 @@ class ContactLaw:
         a_0, the half-width of no load [length]
     corner_half_widths
         half-widths of the corners, ascending
-    power
-        exponent: P goes as d^power for small d
+    exponent
+        n of P ~ d^n at small d
     extent
         largest half-width, where the profile ends
     half_width_may_be_steep
@@ -123,7 +123,7 @@ class ContactLaw:
     stiffness: Function
     least_half_width: float = 0.0
     corner_half_widths: tuple[float, ...] = ()
-    power: float = 2.0
+    exponent: float = 2.0
     extent: float = np.inf
     half_width_may_be_steep: bool = False
     relative_roundoff: float = 2 * _EPS
@@ -142,7 +142,7 @@ class ContactLaw:
         """Ratio of advances that one Chebyshev series serves: 2, or less where P would fall by
         more than 2^3.
         """
-        return float(2.0 ** min(1.0, 3.0 / self.power))
+        return float(2.0 ** min(1.0, 3.0 / self.exponent))
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,7 +219,7 @@ class PunchSuperposition:
     @property
     def _is_sharp_wedge(self) -> bool:
         """Whether the profile is a wedge with a sharp tip, where the pressure is infinite."""
-        return self.least_half_width == 0 and self.law.power <= 1
+        return self.least_half_width == 0 and self.law.exponent <= 1
 
     def _advance_to(self, x: ArrayLike) -> Array:
         """Advance a - a_0 at which the edge of contact reaches |x| [length]; 0 for |x| < a_0, the
@@ -1750,16 +1750,16 @@ def _pressure_of_smallest_punches(
     over punches, `kind` "outside" and "logarithm".
 
     At x = 0 the integrand g/(pi alpha), g = dP/d alpha, goes as a power of the half-width alpha and
-    is integrated as that; P goes as the power `law.power` of alpha; `law.stiffness` is g as a
+    is integrated as that; P goes as alpha to the power `law.exponent`; `law.stiffness` is g as a
     function of the advance. With `load_power` 1 the load stands in front of g.
     """
     if kind != "pressure" or law.least_half_width > 0:
         return np.zeros(len(x))
     eta_power_times_g = float(law.stiffness(np.array(advance)))
-    exponent_of_width = law.power - 1
+    exponent_of_width = law.exponent - 1
     if load_power:
         eta_power_times_g = eta_power_times_g * float(law.load(np.array(advance)))
-        exponent_of_width = 2 * law.power - 1
+        exponent_of_width = 2 * law.exponent - 1
     pressure_at_middle = (
         eta_power_times_g / (np.pi * exponent_of_width) if exponent_of_width > 0 else 0.0
     )

@@ -44,9 +44,11 @@ class Instant:
 
 
 def instant_of(text: str, option: str, start: float, end: float) -> float:
-    """The time of the load path that was given on the command line as `text`. InputError, naming
-    the `option`, where it is no number or lies outside the path, whose times go from `start` to
-    `end`.
+    """Time of the load path that was given on the command line as a number, `text`.
+
+    InputError, naming the `option`, where it is no number, or lies outside the path, whose times go
+    from `start` to `end`. The word "events", which the option takes too, does not come here: the
+    message names it.
     """
     try:
         time = float(text)
