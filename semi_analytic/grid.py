@@ -180,14 +180,14 @@ class CellStiffness:
 
     Attributes
     ----------
-    root
+    root_of_stiffness
         (k, k) M with M^T M = C^-1
     traction_per_shift, total_per_shift
         (k,) tractions by the same unit displacement of all cells, the row sums of C^-1; their
         sum
     """
 
-    root: Array
+    root_of_stiffness: Array
     traction_per_shift: Array
     total_per_shift: float
 
@@ -200,9 +200,9 @@ class CellStiffness:
         total traction_per_shift/total_per_shift + G b make the displacements C t = b + constant;
         their sum is `total`.
         """
-        # root (k, k): M with M^T M = C^-1; traction_per_shift (k,): tractions that displace all
+        # root_of_stiffness (k, k): M, M^T M = C^-1; traction_per_shift (k,): those that displace all
         # cells by 1; total_per_shift: their sum.
-        inverse_compliance = self.root.T @ self.root
+        inverse_compliance = self.root_of_stiffness.T @ self.root_of_stiffness
         return np.asarray(
             inverse_compliance
             - np.outer(self.traction_per_shift, self.traction_per_shift / self.total_per_shift)
@@ -382,11 +382,11 @@ class Grid:
         """
         if n_cells not in self._stiffness_by_size:
             # The part of M for all cells that belongs to the first `n_cells`.
-            root = self._root_of_stiffness[:n_cells, :n_cells]
+            root_of_stiffness = self._root_of_stiffness[:n_cells, :n_cells]
             # Tractions that displace all cells by 1: row sums of C^-1.
-            traction_per_shift = root.T @ np.sum(root, axis=1)
+            traction_per_shift = root_of_stiffness.T @ np.sum(root_of_stiffness, axis=1)
             self._stiffness_by_size[n_cells] = CellStiffness(
-                root, traction_per_shift, float(np.sum(traction_per_shift))
+                root_of_stiffness, traction_per_shift, float(np.sum(traction_per_shift))
             )
             if len(self._stiffness_by_size) > _MOST_CACHED_SIZES:
                 self._stiffness_by_size.pop(next(iter(self._stiffness_by_size)))
@@ -479,8 +479,8 @@ class Grid:
                 + unloaded_gap[cells_in_contact] @ cell_stiffness.traction_per_shift
             ) / cell_stiffness.total_per_shift
             pressure_by_gap = (
-                unloaded_gap[cells_in_contact] @ cell_stiffness.root.T
-            ) @ cell_stiffness.root
+                unloaded_gap[cells_in_contact] @ cell_stiffness.root_of_stiffness.T
+            ) @ cell_stiffness.root_of_stiffness
             pressure[cells_in_contact] = (
                 approach[grid_numbers, None] * cell_stiffness.traction_per_shift - pressure_by_gap
             )
