@@ -59,7 +59,7 @@ _FEW_ELEMENTS = 2.0
 _ENOUGH_ELEMENTS_IN_SLIP = 4.0
 
 
-def tip_power(profile: Profile, distance: float) -> float:
+def exponent_at_tip(profile: Profile, distance: float) -> float:
     """Exponent n of the power |x|^n by which the initial gap rises near x = 0, from its values at
     `distance` and at twice that [length].
 
@@ -67,7 +67,7 @@ def tip_power(profile: Profile, distance: float) -> float:
     the gap does not rise all the way. It is rounded to nine digits behind the point.
 
     >>> from scenes import PowerLaw
-    >>> tip_power(PowerLaw(exponent=1.5, length=1.0, rise=1e-3), 0.1)
+    >>> exponent_at_tip(PowerLaw(exponent=1.5, length=1.0, rise=1e-3), 0.1)
     1.5
     """
     exponents = []
@@ -106,7 +106,7 @@ def tip_halvings(profile: Profile, size: float) -> int:
     count = 0
     error_left = 1.0
     while count < _MOST_HALVINGS and error_left > _ERROR_LEFT_AT_TIP:
-        exponent = tip_power(profile, size / 2**count)  # n at the present size
+        exponent = exponent_at_tip(profile, size / 2**count)  # n at the present size
         if exponent >= SMOOTH_TIP:
             return count + _HALVINGS_WITHIN_TIP if count else 0
         count += 1
@@ -246,7 +246,7 @@ def resolution_notes(
 
     # A profile near a wedge.
     # _MOST_HALVINGS: 16
-    exponent = tip_power(profile, element_size / 2**_MOST_HALVINGS)
+    exponent = exponent_at_tip(profile, element_size / 2**_MOST_HALVINGS)
     # _LEAST_EXPONENT_OF_PEAK: 1.25
     if exponent < _LEAST_EXPONENT_OF_PEAK:
         yield (

@@ -24,7 +24,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from halfplane_fe.resolution import SMOOTH_TIP, flanks, tip_power
+from halfplane_fe.resolution import SMOOTH_TIP, exponent_at_tip, flanks
 from halfplane_fe.run import PathRun
 from meshes import MeshSettings, SurfaceGrading
 from scenes import Profile, Tolerances
@@ -851,14 +851,14 @@ def peak_uncertainty(
         return math.nan  # nothing touches: the first increment failed
 
     # Where the difference is made: ratio of the element sizes there, and order m of the error.
-    gap_exponent = tip_power(profile, coarse_size)  # n
+    gap_exponent = exponent_at_tip(profile, coarse_size)  # n
     share_within_tip = 0.0
     # SMOOTH_TIP: exponent from which on a tip counts as smooth, 1.99
     if gap_exponent >= SMOOTH_TIP:
         place_of_error = Place(
             coarse_size / fine_sizes.edge_size, 1.0 if math.isfinite(depth) else 2.0
         )
-    elif tip_power(profile, fine_sizes.tip_size) < SMOOTH_TIP:
+    elif exponent_at_tip(profile, fine_sizes.tip_size) < SMOOTH_TIP:
         place_of_error = Place(coarse_size / fine_sizes.tip_size, gap_exponent - 1)
     else:
         place_of_error = Place(coarse_size / fine_sizes.tip_size, 2.0)

@@ -76,8 +76,12 @@ class EllipseOfLoads:
     def load_combination(
         self, *, normal_factor: Array, tangential_factor: Array, constant: Array
     ) -> _Sinusoid:
-        """Weighted sum of the loads over the cycle, `normal_factor` P + `tangential_factor` Q +
-        `constant`, as a sinusoid of the phase angle. (m, k) for k factors for each of m ellipses.
+        """Weighted sums of the loads on m elliptic load paths, `normal_factor` P +
+        `tangential_factor` Q + `constant`, as sinusoids of the phase angle t of the cycle.
+
+        On each ellipse P = P0 + P1 cos t and Q = Q0 + Q1 cos(t - phase); the attributes P0 to Q1
+        and `phase` are columns (m, 1). The factors and the constant are (m, k), for k sums on each
+        ellipse; so are mean, amplitude and phase of the sinusoids.
         """
         # Components along cos t and sin t; the constant part is the mean.
         tangential_part_amplitude = tangential_factor * self.tangential_amplitude

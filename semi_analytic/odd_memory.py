@@ -101,8 +101,8 @@ class SecondOrderWork:
         (4, 4) symmetric [energy per thickness, over two of the numbers]; NaN where no matrix holds
     coarse_matrix
         that matrix by half as many quadrature points: the difference is the quadrature error
-    one_sided_ratios
-        arrays (n, 4) of coefficients c at instants, one for each span and criterion: where
+    one_sided_coefficients
+        arrays (n, 4) of coefficients c at n instants, one for each span and criterion: where
         |c . o| > 1, one side of the contact slips alone
     reason_declined
         why there is no matrix; empty where there is one
@@ -110,7 +110,7 @@ class SecondOrderWork:
 
     matrix: Array
     coarse_matrix: Array
-    one_sided_ratios: tuple[Array, ...] = ()
+    one_sided_coefficients: tuple[Array, ...] = ()
     reason_declined: str = ""
 
     def added_work(self, tilt_and_strain_per_load: ArrayLike) -> Estimate:
@@ -162,12 +162,14 @@ class SecondOrderWork:
         """How nearly tilt and strain o make one side of the contact slip alone: the largest ratio
         |c . o| over the spans of slip and stick, each by its median in time.
 
-        Above 1, one side slips alone through half of a span. c are the arrays of coefficients (n,
-        4) in `one_sided_ratios`, o = (alpha_P, alpha_Q, e_P, e_Q). 0 if no span has coefficients.
+        Above 1, one side slips alone through half of a span. c are coefficients (4,) at n instants
+        of a span, rows of the arrays in `one_sided_coefficients`; o = (alpha_P, alpha_Q, e_P, e_Q).
+        0 if no span has coefficients.
         """
         o = np.asarray(tilt_and_strain_per_load, dtype=float)
         median_ratios = [
-            float(np.median(np.abs(coefficients @ o))) for coefficients in self.one_sided_ratios
+            float(np.median(np.abs(coefficients @ o)))
+            for coefficients in self.one_sided_coefficients
         ]
         return max(median_ratios, default=0.0)
 

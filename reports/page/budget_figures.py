@@ -100,7 +100,7 @@ def _panel_of_bars(stacks: Sequence[_Stack], block_names: Sequence[str], is_judg
     block_names
         what each block stands for: the sources of error, then what no source explains
     is_judged
-        whether lengths are over the tolerance; else they are per cent
+        whether lengths are multiples of the tolerance; else they are in per cent
     """
     axis_end = _half_width_of_bars(stacks, is_judged)
     marks: list[Mark] = []
@@ -311,21 +311,20 @@ def _limits_of_bar(lower_edge: float, is_judged: bool) -> Iterator[Mark]:
 def _blocks_of_bar(
     lower_edge: float, stack: _Stack, block_names: Sequence[str], is_judged: bool
 ) -> Iterator[Mark]:
-    """The blocks of a stacked bar, one for each source of error: to the right of zero those that
-    add, to the left those that subtract. A block without length is left out.
-
-    `Block` is a rectangle.
+    """The blocks of one stacked bar of a figure, a rectangle for each source of error: to the right
+    of zero contributions that add to the difference, to the left those that subtract. A block
+    without length is left out.
 
     Parameters
     ----------
     lower_edge
         height at which the row of the bar begins; a row has height 1
     stack
-        `lengths` of the blocks, in the order of `block_names`
+        `lengths` of the blocks, with their signs, in the order of `block_names`
     block_names
         the sources of error, then what no source explains
     is_judged
-        whether lengths are over the tolerance; else they are per cent
+        whether lengths are multiples of the tolerance; else they are in per cent
     """
     right_end = 0.0
     left_end = 0.0

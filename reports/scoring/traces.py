@@ -482,17 +482,17 @@ def find_long_steps(comparison: Comparison) -> Iterator[Diagnosis]:
 
 
 def points_near_edges(discrepancy: Discrepancy) -> NDArray[np.bool_]:
-    """Whether each of the (k, n) points lies within two spacings of an edge of contact or stick of
-    the reference.
+    """Which of the n surface points of a result lie near an edge of contact or stick at each of k
+    instants, (k, n): within two spacings of the points.
 
-    The edges are those of the instant, and those of the smallest stick zone of the cycle: what a
-    mesh gets wrong there stays locked in. `discrepancy` holds the tractions of result and
-    reference.
+    The edges are those of the reference at the instant, and those of its smallest stick zone in the
+    cycle: what a mesh gets wrong there stays locked in. `discrepancy` holds the points `x` (n,),
+    the tractions of result and reference, and the numbers of the k instants in the last cycle.
     """
     x = discrepancy.x
     reference_cycle = discrepancy.comparison.reference_cycle
     spacing = _wider_spacing(x)
-    # edges of each instant, (k, 1) each: left and right, of contact and of stick
+    # x of the edges at each instant, (k, 1) each: left and right, of contact and of stick
     edge_positions = [
         edge
         for edges in (reference_cycle.contact_edges, reference_cycle.stick_edges)
