@@ -200,8 +200,8 @@ class CellStiffness:
         total traction_per_shift/total_per_shift + G b make the displacements C t = b + constant;
         their sum is `total`.
         """
-        # root_of_stiffness (k, k): M, M^T M = C^-1; traction_per_shift (k,): those that displace all
-        # cells by 1; total_per_shift: their sum.
+        # root_of_stiffness (k, k): M with M^T M = C^-1; traction_per_shift (k,): tractions that
+        # displace all cells by 1; total_per_shift: their sum.
         inverse_compliance = self.root_of_stiffness.T @ self.root_of_stiffness
         return np.asarray(
             inverse_compliance
