@@ -238,24 +238,27 @@ def _hint_on_rows_to_leave_out(
     used_rows = rows[first_row:row_beyond]
     is_sliding = np.abs(used_rows[:, 2]) > friction_coefficient * used_rows[:, 1]
     row_in_words = f"; that is row {row + 1:,} of {len(rows):,}"
-    largest_sliding_load = float(np.max(used_rows[is_sliding, 1], initial=0.0))
-    largest_load = float(np.max(used_rows[:, 1]))
+    largest_sliding_normal_load = float(np.max(used_rows[is_sliding, 1], initial=0.0))
+    largest_normal_load = float(np.max(used_rows[:, 1]))
     # _LARGEST_NOISE_SHARE: 0.05 of the largest P
     if (
         load_record.least_normal_load is None
         and not load_record.repeats
         and not load_record.has_bulk_or_tilt
-        and largest_sliding_load < _LARGEST_NOISE_SHARE * largest_load
+        and largest_sliding_normal_load < _LARGEST_NOISE_SHARE * largest_normal_load
     ):
         # Twice the largest P of these rows, rounded up to two digits: noise does not end there.
-        exact_least_load = max(2 * largest_sliding_load, _LARGEST_NOISE_SHARE / 50 * largest_load)
-        unit_of_second_digit = 10.0 ** (np.floor(np.log10(exact_least_load)) - 1)
-        least_load = (
-            float(np.floor(exact_least_load / unit_of_second_digit) + 1) * unit_of_second_digit
+        exact_least_normal_load = max(
+            2 * largest_sliding_normal_load, _LARGEST_NOISE_SHARE / 50 * largest_normal_load
+        )
+        unit_of_second_digit = 10.0 ** (np.floor(np.log10(exact_least_normal_load)) - 1)
+        least_normal_load = (
+            float(np.floor(exact_least_normal_load / unit_of_second_digit) + 1)
+            * unit_of_second_digit
         )
         return (
             f"{row_in_words}. Rows of so little load are noise where it is: write"
-            f" load.least_normal_load = {least_load:.6g}"
+            f" load.least_normal_load = {least_normal_load:.6g}"
         )
 
     # A sentence on the keys that leave out rows that slide; "" where none helps.
@@ -574,24 +577,24 @@ def largest_contact(scene: Scene, source: str) -> LargestContact:
     """
     from semi_analytic.elasticity import composite_modulus
 
-    largest_load, time = _largest_load_and_time(scene)
+    largest_normal_load, time = _largest_load_and_time(scene)
     # x of both edges, and the pressure as a function of x; None where the quick formula for convex
     # profiles does not hold.
-    contact = _contact_of_convex_profile(scene, largest_load, time)
+    contact = _contact_of_convex_profile(scene, largest_normal_load, time)
     if contact is None:
-        contact = _contact_by_theory(scene, largest_load, time, source)
+        contact = _contact_by_theory(scene, largest_normal_load, time, source)
     half_width = (contact.right_edge - contact.left_edge) / 2
     peak_pressure = _peak_pressure(contact, scene)
     typical_pressure = peak_pressure
     if not np.isfinite(peak_pressure):  # at the tip of a wedge: take the mean pressure
-        typical_pressure = largest_load / (2 * half_width)
+        typical_pressure = largest_normal_load / (2 * half_width)
 
     # Slope of the gap at both edges: differences of its height (2, 2) over 2e-6 of their x.
     contact_edges = np.array([contact.left_edge, contact.right_edge])
     heights = scene.profile.height(contact_edges[:, None] * np.array([1 - 1e-6, 1 + 1e-6]))
     slopes = (heights[:, 1] - heights[:, 0]) / (2e-6 * np.abs(contact_edges))
     return LargestContact(
-        normal_load=largest_load,
+        normal_load=largest_normal_load,
         half_width=half_width,
         peak_pressure=peak_pressure,
         strain=typical_pressure / composite_modulus(scene.material),

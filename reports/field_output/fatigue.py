@@ -369,7 +369,8 @@ def _measures_on_plane(
     poisson_ratio
         nu of the body
     """
-    # normal stress and strain, and shear stress, (n_instants, n_points)
+    # normal stress and strain, and shear stress, (n_instants, n_points); s_xx + s_yy -
+    # normal_stress is the normal stress at right angles to it, in x and y
     s_xx, s_yy, s_xy, s_zz = np.moveaxis(stress, -1, 0)
     cosine = np.cos(2 * angle)
     sine = np.sin(2 * angle)
@@ -377,10 +378,10 @@ def _measures_on_plane(
     normal_strain = (
         normal_stress - poisson_ratio * (s_xx + s_yy - normal_stress + s_zz)
     ) / young_modulus
-    stress_along_plane = -(s_xx - s_yy) / 2 * sine + s_xy * cosine
+    shear_stress = -(s_xx - s_yy) / 2 * sine + s_xy * cosine
 
     # the measures, from largest values and half ranges through the cycle
-    shear_amplitude = np.ptp(stress_along_plane, axis=0) / 2
+    shear_amplitude = np.ptp(shear_stress, axis=0) / 2
     largest_normal_stress = normal_stress.max(axis=0)
     measures_on_plane = {
         "Smith-Watson-Topper": largest_normal_stress * np.ptp(normal_strain, axis=0) / 2

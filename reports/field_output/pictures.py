@@ -298,8 +298,8 @@ def mesh(
 
     # a panel for each view; the boundaries are drawn on the first
     sides_by_body = _sides_of_elements(bodies, half_width)
-    edge_over_a = contact_edge / half_width if np.isfinite(contact_edge) else 1.0
-    views = _views_of_mesh(list(sides_by_body.values()), edge_over_a)
+    contact_edge_over_a = contact_edge / half_width if np.isfinite(contact_edge) else 1.0
+    views = _views_of_mesh(list(sides_by_body.values()), contact_edge_over_a)
     panels = [
         _panel_of_mesh(view, view_number, sides_by_body, boundaries if view_number == 0 else ())
         for view_number, view in enumerate(views)
@@ -335,10 +335,10 @@ def _sides_of_elements(bodies: Sequence[BodyMesh], half_width: float) -> dict[st
     return sides_by_body
 
 
-def _views_of_mesh(sides: Sequence[Array], edge_over_a: float) -> tuple[_View, ...]:
+def _views_of_mesh(sides: Sequence[Array], contact_edge_over_a: float) -> tuple[_View, ...]:
     """The three parts of the plane that the figure of the mesh shows: whole bodies, the contact,
-    and its right edge, at x/a_ref = `edge_over_a`. `sides` are the ends of the element sides of
-    each body over a_ref, (n, 2, 2).
+    and its right edge, at x/a_ref = `contact_edge_over_a`. `sides` are the ends of the element
+    sides of each body over a_ref, (n, 2, 2).
     """
     points = np.concatenate([sides_of_body.reshape(-1, 2) for sides_of_body in sides])
     least_corner = points.min(axis=0)
@@ -349,8 +349,8 @@ def _views_of_mesh(sides: Sequence[Array], edge_over_a: float) -> tuple[_View, .
             (least_corner + largest_corner) / 2,
             0.54 * float(max(largest_corner - least_corner)),
         ),
-        _View("at the contact", np.zeros(2), 1.35 * max(edge_over_a, 1.0)),
-        _View("at the contact's edge", np.array([edge_over_a, 0.0]), 0.06),
+        _View("at the contact", np.zeros(2), 1.35 * max(contact_edge_over_a, 1.0)),
+        _View("at the contact's edge", np.array([contact_edge_over_a, 0.0]), 0.06),
     )
 
 
@@ -626,7 +626,7 @@ def _bodies_drawn_apart(
         factor by which displacements are magnified
     """
     least_stress, largest_stress = ends_of_colours
-    limits = (float(np.log10(least_stress)), float(np.log10(largest_stress)))
+    ends_of_log_stress = (float(np.log10(least_stress)), float(np.log10(largest_stress)))
     # each is moved by half of the distance; _SHOWN_DISPLACEMENT: 0.06
     largest_extent = max(float(np.ptp(body.points, axis=0).max()) for body in bodies)
     half_distance = (0.03 + _SHOWN_DISPLACEMENT) * largest_extent / 2
@@ -635,10 +635,10 @@ def _bodies_drawn_apart(
     for body_mesh, body in zip(body_meshes, bodies, strict=True):
         outward_sign = 1.0 if body.name == "lower" else -1.0
         offset = np.array([0.0, -outward_sign * half_distance])
-        values = np.log10(np.maximum(body.von_mises, least_stress))
+        log_stress = np.log10(np.maximum(body.von_mises, least_stress))
         deformed_points = body.points + magnification * body.displacement + offset
         # Skin: nodes, elements, values at the nodes, ends of the scale of colours
-        skins.append(Skin(deformed_points, body.cells, values, limits))
+        skins.append(Skin(deformed_points, body.cells, log_stress, ends_of_log_stress))
         outlines += [
             _sides_of_boundary(body_mesh, boundary, outward_sign) + offset
             for boundary in body_mesh.mesh.boundaries

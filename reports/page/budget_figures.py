@@ -106,15 +106,15 @@ def _panel_of_bars(stacks: Sequence[_Stack], block_names: Sequence[str], is_judg
     marks: list[Mark] = []
     for row_number, stack in enumerate(stacks):
         # a row has height 1; the first is on top
-        lower_edge = float(len(stacks) - row_number - 1)
-        marks += _limits_of_bar(lower_edge, is_judged)
-        marks += _blocks_of_bar(lower_edge, stack, block_names, is_judged)
-        marks += _marks_of_total(lower_edge, stack.total, stack.uncertainty, axis_end)
+        bottom_of_row = float(len(stacks) - row_number - 1)
+        marks += _limits_of_bar(bottom_of_row, is_judged)
+        marks += _blocks_of_bar(bottom_of_row, stack, block_names, is_judged)
+        marks += _marks_of_total(bottom_of_row, stack.total, stack.uncertainty, axis_end)
         metric = stack.budget.metric
         # how far the bar with its uncertainty goes from zero
         cut_in_words = ", cut off" if stack.largest_distance > axis_end else ""
         label = f"{metric.label}: {value_in_words(metric)}{cut_in_words}"
-        marks.append(_label_of_row(-axis_end, lower_edge, label))
+        marks.append(_label_of_row(-axis_end, bottom_of_row, label))
     return _panel_of_rows(
         "budget",
         Axis(-axis_end, axis_end, _axis_of_bars(is_judged), n_ticks=8),
@@ -124,11 +124,11 @@ def _panel_of_bars(stacks: Sequence[_Stack], block_names: Sequence[str], is_judg
     )
 
 
-def _label_of_row(left_end: float, lower_edge: float, label: str) -> Note:
-    """The text above a bar, at the left end of the axis. `lower_edge` is the height at which the
+def _label_of_row(left_end: float, bottom_of_row: float, label: str) -> Note:
+    """The text above a bar, at the left end of the axis. `bottom_of_row` is the height at which the
     row of the bar begins; a row has height 1.
     """
-    return Note(left_end, lower_edge + 0.7, label, "tick over", shift=(6.0, 0.0))
+    return Note(left_end, bottom_of_row + 0.7, label, "tick over", shift=(6.0, 0.0))
 
 
 def _panel_of_rows(name: str, axis: Axis, n_rows: int, marks: Sequence[Mark], alt: str) -> Panel:
@@ -177,11 +177,11 @@ def waterfall(why: Why) -> Plate | None:
     labels: list[Mark] = []  # on top of all lines
     n_rows = len(parts) + 1  # of height 1, the first on top, the total in the last
     for part_number, part in enumerate(parts):
-        lower_edge = float(n_rows - part_number - 1)
+        bottom_of_row = float(n_rows - part_number - 1)
         label = f"{part.cause}: {percent_of(part.change)}"
         ends_of_bar = (100 * part.sum_before, 100 * (part.sum_before + part.change.value))
-        marks += _bar_of_cause(ends_of_bar, lower_edge, f"term-{part_number} edge", label)
-        labels.append(_label_of_row(axis.low, lower_edge, label))
+        marks += _bar_of_cause(ends_of_bar, bottom_of_row, f"term-{part_number} edge", label)
+        labels.append(_label_of_row(axis.low, bottom_of_row, label))
     marks.append(Segments(np.array([[[0.0, 0.06], [0.0, 0.56]]]), "zero"))
     marks += _marks_of_total(0.0, total_change, uncertainty, max(-axis.low, axis.high))
     label_of_total = f"finite elements/theory − 1: {percent_of(why.difference)}"
@@ -210,7 +210,7 @@ def _axis_of_waterfall(why: Why, total_change: float, uncertainty: float) -> Axi
 
 
 def _bar_of_cause(
-    ends_of_bar: tuple[float, float], lower_edge: float, css: str, label: str
+    ends_of_bar: tuple[float, float], bottom_of_row: float, css: str, label: str
 ) -> Iterator[Mark]:
     """What is drawn for one cause in a waterfall figure: a piece of the zero line, a line down to
     the next bar, and the bar itself where it has a length.
@@ -221,23 +221,23 @@ def _bar_of_cause(
     ----------
     ends_of_bar
         sum of the changes before this cause, and with it [per cent]
-    lower_edge
+    bottom_of_row
         height at which the row of the bar begins; a row has height 1
     css, label
         class of the bar in the style sheet, and its text
     """
     start_of_bar, end_of_bar = ends_of_bar
-    yield Segments(np.array([[[0.0, lower_edge + 0.06], [0.0, lower_edge + 0.56]]]), "zero")
+    yield Segments(np.array([[[0.0, bottom_of_row + 0.06], [0.0, bottom_of_row + 0.56]]]), "zero")
     # with a gap for the label of the next bar
     line_to_next_bar = np.array(
         [
-            [[end_of_bar, lower_edge + 0.14], [end_of_bar, lower_edge]],
-            [[end_of_bar, lower_edge - 0.36], [end_of_bar, lower_edge - 0.5]],
+            [[end_of_bar, bottom_of_row + 0.14], [end_of_bar, bottom_of_row]],
+            [[end_of_bar, bottom_of_row - 0.36], [end_of_bar, bottom_of_row - 0.5]],
         ]
     )
     yield Segments(line_to_next_bar, "limit")
     if end_of_bar != start_of_bar:
-        yield Block(ends_of_bar, (lower_edge + 0.14, lower_edge + 0.5), css, label)
+        yield Block(ends_of_bar, (bottom_of_row + 0.14, bottom_of_row + 0.5), css, label)
 
 
 class _Stack(NamedTuple):
@@ -297,7 +297,7 @@ def _half_width_of_bars(stacks: Sequence[_Stack], is_judged: bool) -> float:
     return 1.08 * max(1.05 if is_judged else 0.0, longest_bar)
 
 
-def _limits_of_bar(lower_edge: float, is_judged: bool) -> Iterator[Mark]:
+def _limits_of_bar(bottom_of_row: float, is_judged: bool) -> Iterator[Mark]:
     """Lines at zero and, where `is_judged`, at the limits ±1 of the tolerance. They end beside the
     bar: on a phone labels would cross them.
     """
@@ -305,11 +305,11 @@ def _limits_of_bar(lower_edge: float, is_judged: bool) -> Iterator[Mark]:
     if is_judged:
         lines += [(-1.0, "limit"), (1.0, "limit")]
     for x, css in lines:
-        yield Segments(np.array([[[x, lower_edge + 0.06], [x, lower_edge + 0.56]]]), css)
+        yield Segments(np.array([[[x, bottom_of_row + 0.06], [x, bottom_of_row + 0.56]]]), css)
 
 
 def _blocks_of_bar(
-    lower_edge: float, stack: _Stack, block_names: Sequence[str], is_judged: bool
+    bottom_of_row: float, stack: _Stack, block_names: Sequence[str], is_judged: bool
 ) -> Iterator[Mark]:
     """The blocks of one stacked bar of a figure, a rectangle for each source of error: to the right
     of zero contributions that add to the difference, to the left those that subtract. A block
@@ -317,7 +317,7 @@ def _blocks_of_bar(
 
     Parameters
     ----------
-    lower_edge
+    bottom_of_row
         height at which the row of the bar begins; a row has height 1
     stack
         `lengths` of the blocks, with their signs, in the order of `block_names`
@@ -340,7 +340,9 @@ def _blocks_of_bar(
             # `minus`: with a real minus sign
             label = minus(f"{name}: {length:+.3g} {unit}")
             ends = (start, start + length)
-            yield Block(ends, (lower_edge + 0.14, lower_edge + 0.5), f"term-{index} edge", label)
+            yield Block(
+                ends, (bottom_of_row + 0.14, bottom_of_row + 0.5), f"term-{index} edge", label
+            )
 
 
 def _budget_table(budgets: Sequence[Budget], term_names: Sequence[str], rest_name: str) -> Table:
@@ -366,16 +368,16 @@ def _budget_table(budgets: Sequence[Budget], term_names: Sequence[str], rest_nam
 
 
 def _marks_of_total(
-    lower_edge: float, total: float, uncertainty: float, axis_end: float
+    bottom_of_row: float, total: float, uncertainty: float, axis_end: float
 ) -> Iterator[Mark]:
     """What is drawn for a total over a stacked bar: an upright line at its value and a whisker for
     its uncertainty. The axis goes from −`axis_end` to `axis_end`; an arrow head at its end shows
-    that line or whisker goes beyond. `lower_edge` is the height at which the row of the bar begins;
-    a row has height 1. Total and uncertainty are in the unit of the axis.
+    that line or whisker goes beyond. `bottom_of_row` is the height at which the row of the bar
+    begins; a row has height 1. Total and uncertainty are in the unit of the axis.
     """
-    height_of_whisker = lower_edge + 0.32
+    height_of_whisker = bottom_of_row + 0.32
     if abs(total) <= axis_end:
-        yield Curve([total, total], [lower_edge + 0.06, lower_edge + 0.58], "total")
+        yield Curve([total, total], [bottom_of_row + 0.06, bottom_of_row + 0.58], "total")
     left_end = max(total - uncertainty, -axis_end)
     right_end = min(total + uncertainty, axis_end)
     if right_end > left_end:

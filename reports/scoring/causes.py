@@ -60,7 +60,7 @@ class Cause:
     start_sizes
         sizes at which its search starts; none where the file can't have it. A fault without a size
         has the one size 1
-    channel
+    component
         0 where the pressure shows it, 1 where the shear alone does
     group
         causes of one group are not told apart where two of them meet
@@ -75,7 +75,7 @@ class Cause:
     key: str
     changed_variant: Callable[[Variant, float], Variant]
     start_sizes: Callable[[Discrepancy], Sequence[float]]
-    channel: int = PRESSURE
+    component: int = PRESSURE
     group: str = ""
     has_size: bool = True
     resultant_factor: Callable[[float], float] | None = None
@@ -372,14 +372,14 @@ COUPLING = Cause(
     "coupling",
     lambda variant, beta: replace(variant, dundurs_beta=beta),
     _start_sizes_of_coupling,
-    channel=SHEAR,
+    component=SHEAR,
     largest_size=_LARGEST_BETA,
 )
 ODD_PART = Cause(
     "coupling",
     lambda variant, _: replace(variant, takes_odd_part=True),
     lambda discrepancy: (1.0,) if _start_sizes_of_coupling(discrepancy) else (),
-    channel=SHEAR,
+    component=SHEAR,
     has_size=False,
 )
 OTHER_TIMES = Cause(
@@ -392,21 +392,21 @@ SHEAR_SIGN = Cause(
     "shear_sign",
     lambda variant, _: replace(variant, shear_factor=-variant.shear_factor),
     _start_sizes_where_shear(1.0),
-    channel=SHEAR,
+    component=SHEAR,
     has_size=False,
 )
 SHEAR_FACTOR = Cause(
     "shear_factor",
     lambda variant, k: replace(variant, shear_factor=float(np.exp(k)) * variant.shear_factor),
     _start_sizes_of_shear_alone,
-    channel=SHEAR,
+    component=SHEAR,
     group="friction",
 )
 FRICTIONLESS = Cause(
     "frictionless",
     lambda variant, _: replace(variant, shear_factor=0.0),
     _start_sizes_where_shear(1.0),
-    channel=SHEAR,
+    component=SHEAR,
     group="history",
     has_size=False,
 )
@@ -414,7 +414,7 @@ FRICTION = Cause(
     "friction",
     lambda variant, k: replace(variant, friction_factor=variant.friction_factor * float(np.exp(k))),
     _start_sizes_where_shear(*_LOGS_OF_FRICTION),
-    channel=SHEAR,
+    component=SHEAR,
     group="friction",
     largest_size=_LARGEST_LOG_OF_FRICTION,
 )
@@ -422,7 +422,7 @@ FULL_STICK = Cause(
     "full_stick",
     lambda variant, k: replace(variant, friction_factor=float(np.exp(k))),
     _start_sizes_where_shear(*_LOGS_OF_FRICTION_WITHOUT_SLIP),
-    channel=SHEAR,
+    component=SHEAR,
     group="friction",
     has_size=False,
     largest_size=_LARGEST_LOG_OF_FRICTION,
@@ -444,12 +444,12 @@ def _cause_by_history(
     start_sizes
         sizes from which a search for it starts; none where the file can't have it
     """
-    # channel: the traction that shows it; group: causes of which only one is named
+    # component: the traction that shows it; group: causes of which only one is named
     return Cause(
         key,
         lambda variant, _: replace(variant, history_fault=history_fault),
         start_sizes,
-        channel=SHEAR,
+        component=SHEAR,
         group="history",
         has_size=False,
     )
@@ -463,7 +463,7 @@ def _cause_by_load(key: str) -> Cause:
         key,
         lambda variant, _: replace(variant, wrong_load=key),
         _start_sizes_of_wrong_load(key),
-        channel=PRESSURE if key.startswith("tilt") else SHEAR,
+        component=PRESSURE if key.startswith("tilt") else SHEAR,
         has_size=False,
     )
 

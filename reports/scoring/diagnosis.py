@@ -142,7 +142,7 @@ def _findings_of_fit(
     Parameters
     ----------
     judgement
-        the difference and the fits of causes to it; `channels` are the tractions that count,
+        the difference and the fits of causes to it; `components` are the tractions that count,
         pressure, and shear where the file has one
     attribution
         the fit that explains the difference best, and its rivals: fits that do as well
@@ -163,10 +163,10 @@ def _findings_of_fit(
         if has_trace and not explains_difference(fit, fit_without_cause, (PRESSURE,)):
             continue
         # a layer's effect on the shear is not predicted
-        channels = (PRESSURE,) if cause is SOFT_NORMAL else judgement.channels
+        components = (PRESSURE,) if cause is SOFT_NORMAL else judgement.components
         # norm of what the fit leaves, over that without the cause; then over the whole difference
-        share_left_by_cause = share_of_difference_left(fit, fit_without_cause, channels)
-        share_left_by_fit = share_of_difference_left(fit, judgement.fit_without_causes, channels)
+        share_left_by_cause = share_of_difference_left(fit, fit_without_cause, components)
+        share_left_by_fit = share_of_difference_left(fit, judgement.fit_without_causes, components)
         evidence_sentences = list(_sentences_of_evidence(judgement, fit, share_left_by_fit))
         if attribution.is_shear_unexplained:
             evidence_sentences.append(
@@ -186,7 +186,8 @@ def _fit_without_cause(judgement: Judgement, fit: Fit, cause: Cause) -> Fit:
     """The fit of all causes of `fit` but this one."""
     other_causes = tuple(other_cause for other_cause in fit.causes if other_cause is not cause)
     return (
-        judgement.search.best_fit(other_causes, judgement.channels) or judgement.fit_without_causes
+        judgement.search.best_fit(other_causes, judgement.components)
+        or judgement.fit_without_causes
     )
 
 
@@ -207,21 +208,21 @@ def _sentences_of_evidence(
     if np.isfinite(resultant_ratio):
         yield f"the sum of the pressures is {resultant_ratio:.4g} P"
     # root mean square, of pressure over p_ref and of shear over f p_ref
-    noise = fit.mean_square_of_noise(judgement.channels) ** 0.5
+    noise = fit.mean_square_of_noise(judgement.components) ** 0.5
     yield (
         f"{fit.n_values((PRESSURE,))} values in contact; noise from point to point {noise:.2g} of"
         " the scales"
     )
     # SOFT_NORMAL: the cause that a soft layer covers the faces; its effect on the shear is not
     # predicted
-    channel_in_words = " of the pressure" if SOFT_NORMAL in fit.causes else ""
+    component_in_words = " of the pressure" if SOFT_NORMAL in fit.causes else ""
     subject_in_words = "a result with just this fault leaves"
     causes_in_words = "the fault"
     if len(fit.causes) > 1:
         subject_in_words = "both causes together leave"
         causes_in_words = "both"
     percentage_in_words = f"{max(share_left_by_fit, 0.0):.1%}"
-    yield f"{subject_in_words} {percentage_in_words} of the difference{channel_in_words}"
+    yield f"{subject_in_words} {percentage_in_words} of the difference{component_in_words}"
     # over the norm of the reference's pressure, and f times that, at the worst instant
     error_of_pressure, error_of_shear = discrepancy.relative_errors()
     # with the fitted tractions in place of the reference's
@@ -272,7 +273,7 @@ def _finding_of_scene_bodies(judgement: Judgement) -> Iterator[Diagnosis]:
     fit_of_theory = Fit((), (), theory_tractions, discrepancy.residuals(theory_tractions))
     fit_with_bodies = judgement.fit_without_causes  # its reference has the bodies in it
     share_left_by_bodies = share_of_difference_left(
-        fit_with_bodies, fit_of_theory, judgement.channels
+        fit_with_bodies, fit_of_theory, judgement.components
     )
     if share_left_by_bodies < LARGEST_SHARE_LEFT:
         # key and sentence of the finding, evidence, strength
@@ -308,11 +309,11 @@ def _finding_of_mesh_at_edges(judgement: Judgement) -> Iterator[Diagnosis]:
         (), (), predicted_tractions, discrepancy.residuals(predicted_tractions)
     )
     share_left_by_mesh = share_of_difference_left(
-        fit_of_coarse_mesh, judgement.fit_without_causes, judgement.channels
+        fit_of_coarse_mesh, judgement.fit_without_causes, judgement.components
     )
     # result minus reference: of p over p_ref, of q over f p_ref, (k, n) each
     residuals = judgement.fit_without_causes.residuals
-    differences = np.array([residuals[channel].values for channel in judgement.channels])
+    differences = np.array([residuals[component].values for component in judgement.components])
     is_in_contact = residuals[PRESSURE].is_in_contact
     differences_near_edges = differences[:, is_in_contact & is_near_edge].ravel()
     differences_elsewhere = differences[:, is_in_contact & ~is_near_edge].ravel()
@@ -393,13 +394,13 @@ def _place_of_largest_difference(discrepancy: Discrepancy) -> Iterator[str]:
     index_of_largest = np.unravel_index(
         np.argmax(np.abs(scaled_difference)), scaled_difference.shape
     )
-    channel, instant, point = map(int, index_of_largest)
+    component, instant, point = map(int, index_of_largest)
     position = discrepancy.x[point] / discrepancy.half_width
-    # channel 0 is the pressure, 1 the shear; TRACTIONS are their names
+    # component 0 is the pressure, 1 the shear; TRACTIONS are their names
     yield (
-        f"largest: the {TRACTIONS[channel]} at x = {position:.2g} a_ref, t ="
-        f" {discrepancy.time[instant]:.4g}, by {scaled_difference[channel, instant, point]:+.2g}"
-        f" {_TRACTION_UNIT_WORDS[channel]}"
+        f"largest: the {TRACTIONS[component]} at x = {position:.2g} a_ref, t ="
+        f" {discrepancy.time[instant]:.4g}, by {scaled_difference[component, instant, point]:+.2g}"
+        f" {_TRACTION_UNIT_WORDS[component]}"
     )
     # within two spacings of an edge of contact or stick
     is_near_edge = points_near_edges(discrepancy)
@@ -431,9 +432,9 @@ def _shares_left_by_single_causes(judgement: Judgement) -> Iterator[str]:
         if fit is None or len(fit.causes) != 1:
             continue
         (cause,) = fit.causes
-        # channel: pressure where that shows the cause, else shear
-        share = share_of_difference_left(fit, judgement.fit_without_causes, (cause.channel,))
-        chance = probability_by_chance(fit, judgement.fit_without_causes, (cause.channel,))
+        # component: pressure where that shows the cause, else shear
+        share = share_of_difference_left(fit, judgement.fit_without_causes, (cause.component,))
+        chance = probability_by_chance(fit, judgement.fit_without_causes, (cause.component,))
         if share < 1 and chance < LARGEST_PROBABILITY_BY_CHANCE:
             least_share_by_key[cause.key] = min(share, least_share_by_key.get(cause.key, 1.0))
     # WORDS: names of causes, by key

@@ -186,12 +186,12 @@ class Discrepancy:
         has_predicted_pressure = np.abs(predicted[PRESSURE]) > least_pressure
         return (has_result_pressure | has_predicted_pressure) & (self.weight > 0)
 
-    def residual(self, predicted: Tractions, channel: int) -> Residual:
-        """Difference of the result's pressure (channel 0) or shear (1) from a prediction, over its
-        unit, p_ref or f p_ref.
+    def residual(self, predicted: Tractions, component: int) -> Residual:
+        """Difference of the result's pressure (component 0) or shear (1) from a prediction, over
+        its unit, p_ref or f p_ref.
         """
-        difference = self.result_tractions[channel] - predicted[channel]
-        scaled_difference = difference / self.traction_units[channel]
+        difference = self.result_tractions[component] - predicted[component]
+        scaled_difference = difference / self.traction_units[component]
         return Residual(scaled_difference, self.weight, self.mask_in_contact(predicted))
 
     def residuals(self, predicted: Tractions) -> tuple[Residual, Residual]:
@@ -214,13 +214,13 @@ class Discrepancy:
         pressure_error, shear_error = np.nanmax(relative_errors, axis=1, initial=0.0).tolist()
         return pressure_error, shear_error
 
-    def is_within_tolerance(self, channel: int) -> bool:
+    def is_within_tolerance(self, component: int) -> bool:
         """Whether the error of the pressure or of the shear is within its tolerance; without one,
         whether there is none.
         """
-        key = TRACTIONS[channel]
+        key = TRACTIONS[component]
         limit = self.comparison.scene.tolerances.limit(key) or 0.0
-        return verdict_on(self.relative_errors()[channel], limit) is Verdict.WITHIN
+        return verdict_on(self.relative_errors()[component], limit) is Verdict.WITHIN
 
     @property
     def is_within_tolerances(self) -> bool:

@@ -86,15 +86,15 @@ class Fit:
         n_sizes = sum(cause.has_size for cause in self.causes)
         return n_sizes + (self.n_values((SHEAR,)) // 2 if ODD_PART in self.causes else 0)
 
-    def mean_square(self, channels: Sequence[int]) -> float:
-        """Mean square of the residuals, over p_ref or f p_ref; the sum of the `channels` (pressure,
-        shear).
+    def mean_square(self, components: Sequence[int]) -> float:
+        """Mean square of the residuals, over p_ref or f p_ref; the sum of the `components`
+        (pressure, shear).
         """
-        return sum(self.residuals[channel].mean_square for channel in channels)
+        return sum(self.residuals[component].mean_square for component in components)
 
-    def mean_square_of_noise(self, channels: Sequence[int]) -> float:
+    def mean_square_of_noise(self, components: Sequence[int]) -> float:
         """Mean square of the noise in the residuals, result minus prediction over p_ref or f p_ref:
-        the sum of the `channels` (pressure, shear).
+        the sum of the `components` (pressure, shear).
 
         More than the mean square of the residual is no noise. Noise of the shear is of the size of
         that of the pressure: it counts up to `largest_noise_ratio` times the pressure's residual.
@@ -105,25 +105,26 @@ class Fit:
         largest_square_of_noise = (np.inf, pressure_square * self.largest_noise_ratio**2)
         return sum(
             min(
-                self.residuals[channel].mean_square_of_noise,
-                self.mean_square((channel,)),
-                largest_square_of_noise[channel],
+                self.residuals[component].mean_square_of_noise,
+                self.mean_square((component,)),
+                largest_square_of_noise[component],
             )
-            for channel in channels
+            for component in components
         )
 
-    def is_noise(self, channels: Sequence[int]) -> bool:
-        """Whether the fit leaves nothing but noise or round-off in each of these channels
+    def is_noise(self, components: Sequence[int]) -> bool:
+        """Whether the fit leaves nothing but noise or round-off in each of these components
         (pressure, shear).
         """
-        residuals = [self.residuals[channel] for channel in channels]
+        residuals = [self.residuals[component] for component in components]
         return all(
             residual.is_noise or residual.mean_square <= ROUND_OFF_SQUARE for residual in residuals
         )
 
-    def n_values(self, channels: Sequence[int]) -> int:
-        """Number of values in contact, over all instants of these `channels` (pressure, shear)."""
-        return sum(self.residuals[channel].n_values for channel in channels)
+    def n_values(self, components: Sequence[int]) -> int:
+        """Number of values in contact, over all instants of these `components` (pressure,
+        shear)."""
+        return sum(self.residuals[component].n_values for component in components)
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,7 +138,7 @@ class Search:
     predictions
         tractions of theory with faults in it
     fit_by_key
-        the fits done: numbers of the causes, channels and known sizes -> fit, see `best_fit`
+        the fits done: numbers of the causes, components and known sizes -> fit, see `best_fit`
     """
 
     discrepancy: Discrepancy
@@ -147,7 +148,7 @@ class Search:
     def best_fit(
         self,
         causes: tuple[Cause, ...],
-        channels: tuple[int, ...],
+        components: tuple[int, ...],
         known_sizes: tuple[float, ...] = (),
     ) -> Fit | None:
         """The fit of causes (known faults of a result) to its difference from the reference, with
@@ -159,36 +160,36 @@ class Search:
         ----------
         causes
             the faults whose sizes are fitted
-        channels
+        components
             the tractions that are fitted: pressure, shear or both
         known_sizes
             sizes of the first causes, which are kept
         """
         # CAUSES: all known faults, whose numbers stand in the key; fit_by_key: the fits made so far
-        key = tuple(CAUSES.index(cause) for cause in causes), channels, known_sizes
+        key = tuple(CAUSES.index(cause) for cause in causes), components, known_sizes
         if key not in self.fit_by_key:
-            self.fit_by_key[key] = self._new_fit(causes, channels, known_sizes)
+            self.fit_by_key[key] = self._new_fit(causes, components, known_sizes)
         return self.fit_by_key[key]
 
     def _new_fit(
-        self, causes: tuple[Cause, ...], channels: tuple[int, ...], known_sizes: tuple[float, ...]
+        self, causes: tuple[Cause, ...], components: tuple[int, ...], known_sizes: tuple[float, ...]
     ) -> Fit | None:
         """Fit causes (known faults of a result) to its difference from the reference: each
         combination of starting sizes is tried, and the best ones are refined by least squares. The
         first causes keep their `known_sizes`. None where theory has no solution for any
         combination, or the result can't have one of the causes.
 
-        `channels` are the tractions that are fitted: pressure, shear or both.
+        `components` are the tractions that are fitted: pressure, shear or both.
         """
         searched_causes = causes[len(known_sizes) :]
         starts_of_causes: list[tuple[float, ...]] = [(size,) for size in known_sizes]
         starts_of_causes += [
-            self._start_sizes(cause, searched_causes, channels) for cause in searched_causes
+            self._start_sizes(cause, searched_causes, components) for cause in searched_causes
         ]
         if not all(starts_of_causes):
             return None
         # combinations of sizes, the one that leaves least first
-        starts = self._solvable_starts(causes, starts_of_causes, channels)
+        starts = self._solvable_starts(causes, starts_of_causes, components)
         if not starts:
             return None
         sizes = starts[0]
@@ -199,24 +200,24 @@ class Search:
         ]
         if fitted_indices:
             # A point shows an edge of slip only when it passes: a search may stop early.
-            n_searches = _SEARCHES_OF_SHEAR if SHEAR in channels else 1
-            sizes = self._refined_sizes(causes, starts[:n_searches], fitted_indices, channels)
-        return self._fit_with_sizes(causes, sizes, channels)
+            n_searches = _SEARCHES_OF_SHEAR if SHEAR in components else 1
+            sizes = self._refined_sizes(causes, starts[:n_searches], fitted_indices, components)
+        return self._fit_with_sizes(causes, sizes, components)
 
     def _solvable_starts(
         self,
         causes: tuple[Cause, ...],
         starts_of_causes: Sequence[tuple[float, ...]],
-        channels: tuple[int, ...],
+        components: tuple[int, ...],
     ) -> list[tuple[float, ...]]:
         """Combinations of starting sizes of causes (known faults) for which theory has a solution,
         in the order of the sum of squares that they leave. `starts_of_causes` has for each cause
-        the sizes to start from; `channels` are the tractions that are fitted: pressure, shear or
+        the sizes to start from; `components` are the tractions that are fitted: pressure, shear or
         both.
         """
         combinations = list(itertools.product(*starts_of_causes))
         sums_of_squares = [
-            self._sum_of_squares(causes, combination, channels) for combination in combinations
+            self._sum_of_squares(causes, combination, components) for combination in combinations
         ]
         # a residual of 1e20 stands for no solution
         return [
@@ -230,60 +231,60 @@ class Search:
         causes: tuple[Cause, ...],
         starts: Sequence[tuple[float, ...]],
         fitted_indices: list[int],
-        channels: tuple[int, ...],
+        components: tuple[int, ...],
     ) -> tuple[float, ...]:
         """Sizes of causes (known faults) by least squares: roughly (to 1e-2) from each of `starts`,
         then finely (to 1e-6) from the best. A rough fit that leaves more than 0.8 of the norm of
         the difference is not refined.
 
-        `fitted_indices` are those of the causes whose sizes are fitted; `channels` are the
+        `fitted_indices` are those of the causes whose sizes are fitted; `components` are the
         tractions that are fitted: pressure, shear or both.
         """
         rough_sizes = [
-            self._least_squares(causes, start, fitted_indices, channels, _ROUGH_TOLERANCE)
+            self._least_squares(causes, start, fitted_indices, components, _ROUGH_TOLERANCE)
             for start in starts
         ]
         sizes = min(
             rough_sizes,
-            key=lambda trial_sizes: self._sum_of_squares(causes, trial_sizes, channels),
+            key=lambda trial_sizes: self._sum_of_squares(causes, trial_sizes, components),
         )
-        sum_without_causes = self._sum_of_squares((), (), channels)
+        sum_without_causes = self._sum_of_squares((), (), components)
         largest_sum = _SHARE_LEFT_WITHOUT_HOPE**2 * sum_without_causes
-        if self._sum_of_squares(causes, sizes, channels) <= largest_sum:
-            sizes = self._least_squares(causes, sizes, fitted_indices, channels, _FINE_TOLERANCE)
+        if self._sum_of_squares(causes, sizes, components) <= largest_sum:
+            sizes = self._least_squares(causes, sizes, fitted_indices, components, _FINE_TOLERANCE)
         return sizes
 
     def refined_fit(
-        self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
+        self, causes: tuple[Cause, ...], sizes: tuple[float, ...], components: tuple[int, ...]
     ) -> Fit | None:
         """The fit of causes (known faults) with all sizes fitted at once, by least squares from
-        `sizes` on. None where theory has no solution. `channels` are the tractions that are fitted:
-        pressure, shear or both.
+        `sizes` on. None where theory has no solution. `components` are the tractions that are
+        fitted: pressure, shear or both.
         """
         fitted_indices = [index for index, cause in enumerate(causes) if cause.has_size]
         if fitted_indices:
-            sizes = self._least_squares(causes, sizes, fitted_indices, channels, _FINE_TOLERANCE)
-        return self._fit_with_sizes(causes, sizes, channels)
+            sizes = self._least_squares(causes, sizes, fitted_indices, components, _FINE_TOLERANCE)
+        return self._fit_with_sizes(causes, sizes, components)
 
     def _start_sizes(
-        self, cause: Cause, searched_causes: tuple[Cause, ...], channels: tuple[int, ...]
+        self, cause: Cause, searched_causes: tuple[Cause, ...], components: tuple[int, ...]
     ) -> tuple[float, ...]:
         """Sizes of a cause (a known fault) from which a search starts; empty where the result can't
         have this fault.
 
         `searched_causes` are all causes of the search, this one included. Where there are several,
         the size that this one has when fitted alone is among the starts; few of its other starts
-        remain. `channels` are the tractions that are fitted: pressure, shear or both.
+        remain. `components` are the tractions that are fitted: pressure, shear or both.
         """
         starts = tuple(cause.start_sizes(self.discrepancy))
         if len(searched_causes) == 1 or not starts or not cause.has_size:
             return starts
-        fit_alone = self.best_fit((cause,), channels)
+        fit_alone = self.best_fit((cause,), components)
         if fit_alone is None:
             return starts[:1]
         # beside other causes: the size found alone, with every third of the other starts for the
         # shear; for the pressure with the other starts only where these are three at most
-        if SHEAR in channels:
+        if SHEAR in components:
             return (*starts[::_STRIDE_OF_STARTS], fit_alone.sizes[0])
         return (
             (fit_alone.sizes[0],)
@@ -296,13 +297,13 @@ class Search:
         causes: tuple[Cause, ...],
         sizes: tuple[float, ...],
         fitted_indices: Sequence[int],
-        channels: tuple[int, ...],
+        components: tuple[int, ...],
         tolerance: float,
     ) -> tuple[float, ...]:
         """Sizes of causes (known faults) whose predicted tractions are closest to the result's, by
         least squares; only those at `fitted_indices` differ from `sizes`, where the search starts.
 
-        `channels` are the tractions that count: pressure, shear or both. The search ends where a
+        `components` are the tractions that count: pressure, shear or both. The search ends where a
         step changes sizes or squares by less than the share `tolerance`.
 
         # notation: f coefficient of friction, p_ref scale of pressure
@@ -320,7 +321,7 @@ class Search:
         # sizes change by steps of 1e-5 for derivatives, about 0.1 in the search
         solution = least_squares(
             lambda fitted_sizes: self._weighted_residuals(
-                causes, all_sizes(fitted_sizes), channels
+                causes, all_sizes(fitted_sizes), components
             ),
             [sizes[index] for index in fitted_indices],
             method="lm",
@@ -334,44 +335,46 @@ class Search:
         return all_sizes(solution.x)
 
     def _sum_of_squares(
-        self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
+        self, causes: tuple[Cause, ...], sizes: tuple[float, ...], components: tuple[int, ...]
     ) -> float:
         """Sum of the squared and weighted differences between the result and the tractions that
         theory predicts with these faults (`causes`) of these sizes, over p_ref or f p_ref.
         """
-        return float(np.sum(self._weighted_residuals(causes, sizes, channels) ** 2))
+        return float(np.sum(self._weighted_residuals(causes, sizes, components) ** 2))
 
     def _weighted_residuals(
-        self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
+        self, causes: tuple[Cause, ...], sizes: tuple[float, ...], components: tuple[int, ...]
     ) -> Array:
         """Differences of the result from the tractions that theory predicts with these `causes`
         (known faults) of these sizes. They are over p_ref or f p_ref, times the root of their
         weight; 1e20 where theory has no solution.
 
-        All k instants and n points of each of the `channels` (pressure, shear) stand in one row.
+        All k instants and n points of each of the `components` (pressure, shear) stand in one row.
 
         # notation: f coefficient of friction, p_ref scale of pressure
         """
         discrepancy = self.discrepancy
         try:
-            predicted_tractions = self._predicted_tractions(causes, sizes, channels)
+            predicted_tractions = self._predicted_tractions(causes, sizes, components)
         except InputError:  # gross sliding, separation, a size that means nothing
-            n_values = discrepancy.weight.size * len(channels)
+            n_values = discrepancy.weight.size * len(components)
             return np.full(n_values, _RESIDUAL_WITHOUT_SOLUTION)
         root_of_weight = np.sqrt(discrepancy.weight)
-        residuals_of_channels = []
-        for channel in channels:
-            difference = discrepancy.result_tractions[channel] - predicted_tractions[channel]
+        residuals_of_components = []
+        for component in components:
+            difference = discrepancy.result_tractions[component] - predicted_tractions[component]
             # traction_units: p_ref for the pressure, f p_ref for the shear
-            residual = root_of_weight * difference / discrepancy.traction_units[channel]
-            residuals_of_channels.append(residual.ravel())
-        return np.nan_to_num(np.concatenate(residuals_of_channels), nan=_RESIDUAL_WITHOUT_SOLUTION)
+            residual = root_of_weight * difference / discrepancy.traction_units[component]
+            residuals_of_components.append(residual.ravel())
+        return np.nan_to_num(
+            np.concatenate(residuals_of_components), nan=_RESIDUAL_WITHOUT_SOLUTION
+        )
 
     def _predicted_tractions(
-        self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
+        self, causes: tuple[Cause, ...], sizes: tuple[float, ...], components: tuple[int, ...]
     ) -> Tractions:
         """Tractions (2, k, n) that a result with these faults (`causes`) of these sizes would have.
-        The shear is that of the reference where it is not among `channels`.
+        The shear is that of the reference where it is not among `components`.
 
         InputError where theory has no solution, or a size is beyond the `largest_size` of its
         cause.
@@ -382,19 +385,19 @@ class Search:
             if abs(size) > cause.largest_size:
                 raise InputError("beyond the range of the search")
             variant = cause.changed_variant(variant, size)
-        return self.predictions.tractions_of(variant, with_shear=SHEAR in channels)
+        return self.predictions.tractions_of(variant, with_shear=SHEAR in components)
 
     def _fit_with_sizes(
-        self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
+        self, causes: tuple[Cause, ...], sizes: tuple[float, ...], components: tuple[int, ...]
     ) -> Fit | None:
         """The fit of causes (known faults) with given sizes: the tractions that they predict, and
         the residuals that they leave. None where theory has no solution for them. The shear is
-        predicted only where it is among `channels`.
+        predicted only where it is among `components`.
 
         # notation: f coefficient of friction
         """
         try:
-            predicted_tractions = self._predicted_tractions(causes, sizes, channels)
+            predicted_tractions = self._predicted_tractions(causes, sizes, components)
         except InputError:
             return None
         # largest ratio of shear noise to pressure noise, each over its scale: 5/f
@@ -408,15 +411,15 @@ class Search:
         )
 
 
-def share_of_difference_left(fit: Fit, fit_before: Fit, channels: Sequence[int]) -> float:
+def share_of_difference_left(fit: Fit, fit_before: Fit, components: Sequence[int]) -> float:
     """Share of the difference between result and reference that a fit of known faults leaves: norm
     of its residuals over that of `fit_before`, the noise taken from both; 1 where there is no
-    difference. `channels` are the tractions that count: pressure, shear or both.
+    difference. `components` are the tractions that count: pressure, shear or both.
     """
     return share_of_norm(
-        fit.mean_square(channels),
-        fit_before.mean_square(channels),
-        fit.mean_square_of_noise(channels),
+        fit.mean_square(components),
+        fit_before.mean_square(components),
+        fit.mean_square_of_noise(components),
     )
 
 
@@ -434,15 +437,15 @@ def share_of_norm(square_left: float, square_before: float, square_of_noise: flo
     return float(np.sqrt(square_left_without_noise / square_before_without_noise))
 
 
-def probability_by_chance(fit: Fit, fit_before: Fit, channels: Sequence[int]) -> float:
+def probability_by_chance(fit: Fit, fit_before: Fit, components: Sequence[int]) -> float:
     """Probability that noise alone lets a fit of known faults leave so much less of the difference
-    between result and reference than `fit_before`, by the F test. `channels` are the tractions that
-    count: pressure, shear or both.
+    between result and reference than `fit_before`, by the F test. `components` are the tractions
+    that count: pressure, shear or both.
     """
     return probability_of_gain(
-        fit.mean_square(channels),
-        fit_before.mean_square(channels),
-        fit.n_values(channels),
+        fit.mean_square(components),
+        fit_before.mean_square(components),
+        fit.n_values(components),
         n_parameters=fit.n_parameters,
         n_parameters_before=fit_before.n_parameters,
     )
@@ -507,12 +510,12 @@ def leaves_clearly_more(
     return square_left > _LEAST_RATIO_APART * least_square
 
 
-def explains_difference(fit: Fit, fit_before: Fit, channels: Sequence[int]) -> bool:
+def explains_difference(fit: Fit, fit_before: Fit, components: Sequence[int]) -> bool:
     """Whether a fit of known faults explains the difference that `fit_before` leaves in the
-    tractions `channels` (pressure, shear): less than a third of its norm is left, and not by
+    tractions `components` (pressure, shear): less than a third of its norm is left, and not by
     chance.
     """
     return (
-        share_of_difference_left(fit, fit_before, channels) < LARGEST_SHARE_LEFT
-        and probability_by_chance(fit, fit_before, channels) < LARGEST_PROBABILITY_BY_CHANCE
+        share_of_difference_left(fit, fit_before, components) < LARGEST_SHARE_LEFT
+        and probability_by_chance(fit, fit_before, components) < LARGEST_PROBABILITY_BY_CHANCE
     )

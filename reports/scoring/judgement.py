@@ -118,14 +118,14 @@ class Judgement:
     reason_by_cause: dict[str, str] = field(default_factory=dict)
 
     @property
-    def channels(self) -> tuple[int, ...]:
+    def components(self) -> tuple[int, ...]:
         """Numbers of the tractions that count: pressure, and shear where the file has one."""
         return (PRESSURE, SHEAR) if self.discrepancy.has_shear else (PRESSURE,)
 
     @property
     def fit_without_causes(self) -> Fit:
         """The fit without any cause, which leaves the whole difference."""
-        fit = self.search.best_fit((), self.channels)
+        fit = self.search.best_fit((), self.components)
         assert fit is not None
         return fit
 
@@ -159,8 +159,8 @@ class Judgement:
         if not candidates:
             return Attribution(None)
 
-        # channels: pressure, and shear where the file has one
-        fit_that_leaves_least = min(candidates, key=lambda fit: fit.mean_square(self.channels))
+        # components: pressure, and shear where the file has one
+        fit_that_leaves_least = min(candidates, key=lambda fit: fit.mean_square(self.components))
         best_fit = min(candidates, key=lambda fit: self._sort_key(fit, fit_that_leaves_least))
         # A cause that needs a size to do what another does without is no rival: a tilt of a
         # parabola is an offset of just that size, half a cycle late is the other sign of Q.
@@ -183,7 +183,7 @@ class Judgement:
             leaves_clearly_more,
             len(fit.causes),
             fit.n_parameters,
-            fit.mean_square(self.channels),
+            fit.mean_square(self.components),
         )
 
     def _explanations_of_pressure_alone(self, pressure_fit: Fit) -> list[Fit]:
@@ -197,10 +197,10 @@ class Judgement:
         """
         if not pressure_fit.causes:
             return []
-        # tractions predicted with these causes; channels: pressure, and shear where the file has
+        # tractions predicted with these causes; components: pressure, and shear where the file has
         # one
         fit = self.search.best_fit(
-            pressure_fit.causes, self.channels, known_sizes=pressure_fit.sizes
+            pressure_fit.causes, self.components, known_sizes=pressure_fit.sizes
         )
         if fit is None:  # with these causes the contact slides: the shear has no theory
             return [pressure_fit]
@@ -252,12 +252,12 @@ class Judgement:
         """
         if not explanations or len(pressure_fits) < 2 or not self.discrepancy.has_shear:
             return []
-        # mean_square: of the difference that a fit leaves; channels: pressure, and shear
-        best_explanation = min(explanations, key=lambda fit: fit.mean_square(self.channels))
+        # mean_square: of the difference that a fit leaves; components: pressure, and shear
+        best_explanation = min(explanations, key=lambda fit: fit.mean_square(self.components))
         # exact: it leaves less than a millionth of the mean square of the whole difference
         if best_explanation.mean_square(
-            self.channels
-        ) <= _LARGEST_SQUARE_RATIO_IF_EXACT * self.fit_without_causes.mean_square(self.channels):
+            self.components
+        ) <= _LARGEST_SQUARE_RATIO_IF_EXACT * self.fit_without_causes.mean_square(self.components):
             return []
         # fits of the pressure whose causes are all in the best explanation
         pressure_fits_of_best = [fit for fit in pressure_fits if fit.keys <= best_explanation.keys]
@@ -273,14 +273,14 @@ class Judgement:
             if not _may_occur_together(causes):
                 continue
             # least squares from these sizes on
-            fit = self.search.refined_fit(causes, sizes, self.channels)
+            fit = self.search.refined_fit(causes, sizes, self.components)
             # excluded: by the integrals of pressure and shear, or by sizes that are next to none
             if fit is None or not self._is_not_excluded(
-                fit, self.fit_without_causes, self.channels
+                fit, self.fit_without_causes, self.components
             ):
                 continue
             # less than a third of the difference is left, and not by chance
-            if explains_difference(fit, self.fit_without_causes, self.channels):
+            if explains_difference(fit, self.fit_without_causes, self.components):
                 joint_fits.append(fit)
         return joint_fits
 
@@ -299,8 +299,8 @@ class Judgement:
             fit_without_causes, PRESSURE
         ) and self.discrepancy.is_within_tolerance(PRESSURE):
             return [fit_without_causes]
-        # CAUSES: all known faults; channel: the traction that shows a cause
-        causes_of_pressure = [cause for cause in CAUSES if cause.channel == PRESSURE]
+        # CAUSES: all known faults; component: the traction that shows a cause
+        causes_of_pressure = [cause for cause in CAUSES if cause.component == PRESSURE]
         quick_causes = [cause for cause in causes_of_pressure if cause not in _MODEL_FAULTS]
         # fits that leave less than a third of the difference, and not by chance
         single_fits = self._explanations_of_pressure([(cause,) for cause in quick_causes])
@@ -473,7 +473,7 @@ class Judgement:
         self,
         combinations: Iterable[tuple[Cause, ...]],
         fit_before: Fit,
-        channels: tuple[int, ...],
+        components: tuple[int, ...],
     ) -> list[Fit]:
         """Try combinations of causes (known faults, such as a wrong friction coefficient): the fits
         that explain what `fit_before` leaves of the difference between result and theory.
@@ -487,34 +487,36 @@ class Judgement:
             of the causes
         fit_before
             fit of fewer causes, or of none
-        channels
+        components
             the tractions that count: pressure, shear or both
         """
         explanations = []
         for causes in combinations:
             # least squares over the sizes of these causes; None without a solution of theory
-            fit = self.search.best_fit(causes, channels)
-            if fit is None or not self._is_not_excluded(fit, fit_before, channels):
+            fit = self.search.best_fit(causes, components)
+            if fit is None or not self._is_not_excluded(fit, fit_before, components):
                 continue
             # less than a third of what fit_before leaves, and not by chance
-            if explains_difference(fit, fit_before, channels):
+            if explains_difference(fit, fit_before, components):
                 explanations.append(fit)
         return explanations
 
     # ------------------------------------------------------------------ what integrals exclude
-    def _is_not_excluded(self, fit: Fit, fit_before: Fit, channels: Sequence[int]) -> bool:
+    def _is_not_excluded(self, fit: Fit, fit_before: Fit, components: Sequence[int]) -> bool:
         """Whether nothing excludes a fit of causes (known faults): neither the integral of the
         pressure over x, nor that of the shear, nor fitted sizes that are next to none. `fit_before`
         is a fit of fewer causes.
         """
-        if self._has_cause_without_change(fit, fit_before, channels):
+        if self._has_cause_without_change(fit, fit_before, components):
             return False
         # a wrong factor of all shear tractions
         if SHEAR_FACTOR in fit.causes and not self._is_factor_of_shear(fit, fit_before):
             return False
         return not self._sum_of_pressures_contradicts(fit)
 
-    def _has_cause_without_change(self, fit: Fit, fit_before: Fit, channels: Sequence[int]) -> bool:
+    def _has_cause_without_change(
+        self, fit: Fit, fit_before: Fit, components: Sequence[int]
+    ) -> bool:
         """Whether a cause (known fault) in a fit has a fitted size next to 0, so that it explains
         nothing: the difference may then be the error of a mesh. It has not where, next to 0 as it
         is, it leaves less than 3 % of the difference (norm) that is left without it.
@@ -531,9 +533,9 @@ class Judgement:
             if cause not in fit_before.causes:
                 other_causes = tuple(other for other in fit.causes if other is not cause)
                 fit_without_cause = self.search.best_fit(
-                    other_causes, tuple(channels), known_sizes=fit_before.sizes
+                    other_causes, tuple(components), known_sizes=fit_before.sizes
                 )
-            share_left = share_of_difference_left(fit, fit_without_cause or fit_before, channels)
+            share_left = share_of_difference_left(fit, fit_without_cause or fit_before, components)
             if share_left > _LARGEST_SHARE_LEFT_IF_COMPLETE:
                 return True
         return False
@@ -672,12 +674,12 @@ class Judgement:
         if len(fit_before.causes) + count > 2:
             return []
         # causes of the pressure that may show in the shear alone: other instants, nodal forces
-        # CAUSES: all known faults; channel: the traction that shows a cause
+        # CAUSES: all known faults; component: the traction that shows a cause
         possible_causes = [
             cause
             for cause in CAUSES
             # coupling by unlike materials is tried apart from these
-            if (cause.channel == SHEAR and cause.key != COUPLING.key)
+            if (cause.component == SHEAR and cause.key != COUPLING.key)
             or cause.key in ("other_times", "coarse_edge")
         ]
         # no two causes of one group may meet
@@ -699,7 +701,7 @@ class Judgement:
             return None
         # ODD_PART: a stand-in that takes over the odd part of the result's shear
         odd_fit = self.search.best_fit(
-            (*fit_before.causes, ODD_PART), self.channels, known_sizes=fit_before.sizes
+            (*fit_before.causes, ODD_PART), self.components, known_sizes=fit_before.sizes
         )
         # most: the norm that is left must be at most 0.6 of that before
         if (
@@ -747,15 +749,16 @@ class Judgement:
         return sorted(explanations, key=lambda fit: fit.mean_square((SHEAR,)))
 
     # -------------------------------------------------------------------------------- comparison
-    def is_traction_explained(self, fit: Fit, channel: int) -> bool:
+    def is_traction_explained(self, fit: Fit, component: int) -> bool:
         """Whether a fit of causes (known faults) leaves nothing of a traction but noise, or next to
-        nothing: 3 % of the difference (norm), and of the traction. `channel` is PRESSURE or SHEAR.
-        Without a cause it also does where the difference is within the tolerance of the scene.
+        nothing: 3 % of the difference (norm), and of the traction. `component` is PRESSURE or
+        SHEAR. Without a cause it also does where the difference is within the tolerance of the
+        scene.
 
         # notation: f coefficient of friction, p_ref scale of pressure
         """
-        if fit.is_noise((channel,)):
-            if channel == PRESSURE:
+        if fit.is_noise((component,)):
+            if component == PRESSURE:
                 return True
             # A shear that scatters too much beside the pressure holds more than noise. Mean squares
             # are over p_ref or f p_ref; largest_noise_ratio: of shear noise to pressure noise.
@@ -763,60 +766,60 @@ class Judgement:
             if fit.mean_square((SHEAR,)) <= pressure_square * fit.largest_noise_ratio**2:
                 return True
         if not fit.causes:
-            return self.discrepancy.is_within_tolerance(channel)
+            return self.discrepancy.is_within_tolerance(component)
         # With a factor of units the difference is far larger than the tractions: what is left must
         # be small beside both.
-        mean_square_left = fit.mean_square((channel,)) - fit.mean_square_of_noise((channel,))
+        mean_square_left = fit.mean_square((component,)) - fit.mean_square_of_noise((component,))
         no_tractions = 0 * fit.predicted_tractions
         # the result minus nothing: its traction itself
-        mean_square_of_traction = self.discrepancy.residual(no_tractions, channel).mean_square
+        mean_square_of_traction = self.discrepancy.residual(no_tractions, component).mean_square
         return (
-            share_of_difference_left(fit, self.fit_without_causes, (channel,))
+            share_of_difference_left(fit, self.fit_without_causes, (component,))
             <= _LARGEST_SHARE_LEFT_IF_COMPLETE
             and mean_square_left <= _LARGEST_SHARE_LEFT_IF_COMPLETE**2 * mean_square_of_traction
         )
 
     def are_tractions_explained(self, fit: Fit) -> bool:
         """Whether a fit leaves nothing of either traction but noise."""
-        return all(self.is_traction_explained(fit, channel) for channel in self.channels)
+        return all(self.is_traction_explained(fit, component) for component in self.components)
 
     def _leaves_less(
-        self, fit: Fit, simple_fit: Fit, channels: Sequence[int] | None = None
+        self, fit: Fit, simple_fit: Fit, components: Sequence[int] | None = None
     ) -> bool:
         """Whether `fit` leaves less of the difference between result and reference than
         `simple_fit`. Where it has more causes (known faults), they must be called for: less than a
         quarter of the mean square is left, or `simple_fit` leaves more than noise; and not by
         chance.
 
-        Pressure, and shear where the file has one, count where `channels` is None.
+        Pressure, and shear where the file has one, count where `components` is None.
         """
-        channels_compared = self.channels if channels is None else channels
+        compared_components = self.components if components is None else components
         # mean square of the difference that each leaves
-        mean_square = fit.mean_square(channels_compared)
-        mean_square_of_simple = simple_fit.mean_square(channels_compared)
+        mean_square = fit.mean_square(compared_components)
+        mean_square_of_simple = simple_fit.mean_square(compared_components)
         if len(fit.causes) <= len(simple_fit.causes):
             return mean_square < mean_square_of_simple
         is_large_gain = mean_square <= _LARGEST_SQUARE_RATIO_OF_PAIR * mean_square_of_simple
         is_significant = (
-            probability_by_chance(fit, simple_fit, channels_compared)
+            probability_by_chance(fit, simple_fit, compared_components)
             < LARGEST_PROBABILITY_BY_CHANCE
         )
-        return is_significant and (is_large_gain or not simple_fit.is_noise(channels_compared))
+        return is_significant and (is_large_gain or not simple_fit.is_noise(compared_components))
 
     def _leaves_clearly_more(
-        self, fit: Fit, best_fit: Fit, channels: Sequence[int] | None = None
+        self, fit: Fit, best_fit: Fit, components: Sequence[int] | None = None
     ) -> bool:
         """Whether `fit` leaves so much more of the difference between result and reference than
         `best_fit` that it is no rival of it. Pressure, and shear where the file has one, count
-        where `channels` is None.
+        where `components` is None.
         """
-        channels_compared = self.channels if channels is None else channels
+        compared_components = self.components if components is None else components
         # mean squares that the fits leave, and number of values in contact
         return leaves_clearly_more(
-            fit.mean_square(channels_compared),
-            best_fit.mean_square(channels_compared),
-            best_fit.n_values(channels_compared),
-            is_noise=best_fit.is_noise(channels_compared),
+            fit.mean_square(compared_components),
+            best_fit.mean_square(compared_components),
+            best_fit.n_values(compared_components),
+            is_noise=best_fit.is_noise(compared_components),
         )
 
 

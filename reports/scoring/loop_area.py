@@ -19,8 +19,8 @@ from reports.scoring.loop_masing import MasingLoop
 from reports.scoring.loop_masing_fit import MasingFit
 from scenes.array_types import Array
 
-# Phases closer than this are alike but for rounding.
-_ROUND_OFF_OF_PHASE = 1e-9
+# Numbers of cycles passed that differ by less are the same but for rounding.
+_ROUND_OFF_OF_CYCLES = 1e-9
 # A loop is not closed where U of its two ends differs by more than 4.2 sigma of U, which is three
 # sigma of a difference of two.
 _TOLERATED_MISCLOSURE_IN_SIGMAS = 4.2
@@ -97,7 +97,11 @@ def _where_displacement_returns(displacement: Array, rows: NDArray[np.intp]) -> 
 
 
 def polygon_area(
-    displacement: Array, load: Array, phase: Array, displacement_noise: float, load_noise: float
+    displacement: Array,
+    load: Array,
+    cycles_passed: Array,
+    displacement_noise: float,
+    load_noise: float,
 ) -> LoopArea:
     """Area W of a measured loop of Q over U per cycle [energy per thickness], by the polygon
     through its rows. With it come its errors by the distance of the rows and by their noise (95 %).
@@ -108,7 +112,7 @@ def polygon_area(
     ----------
     displacement, load
         relative tangential displacement U and load Q of the rows, (n,) each
-    phase
+    cycles_passed
         (n,) number of cycles that have passed at each row, counted from any instant
     displacement_noise, load_noise
         sigma of U and Q
@@ -122,24 +126,24 @@ def polygon_area(
 
     # notation: sigma standard deviation of the noise
     """
-    covered_cycles = float(phase[-1] - phase[0])
-    # The last row may lie one step of rows (at most 1.6) before the end of a cycle; phases are
-    # known to a hundredth of a cycle.
-    missing_cycles = _MOST_MISSING_STEPS * covered_cycles / (len(phase) - 1) + 0.01
+    covered_cycles = float(cycles_passed[-1] - cycles_passed[0])
+    # The last row may lie one step of rows (at most 1.6) before the end of a cycle; the
+    # number of cycles passed is known to a hundredth.
+    missing_cycles = _MOST_MISSING_STEPS * covered_cycles / (len(cycles_passed) - 1) + 0.01
     n_cycles = max(math.floor(covered_cycles + missing_cycles), 1)
-    end_phase = float(phase[0]) + n_cycles
+    cycles_at_end = float(cycles_passed[0]) + n_cycles
     # rows at or after the end of the last whole cycle
-    rows_at_end = np.flatnonzero(phase >= end_phase)
+    rows_at_end = np.flatnonzero(cycles_passed >= cycles_at_end)
     rows_at_end = rows_at_end[
-        rows_at_end > 0.5 * len(phase) * n_cycles / max(covered_cycles, n_cycles)
+        rows_at_end > 0.5 * len(cycles_passed) * n_cycles / max(covered_cycles, n_cycles)
     ]
     error_by_misclosure = 0.0
     if len(rows_at_end):
         noise = (displacement_noise, load_noise)
         displacement, load, error_by_misclosure = _closed_loop_and_misclosure_error(
-            displacement, load, phase, rows_at_end, end_phase, noise
+            displacement, load, cycles_passed, rows_at_end, cycles_at_end, noise
         )
-    elif end_phase - phase[-1] > missing_cycles:
+    elif cycles_at_end - cycles_passed[-1] > missing_cycles:
         # the loop may lie anywhere between the chord and its end tangents
         rectangle = float((displacement[-1] - displacement[0]) * (load[-1] - load[0]))
         error_by_misclosure = abs(rectangle) / 2
@@ -164,9 +168,9 @@ def polygon_area(
 def _closed_loop_and_misclosure_error(
     displacement: Array,
     load: Array,
-    phase: Array,
+    cycles_passed: Array,
     rows_at_end: NDArray[np.intp],
-    end_phase: float,
+    cycles_at_end: float,
     noise: tuple[float, float],
 ) -> tuple[Array, Array, float]:
     """Close a measured loop of Q over U at the end of its last whole cycle. Returns U and Q of the
@@ -179,11 +183,11 @@ def _closed_loop_and_misclosure_error(
 
     Parameters
     ----------
-    displacement, load, phase
+    displacement, load, cycles_passed
         (n,) U, Q, and number of cycles passed at each row
     rows_at_end
         indices of the rows at or after the end of the last whole cycle
-    end_phase
+    cycles_at_end
         cycles passed at that end
     noise
         sigma of U and of Q
@@ -192,7 +196,7 @@ def _closed_loop_and_misclosure_error(
     #           displacement
     """
     row_after, fraction_of_step, tolerated_misclosure = _end_of_cycle(
-        displacement, load, phase, rows_at_end, end_phase, noise
+        displacement, load, cycles_passed, rows_at_end, cycles_at_end, noise
     )
     displacement_at_end, load_at_end = (
         float(
@@ -215,9 +219,9 @@ def _closed_loop_and_misclosure_error(
 def _end_of_cycle(
     displacement: Array,
     load: Array,
-    phase: Array,
+    cycles_passed: Array,
     rows_at_end: NDArray[np.intp],
-    end_phase: float,
+    cycles_at_end: float,
     noise: tuple[float, float],
 ) -> tuple[int, float, float]:
     """Where the last whole cycle of a measured loop ends, between two rows: the index of the row
@@ -225,29 +229,32 @@ def _end_of_cycle(
     misclosure [length]: the difference of U from the first row that noise, and a step from the last
     row to the first one that was not measured, may make.
 
-    The cycle ends at `end_phase`. At a turning point Q may stand still while U moves on, and the
-    phase hardly changes. Then the cycle ends where U is nearest to its first value.
+    The cycle ends at `cycles_at_end`. At a turning point Q may stand still while U moves on, and
+    the number of cycles passed, found from Q, stands too. Then the cycle ends where U is nearest to
+    its first value.
 
     Parameters
     ----------
-    displacement, load, phase
+    displacement, load, cycles_passed
         (n,) relative tangential displacement U, tangential load Q, and number of cycles passed at
         each row
     rows_at_end
-        indices of the rows at or after `end_phase`
+        indices of the rows at or after `cycles_at_end`
     noise
         standard deviations of the noise of U and of Q
     """
     displacement_noise, load_noise = noise
     row_after = int(rows_at_end[0])
-    phase_before = phase[row_after - 1]
-    phase_step = max(phase[row_after] - phase_before, 1e-300)
-    fraction_of_step = float(np.clip((end_phase - phase_before) / phase_step, 0.0, 1.0))
+    cycles_before = cycles_passed[row_after - 1]
+    cycles_of_step = max(cycles_passed[row_after] - cycles_before, 1e-300)
+    fraction_of_step = float(np.clip((cycles_at_end - cycles_before) / cycles_of_step, 0.0, 1.0))
     # 4.2 sigma
     tolerated_misclosure = _TOLERATED_MISCLOSURE_IN_SIGMAS * displacement_noise
-    # phase in which Q changes by 4 sigma; a smaller change is none
-    phase_of_standstill = 4 * load_noise / (2 * float(np.ptp(load))) + _ROUND_OFF_OF_PHASE
-    rows_in_standstill = rows_at_end[phase[rows_at_end] <= end_phase + phase_of_standstill]
+    # part of a cycle in which Q changes by 4 sigma; a smaller change is none
+    cycles_of_standstill = 4 * load_noise / (2 * float(np.ptp(load))) + _ROUND_OFF_OF_CYCLES
+    rows_in_standstill = rows_at_end[
+        cycles_passed[rows_at_end] <= cycles_at_end + cycles_of_standstill
+    ]
     if len(rows_in_standstill) > 1:
         row_after, fraction_of_step = _where_displacement_returns(displacement, rows_in_standstill)
         is_last_row = row_after == len(displacement) - 1 and fraction_of_step == 1

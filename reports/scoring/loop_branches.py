@@ -54,7 +54,7 @@ class Branches:
 
     Attributes
     ----------
-    phase
+    cycles_passed
         (n,) number of cycles since a lowest Q, with the share of the branch that Q has passed;
         grows with the rows but for noise
     is_rising
@@ -65,7 +65,7 @@ class Branches:
         sigma of Q, as far as neighbouring rows show it
     """
 
-    phase: Array
+    cycles_passed: Array
     is_rising: NDArray[np.bool_]
     highest_turn: TurningPoint
     lowest_turn: TurningPoint
@@ -74,7 +74,7 @@ class Branches:
     @property
     def n_cycles(self) -> float:
         """Number of cycles that the rows cover, with a fraction."""
-        return float(self.phase[-1] - self.phase[0])
+        return float(self.cycles_passed[-1] - self.cycles_passed[0])
 
 
 # ----------------------------------------------------------------------------- branches of the rows
@@ -97,8 +97,9 @@ def find_branches(
     crossings. Rows of less than two cycles are laid end to end twice, so that each turning point
     has a crossing on both of its sides.
 
-    Returns `phase` (n,), the number of cycles since a lowest Q, with the share of the branch that Q
-    has passed; `is_rising` (n,); the highest and the lowest turning point; and the noise of Q.
+    Returns `cycles_passed` (n,), the number of cycles since a lowest Q, with the share of the
+    branch that Q has passed; `is_rising` (n,); the highest and the lowest turning point; and the
+    noise of Q.
 
     Parameters
     ----------
@@ -200,7 +201,7 @@ def _branches_between(turns: _Turns, load: Array, time: Array, noise: float) -> 
     # an even number at each lowest turning point; which of them is 0 does not matter
     branches_since_lowest = branch_number + share_of_branch + (1 if turns.first_is_highest else 0)
     return Branches(
-        phase=branches_since_lowest / 2,
+        cycles_passed=branches_since_lowest / 2,
         is_rising=~begins_at_highest,
         highest_turn=turns.highest,
         lowest_turn=turns.lowest,

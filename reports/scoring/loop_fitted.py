@@ -36,7 +36,7 @@ class FittedLoop:
         C of the rig [1/stress]
     share_of_cycle
         (n,) share of the scene's cycle that is over at each row, 0 to 1
-    phase
+    cycles_passed
         (n,) cycles that have passed at each row, from any instant on
     n_cycles
         number of cycles that the rows cover
@@ -61,7 +61,7 @@ class FittedLoop:
     highest_friction: float | None
     compliance: float
     share_of_cycle: Array
-    phase: Array
+    cycles_passed: Array
     n_cycles: float
     scale: float
     offset: float

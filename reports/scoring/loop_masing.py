@@ -84,13 +84,13 @@ class MeasuredRows:
         time of the whole record, from -1/2 to 1/2; 0 without any such point.
         """
         # (n,) number of cycles since a lowest point: whole at these, a half more at highest ones
-        phase = np.maximum.accumulate(self.branches.phase)
+        cycles_passed = np.maximum.accumulate(self.branches.cycles_passed)
         mean_times = []
-        for phase_of_turn in (0.5, 0.0):
-            first_cycle = math.ceil(phase[0] - phase_of_turn)
-            cycles = np.arange(first_cycle, phase[-1] - phase_of_turn + 1e-9)
+        for cycles_at_turn in (0.5, 0.0):
+            first_cycle = math.ceil(cycles_passed[0] - cycles_at_turn)
+            cycles = np.arange(first_cycle, cycles_passed[-1] - cycles_at_turn + 1e-9)
             # self.share_of_time: (n,) time of the rows over the record, from -1/2 to 1/2
-            shares_of_time = np.interp(cycles + phase_of_turn, phase, self.share_of_time)
+            shares_of_time = np.interp(cycles + cycles_at_turn, cycles_passed, self.share_of_time)
             mean_times.append(float(np.mean(shares_of_time)) if len(shares_of_time) else 0.0)
         return mean_times[0], mean_times[1]
 

@@ -89,7 +89,7 @@ def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
         highest_friction=None if math.isinf(upper_half) else friction + upper_half,
         compliance=best_fit.compliance,
         share_of_cycle=alignment.share_of_cycle,
-        phase=loop.time / alignment.period,
+        cycles_passed=loop.time / alignment.period,
         n_cycles=n_cycles,
         scale=alignment.scale,
         offset=alignment.offset,

@@ -220,24 +220,26 @@ def drift_of_displacement(
     displacement, load, time
         U, Q and time of the rows, (n,) each
     branches
-        branch of each row, and its phase, the number of cycles that have passed
+        branch of each row, and `cycles_passed`, the number of cycles that have passed at it
 
     # notation: Q tangential load
     """
-    phase = np.maximum.accumulate(branches.phase)
-    # turning points lie at multiples of 1/2 of the phase; _SHARE_AT_TURN: a tenth of a branch
-    share_of_branch = np.mod(2 * branches.phase, 1.0)
+    cycles_passed = np.maximum.accumulate(branches.cycles_passed)
+    # a branch is half a cycle; _SHARE_AT_TURN: a tenth of a branch
+    share_of_branch = np.mod(2 * branches.cycles_passed, 1.0)
     is_away_from_turns = (share_of_branch > _SHARE_AT_TURN) & (share_of_branch < 1 - _SHARE_AT_TURN)
-    has_later_row = branches.phase + 1 < phase[-1]
+    has_later_row = branches.cycles_passed + 1 < cycles_passed[-1]
     is_compared = is_away_from_turns & has_later_row
     # eight pairs of rows
     if np.count_nonzero(is_compared) < _FEWEST_PAIRS:
         return None
-    phase_a_cycle_later = branches.phase[is_compared] + 1
+    cycles_a_cycle_later = branches.cycles_passed[is_compared] + 1
     slope = float(np.polyfit(load, displacement, 1)[0])
     displacement_beside_line = displacement - slope * load
-    displacement_a_cycle_later = np.interp(phase_a_cycle_later, phase, displacement_beside_line)
-    time_a_cycle_later = np.interp(phase_a_cycle_later, phase, time)
+    displacement_a_cycle_later = np.interp(
+        cycles_a_cycle_later, cycles_passed, displacement_beside_line
+    )
+    time_a_cycle_later = np.interp(cycles_a_cycle_later, cycles_passed, time)
     changes_of_displacement = displacement_a_cycle_later - displacement_beside_line[is_compared]
     periods = time_a_cycle_later - time[is_compared]
     return float(np.mean(changes_of_displacement) / np.mean(periods))

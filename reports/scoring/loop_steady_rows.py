@@ -125,7 +125,7 @@ def fit_steady_rows(
         fit = _fit_where_load_varies(loop, scene, rig_compliance)
         # part of the rows' distances that is no scatter, over the mean opening of the loop in U
         # (its area over the range of Q)
-        share_of_opening = _share_of_opening(loop, fit.misfit, fit.phase)
+        share_of_opening = _share_of_opening(loop, fit.misfit, fit.cycles_passed)
         if (
             # more than 2 % of the opening
             share_of_opening > _LARGEST_SHARE_OF_OPENING_WHERE_LOAD_VARIES
@@ -358,7 +358,7 @@ def _tested_candidate(
     #           of U, U relative tangential displacement
     """
     loop = remaining_rows.rows
-    # branch of each row, and its phase: cycles that have passed
+    # branch of each row, and the number of cycles passed at it
     branches = _branches_by_height(loop)
     rows_to_fit = MeasuredRows(
         displacement=loop.displacement,
@@ -371,9 +371,9 @@ def _tested_candidate(
     fitted_loop = best_loop(rows_to_fit, curve)
     # part of the rows' distances that is no scatter, over the mean opening of the loop in U
     # (its area over the range of Q)
-    share_of_opening = _share_of_opening(loop, fitted_loop.misfit, branches.phase)
+    share_of_opening = _share_of_opening(loop, fitted_loop.misfit, branches.cycles_passed)
     sigma_over_opening = fitted_loop.search.sigma.of_displacement / _mean_opening(
-        loop, branches.phase
+        loop, branches.cycles_passed
     )
     # noise alone moves the nearest points of the loop by as much: a tenth of sigma
     if share_of_opening < _SIGMAS_OF_NEAREST_POINTS * sigma_over_opening:
@@ -396,28 +396,29 @@ def _changes_of_loop(fitted_loop: BestLoop, branches: Branches) -> _ChangesOfLoo
     size. With each comes the chance of scatter alone to show as much. No change is taken for rows
     of fewer than 2.4 cycles.
 
-    `branches.phase` (n,) are the cycles that have passed at each row. A first half-cycle of less
-    than a tenth of a cycle is taken together with the next one.
+    `branches.cycles_passed` (n,) are the cycles that have passed at each row. A first half-cycle of
+    less than a tenth of a cycle is taken together with the next one.
     """
     if branches.n_cycles < _FEWEST_CYCLES:
         return _ChangesOfLoop()
-    phase = np.maximum.accumulate(branches.phase)  # (n,), noise taken out
-    phase_of_turn = _phase_of_first_turn(phase)  # first turning point behind the first row
-    if phase_of_turn - phase[0] < _SHORTEST_FIRST_HALF_CYCLE:
-        phase_of_turn += 0.5
-    is_in_first_half_cycle = phase < phase_of_turn
+    cycles_passed = np.maximum.accumulate(branches.cycles_passed)  # (n,), noise taken out
+    # first turning point behind the first row
+    cycles_at_turn = _cycles_at_first_turn(cycles_passed)
+    if cycles_at_turn - cycles_passed[0] < _SHORTEST_FIRST_HALF_CYCLE:
+        cycles_at_turn += 0.5
+    is_in_first_half_cycle = cycles_passed < cycles_at_turn
     # waves with a period of two cycles
     alternating_changes = [
-        fitted_loop.change_with(wave(np.pi * phase)) for wave in (np.cos, np.sin)
+        fitted_loop.change_with(wave(np.pi * cycles_passed)) for wave in (np.cos, np.sin)
     ]
-    change_of_size = fitted_loop.change_of_size_with(phase)
+    change_of_size = fitted_loop.change_of_size_with(cycles_passed)
     return _ChangesOfLoop(
-        with_time=fitted_loop.change_with(phase),
+        with_time=fitted_loop.change_with(cycles_passed),
         of_first_half_cycle=fitted_loop.change_with(is_in_first_half_cycle.astype(float)),
         every_second_cycle=min(alternating_changes, key=lambda change: change.chance),
         of_size=change_of_size,
         # of ln f, if all rows were as large as the last ones; added_values: growth of U and of Q
-        of_log_friction=fitted_loop.log_friction_change(change_of_size.added_values, phase),
+        of_log_friction=fitted_loop.log_friction_change(change_of_size.added_values, cycles_passed),
     )
 
 
@@ -555,16 +556,16 @@ def _rows_without_run_in(loop: MeasuredLoop) -> Iterator[_RowsWithoutRunIn]:
     each time with a sentence that states it. Where the loop has fewer than three cycles, all rows
     come first. In all other cases at least 2.4 cycles are left.
     """
-    phase = np.maximum.accumulate(_branches_by_height(loop).phase)  # cycles that have passed
-    if phase[-1] - phase[0] < _FEWEST_CYCLES_WITH_RUN_IN:
+    cycles_passed = np.maximum.accumulate(_branches_by_height(loop).cycles_passed)
+    if cycles_passed[-1] - cycles_passed[0] < _FEWEST_CYCLES_WITH_RUN_IN:
         # the rows from `first_row` on, and a sentence on those left out
         yield _RowsWithoutRunIn(loop, first_row=0, n_half_cycles=0, sentence="")
     # at the first turning point behind the first row
-    phase_of_turn = _phase_of_first_turn(phase)
+    cycles_at_turn = _cycles_at_first_turn(cycles_passed)
     # numbers of half-cycles from 0 to 16
     for n_half_cycles in _HALF_CYCLES_OF_RUN_IN:
-        first_row = int(np.argmax(phase >= phase_of_turn + n_half_cycles / 2))
-        if phase[-1] - phase[first_row] < _FEWEST_CYCLES or not first_row:
+        first_row = int(np.argmax(cycles_passed >= cycles_at_turn + n_half_cycles / 2))
+        if cycles_passed[-1] - cycles_passed[first_row] < _FEWEST_CYCLES or not first_row:
             return
         sentence = f"Rows 1 to {first_row} are left out: run-in, unlike the later cycles"
         if not n_half_cycles:
@@ -575,11 +576,11 @@ def _rows_without_run_in(loop: MeasuredLoop) -> Iterator[_RowsWithoutRunIn]:
         yield _RowsWithoutRunIn(loop, first_row, n_half_cycles, sentence)
 
 
-def _phase_of_first_turn(phase: Array) -> float:
-    """Phase [cycles] of the first turning point behind the first row; `phase` (n,) is that of the
-    rows, and turning points lie at its multiples of 1/2.
+def _cycles_at_first_turn(cycles_passed: Array) -> float:
+    """Number of cycles passed at the first turning point behind the first row: a multiple of 1/2,
+    as at every turning point. `cycles_passed` (n,) are those at the rows.
     """
-    return math.ceil(2 * phase[0] + _LARGEST_DISTANCE_ON_TURN) / 2
+    return math.ceil(2 * cycles_passed[0] + _LARGEST_DISTANCE_ON_TURN) / 2
 
 
 def _branches_by_height(loop: MeasuredLoop) -> Branches:
@@ -595,18 +596,18 @@ def _branches_by_height(loop: MeasuredLoop) -> Branches:
     return find_branches(loop.displacement, height, loop.time, step_of_digits, loop.source)
 
 
-def _share_of_opening(loop: MeasuredLoop, misfit: Misfit, phase: Array) -> float:
+def _share_of_opening(loop: MeasuredLoop, misfit: Misfit, cycles_passed: Array) -> float:
     """The part of the rows' distances from a fit that is no scatter, over the mean opening of the
     loop in U.
     """
-    return misfit.systematic_rms / _mean_opening(loop, phase)
+    return misfit.systematic_rms / _mean_opening(loop, cycles_passed)
 
 
-def _mean_opening(loop: MeasuredLoop, phase: Array) -> float:
-    """Mean opening of the loop in U [length]: its area over the range of Q. `phase` (n,) are the
-    cycles that have passed at each row.
+def _mean_opening(loop: MeasuredLoop, cycles_passed: Array) -> float:
+    """Mean opening of the loop in U [length]: its area over the range of Q. `cycles_passed` (n,)
+    are the cycles that have passed at each row.
     """
-    area = polygon_area(loop.displacement, loop.load, phase, 0.0, 0.0).value
+    area = polygon_area(loop.displacement, loop.load, cycles_passed, 0.0, 0.0).value
     return max(abs(area), 1e-300) / float(np.ptp(loop.load))
 
 
@@ -675,7 +676,7 @@ def _fit_at_constant_load(
     ----------
     candidate
         the rows that were chosen, in cycles that repeat; the loop that fits them best; `branches`,
-        with the cycles passed at each row (`phase`); and which rows were left out, in words
+        with the cycles passed at each row (`cycles_passed`); and which rows were left out, in words
         (`run_in_sentence`, "" for none)
     scene
         gives the tangential load Q over the cycle, to which the measured one is scaled
@@ -706,7 +707,7 @@ def _fit_at_constant_load(
         highest_friction=fit.highest_friction,
         compliance=fit.compliance,
         share_of_cycle=_share_by_place(candidate.rows.load, fit, load_of_cycle),
-        phase=candidate.branches.phase,
+        cycles_passed=candidate.branches.cycles_passed,
         n_cycles=candidate.branches.n_cycles,
         scale=scale,
         offset=fit.lowest_load - scale * float(load_of_cycle.min()),
@@ -835,7 +836,7 @@ def _fit_where_load_varies(
         highest_friction=fit.highest_friction,
         compliance=fit.compliance,
         share_of_cycle=_share_by_nearest_point(rows, loops_of_theory, fit),
-        phase=branches.phase,
+        cycles_passed=branches.cycles_passed,
         n_cycles=branches.n_cycles,
         scale=scale,
         offset=fit.lowest_load - scale * float(load_of_cycle.min()),

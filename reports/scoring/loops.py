@@ -298,7 +298,7 @@ def _row_of_measured_loop(loop: MeasuredLoop, fit: FittedLoop) -> tuple[LoopRow,
     loop
         U and Q of the n measured rows
     fit
-        the loop fitted to them: `phase` (n,), cycles that have passed at each row;
+        the loop fitted to them: `cycles_passed` (n,), cycles that have passed at each row;
         `share_of_cycle` (n,), place on the scene's cycle; noise of U and Q; `scale`, the file's Q
         over the scene's; `masing_loop` and its fit, None where P varies
 
@@ -307,12 +307,12 @@ def _row_of_measured_loop(loop: MeasuredLoop, fit: FittedLoop) -> tuple[LoopRow,
     # only a loop of Masing's rule, at constant P, has an area of its own
     if fit.masing_loop is None or fit.masing_fit is None:
         loop_area = polygon_area(
-            loop.displacement, loop.load, fit.phase, fit.displacement_noise, fit.load_noise
+            loop.displacement, loop.load, fit.cycles_passed, fit.displacement_noise, fit.load_noise
         )
         method_words = "the area of the polygon of the rows"
     else:
         loop_area = area_about_fit(
-            fit.masing_loop, fit.masing_fit, float(fit.phase[-1] - fit.phase[0])
+            fit.masing_loop, fit.masing_fit, float(fit.cycles_passed[-1] - fit.cycles_passed[0])
         )
         method_words = "the area of the best fit, with what the rows enclose beside it,"
     # Q of the scene at shares of a cycle from 0 to 1 (SHARES_OF_CYCLE), scaled

@@ -113,7 +113,7 @@ class OtherProblem:
     ----------
     key
         of its sentence in templates/faults.toml
-    channel
+    component
         0 where the pressure shows it, 1 where the shear does
     fit
         gives the tractions of the problem that are nearest to a result; None where the result does
@@ -121,14 +121,14 @@ class OtherProblem:
     """
 
     key: str
-    channel: int
+    component: int
     fit: Callable[[Discrepancy], ProblemFit | None]
 
     def residual(
         self, discrepancy: Discrepancy, tractions: Tractions, problem_fit: ProblemFit
     ) -> Residual:
         """Result minus `tractions`, on the points on which the problem is judged."""
-        residual_everywhere = discrepancy.residual(tractions, self.channel)
+        residual_everywhere = discrepancy.residual(tractions, self.component)
         return replace(
             residual_everywhere, is_in_contact=problem_fit.judged_points & (discrepancy.weight > 0)
         )
@@ -145,12 +145,12 @@ def _points_in_contact(discrepancy: Discrepancy, pressure: Array) -> Mask:
     )
 
 
-def _tractions_with(discrepancy: Discrepancy, channel: int, traction: Array) -> Tractions:
-    """The tractions of the reference, (2, k, n), with another pressure (`channel` 0) or shear (1):
-    `traction`, (k, n).
+def _tractions_with(discrepancy: Discrepancy, component: int, traction: Array) -> Tractions:
+    """The tractions of the reference, (2, k, n), with another pressure (`component` 0) or shear
+    (1): `traction`, (k, n).
     """
     tractions = discrepancy.reference_tractions.copy()
-    tractions[channel] = traction
+    tractions[component] = traction
     return tractions
 
 
@@ -896,9 +896,9 @@ def other_problems(discrepancy: Discrepancy, fit_of_causes: Fit | None) -> Itera
     pressure_residual = discrepancy.residual(discrepancy.reference_tractions, PRESSURE)
     is_pressure_right = discrepancy.is_within_tolerance(PRESSURE) or pressure_residual.is_noise
     candidates = []
-    # channel: the traction that shows the problem
+    # component: the traction that shows the problem
     for problem in PROBLEMS:
-        if problem.channel == SHEAR and not is_pressure_right:
+        if problem.component == SHEAR and not is_pressure_right:
             continue
         # tractions of the problem, those that they must do better than, the points judged, and
         # words; None where the result does not have the signature of the problem

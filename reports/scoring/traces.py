@@ -381,12 +381,12 @@ def find_scatter(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     # notation: f coefficient of friction, p pressure, p_ref scale of pressure, q shear
     """
     friction_coefficient = discrepancy.comparison.scales.friction
-    channels = [PRESSURE]
+    components = [PRESSURE]
     if discrepancy.has_shear and friction_coefficient > 0:
-        channels.append(SHEAR)
+        components.append(SHEAR)
     # result minus reference, over p_ref or f p_ref
     residuals = [
-        discrepancy.residual(discrepancy.reference_tractions, channel) for channel in channels
+        discrepancy.residual(discrepancy.reference_tractions, component) for component in components
     ]
     residuals_with_difference = [residual for residual in residuals if residual.mean_square > 0]
     if not residuals_with_difference or not all(
@@ -394,20 +394,20 @@ def find_scatter(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     ):
         return
     # standard deviations, of p/p_ref and of q/(f p_ref)
-    noise_by_channel = [
+    noise_by_component = [
         min(residual.mean_square_of_noise, residual.mean_square) ** 0.5 for residual in residuals
     ]
-    has_shear = len(noise_by_channel) > 1
-    if has_shear and _shear_alone_scatters(noise_by_channel, friction_coefficient):
+    has_shear = len(noise_by_component) > 1
+    if has_shear and _shear_alone_scatters(noise_by_component, friction_coefficient):
         return
-    square_of_noise = sum(noise**2 for noise in noise_by_channel)
+    square_of_noise = sum(noise**2 for noise in noise_by_component)
     share_of_noise = square_of_noise / sum(residual.mean_square for residual in residuals)
     evidence = [
         f"noise from point to point makes {share_of_noise:.0%} of the square of the discrepancy"
     ]
-    noise_in_words = f"{noise_by_channel[PRESSURE]:.2g} in p/p_ref"
+    noise_in_words = f"{noise_by_component[PRESSURE]:.2g} in p/p_ref"
     if has_shear:
-        noise_in_words += f" and {noise_by_channel[SHEAR]:.2g} in q/(f p_ref)"
+        noise_in_words += f" and {noise_by_component[SHEAR]:.2g} in q/(f p_ref)"
         evidence.insert(0, _sentence_on_coulomb_limit(discrepancy, square_of_noise**0.5))
     # WORDS: templates of sentences
     sentence = WORDS["others"][NOISE].format(size=noise_in_words)
@@ -415,15 +415,15 @@ def find_scatter(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     yield Diagnosis(NOISE, sentence, tuple(evidence), share_of_noise)
 
 
-def _shear_alone_scatters(noise_by_channel: Sequence[float], friction_coefficient: float) -> bool:
+def _shear_alone_scatters(noise_by_component: Sequence[float], friction_coefficient: float) -> bool:
     """Whether the noise of the shear is more than five times that of the pressure, which one code
-    does not make in one file. `noise_by_channel` has both standard deviations, of p/p_ref and of
+    does not make in one file. `noise_by_component` has both standard deviations, of p/p_ref and of
     q/(f p_ref). Less than 1e-10 of p_ref (`_LEAST_NOISE`) counts as that much.
 
     # notation: f coefficient of friction, p pressure, p_ref scale of pressure, q shear
     """
-    pressure_noise = max(noise_by_channel[PRESSURE], _LEAST_NOISE)
-    return friction_coefficient * noise_by_channel[SHEAR] > LARGEST_NOISE_RATIO * pressure_noise
+    pressure_noise = max(noise_by_component[PRESSURE], _LEAST_NOISE)
+    return friction_coefficient * noise_by_component[SHEAR] > LARGEST_NOISE_RATIO * pressure_noise
 
 
 def _sentence_on_coulomb_limit(discrepancy: Discrepancy, noise: float) -> str:
