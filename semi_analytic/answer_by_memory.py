@@ -864,29 +864,29 @@ def _work_of_series(
     wanted_integrals = _WantedIntegrals.of_request(request, instants)
     covered_parts = series.covered_parts
     last_part = covered_parts[-1]
-    works = np.full(len(covered_parts), math.nan)
+    works_of_covered_cycles = np.full(len(covered_parts), math.nan)
     relative_errors = np.zeros(len(covered_parts))
     if wanted_integrals.wants_work:
-        works, relative_errors = path_sums.works_and_errors(covered_parts)
-    increments = np.empty(0)
+        works_of_covered_cycles, relative_errors = path_sums.works_and_errors(covered_parts)
+    increments_of_work = np.empty(0)
     if wanted_integrals.wants_work_of_steps:
         # of the copies of the last cycle by which instants lie beyond the followed path
         work_of_later_cycles = series.cycles_beyond(request.time) * path_sums.works[last_part]
-        increments = _increments_of_work(path_sums, instants, work_of_later_cycles)
-    density = path_sums.density
+        increments_of_work = _increments_of_work(path_sums, instants, work_of_later_cycles)
+    work_density = path_sums.density
     density_error = 0.0
     if wanted_integrals.wants_density:
         density_error = path_sums.roundoff_errors_of_parts()[last_part]
     else:
-        density = np.full(len(density), math.nan)
+        work_density = np.full(len(work_density), math.nan)
     loop_integral = path_sums.loop_integral
     return WorkOfPath(
-        of_cycles=works,
+        of_cycles=works_of_covered_cycles,
         relative_errors=relative_errors,
-        density=density,
+        density=work_density,
         density_error=density_error,
         loop_integral=loop_integral.work if loop_integral is not None else None,
-        increments=increments,
+        increments=increments_of_work,
     )
 
 
@@ -919,24 +919,24 @@ def _follow_part(
     path_sums
         gathers friction work and counts
     """
-    part: PathPart = series.parts[part_number]
+    path_part: PathPart = series.parts[part_number]
     covered_parts = series.covered_parts
     wanted_integrals = _WantedIntegrals.of_request(request, instants).in_part(
         part_number, covered_parts
     )
     # pieces of the memory curve, the tangential force carried up to each load
-    pieces_before = line_count_of(part.curve_at_begin)
-    for first_row, block in blocks_of_part(part, series.friction, states.stores_curves):
+    pieces_before = line_count_of(path_part.curve_at_begin)
+    for first_row, step_block in blocks_of_part(path_part, series.friction, states.stores_curves):
         first_step = series.first_steps[part_number] + first_row
-        states.add(block, *instants.within(first_step, len(block.rows) - 1))
-        path_sums.update_slip_zone_share(block, part_number, part)
-        path_sums.count_block(block, wanted_integrals.count_per_record, pieces_before)
-        pieces_before = line_count_of(block.curve_at_end)
+        states.add(step_block, *instants.within(first_step, len(step_block.rows) - 1))
+        path_sums.update_slip_zone_share(step_block, part_number, path_part)
+        path_sums.count_block(step_block, wanted_integrals.count_per_record, pieces_before)
+        pieces_before = line_count_of(step_block.curve_at_end)
         path_sums.add_block(
-            block, part_number, first_step, wanted_integrals, request, series.friction
+            step_block, part_number, first_step, wanted_integrals, request, series.friction
         )
         if part_number == covered_parts[-1]:
-            path_sums.add_block_of_last_cycle(block)
+            path_sums.add_block_of_last_cycle(step_block)
 
 
 def _empty_loop_integral(series: LoadSeries, request: Request) -> LoopWorkOfSeries | None:
@@ -1050,23 +1050,29 @@ def _work_of_history(
     full stick, or of slip in one direction. The request holds the normal contact, the different |x|
     (`distance`) and which fields are wanted.
     """
-    works = np.full(len(history.covered), math.nan)
+    works_of_covered_cycles = np.full(len(history.covered), math.nan)
     relative_errors = np.zeros(len(history.covered))
     if works_of_cycles:
-        works = np.array([works_of_cycles[number].work for number in history.covered])
-        relative_errors = np.array([works_of_cycles[number].error for number in history.covered])
-    density: Array = np.full(len(request.distance), np.nan)
+        works_of_covered_cycles = np.array(
+            [works_of_cycles[cycle_number].work for cycle_number in history.covered]
+        )
+        relative_errors = np.array(
+            [works_of_cycles[cycle_number].error for cycle_number in history.covered]
+        )
+    work_density: Array = np.full(len(request.distance), np.nan)
     density_error = 0.0
     if request.wants("dissipation_density"):
         last_spans = history.cycles[history.covered[-1]]
-        density, density_error = _density_of_spans(last_spans, request)
+        work_density, density_error = _density_of_spans(last_spans, request)
     loop_integral = None
     if works_of_cycles:
-        loop_integral = _loop_integral_of_history(history, request, float(works[-1]))
+        loop_integral = _loop_integral_of_history(
+            history, request, float(works_of_covered_cycles[-1])
+        )
     return WorkOfPath(
-        of_cycles=works,
+        of_cycles=works_of_covered_cycles,
         relative_errors=relative_errors,
-        density=density,
+        density=work_density,
         density_error=density_error,
         loop_integral=loop_integral,
         increments=np.empty(0),
@@ -1138,10 +1144,10 @@ def _force_error(snapshot: Snapshot) -> Array:
     slope_of_slip = snapshot.direction * snapshot.friction
     force_error = slope_of_slip * snapshot.slip_zone_load - snapshot.force
     stick_edge_load = snapshot.load - snapshot.slip_zone_load
-    for piece, instants in snapshot.pieces_with_instants:
-        assert isinstance(piece, Piece)  # for the type checker: a history has no others
+    for memory_piece, instants in snapshot.pieces_with_instants:
+        assert isinstance(memory_piece, Piece)  # for the type checker: a history has no others
         # M at the stick edge, P_c
-        force_error[instants] += force_on_piece(piece, stick_edge_load[instants])
+        force_error[instants] += force_on_piece(memory_piece, stick_edge_load[instants])
     return force_error
 
 
@@ -1488,9 +1494,9 @@ def _require_finite(name: str, values: NDArray[Any], request: Request) -> None:
         is_finite |= np.isinf(values) & (request.distance == 0)
     if np.all(is_finite):
         return
-    instants, points = np.nonzero(~is_finite)
-    x = request.distance[points[0]]
-    time = request.time[instants[0]]
+    instant_indices, point_indices = np.nonzero(~is_finite)
+    x = request.distance[point_indices[0]]
+    time = request.time[instant_indices[0]]
     raise NotFoundError(f"no {name} was found at |x| = {x:.17g}, time {time:.17g}")
 
 
@@ -1783,8 +1789,8 @@ def _permanent_stick(
     half_width_and_edges: dict[str, Any] = {"permanent_stick_half_width": half_width}
     if isinstance(contact, TiltedProfile):
         # left and right end of the contact under P_c
-        edges = contact.interval(stick_load) if has_stick else np.full(2, math.nan)
-        half_width_and_edges["permanent_stick_edges"] = edges
+        stick_zone_edges = contact.interval(stick_load) if has_stick else np.full(2, math.nan)
+        half_width_and_edges["permanent_stick_edges"] = stick_zone_edges
     return half_width_and_edges
 
 

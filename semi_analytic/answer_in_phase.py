@@ -204,15 +204,15 @@ def _fields_over_cycle(
         "tangential_displacement": nan_at_instants,
         "normal_approach": nan_at_instants,
     }
-    middle = instants.contact_middle
-    half_width = instants.contact_half_width
+    contact_middle = instants.contact_middle
+    contact_half_width = instants.contact_half_width
     if question.wants("pressure"):
-        fields["pressure"] = tilted_contact.pressure_over(x, middle, half_width)
+        fields["pressure"] = tilted_contact.pressure_over(x, contact_middle, contact_half_width)
     if question.wants("state"):
         fields["state"] = _states_at_points(instants, x)
     if question.wants("normal_approach"):
         fields["normal_approach"] = tilted_contact.approach(
-            middle, half_width, instants.normal_load, instants.tilt
+            contact_middle, contact_half_width, instants.normal_load, instants.tilt
         )
     return fields
 

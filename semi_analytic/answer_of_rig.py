@@ -843,14 +843,14 @@ def _scene_of_loads(scene: Scene, path_rows: PathRows, last_cycle: slice) -> Sce
     polygon_vertices = [(float(normal), float(tangential)) for normal, tangential in loads]
     # The first point is the unloaded state. A cycle comes back to its begin, so that its last point
     # is left out.
-    loading = tuple(polygon_vertices[1:])
+    initial_loading = tuple(polygon_vertices[1:])
     cycle: tuple[tuple[float, float], ...] = ()
     if path_rows.period is not None:
-        loading = tuple(polygon_vertices[1 : last_cycle.start + 1])
+        initial_loading = tuple(polygon_vertices[1 : last_cycle.start + 1])
         cycle = tuple(polygon_vertices[last_cycle.start + 1 : -1])
     # A scene without the displacements of the rig.
     polygon_of_loads = PolygonLoad(
-        initial_loading=loading, cycle=cycle, times=tuple(path_rows.time.tolist())
+        initial_loading=initial_loading, cycle=cycle, times=tuple(path_rows.time.tolist())
     )
     return scene.vary(load=polygon_of_loads, rig=Rig(), cycles=1)
 
@@ -999,30 +999,30 @@ def _note_of_next_order(rig: RiggedScene, driven_path: DrivenPath, last_cycle: s
     effects_without_next_order = without_next_order(rig.effects)
 
     # Largest pressure and half-width with the next order, then without it.
-    pressures = []
+    peak_pressures = []
     half_widths = []
     for effects in (rig.effects, effects_without_next_order):
         # `follow`: edges of contact and friction memory at both rows; PathSeries: half-widths and
         # PointFields: pressure that follow from them.
-        memory = follow(
+        followed_rows = follow(
             driven_path.followed_path.table,
             any_friction,
             normal_load,
             without_tangential_load,
             curvatures_of(effects),
         )
-        path_of_two_rows = PathSeries(memory, rig.contact, rig.modulus, effects)
+        path_of_two_rows = PathSeries(followed_rows, rig.contact, rig.modulus, effects)
         half_width = float(path_of_two_rows.half_width[1])
         # _SAMPLED_PLACES: 200.
         places = np.linspace(0.0, half_width, _SAMPLED_PLACES)
-        pressures.append(
+        peak_pressures.append(
             float(np.max(PointFields(path_of_two_rows, places).pressure(np.array([1]))))
         )
         half_widths.append(half_width)
     return (
         f"effects: the next order of the bodies, N_4, T_4, N_22 and T_22, is {place_text}, and in"
         " no other value: of the largest pressure it would make"
-        f" {100 * (pressures[0] / pressures[1] - 1):+.2g} %, of the largest half-width"
+        f" {100 * (peak_pressures[0] / peak_pressures[1] - 1):+.2g} %, of the largest half-width"
         f" {100 * (half_widths[0] / half_widths[1] - 1):+.2g} %"
     )
 
@@ -1054,7 +1054,7 @@ def notes_of_slides(scene: Scene, driven_path: DrivenPath, last_cycle: slice) ->
         yield f"gross sliding: none in {span_text}"
     else:
         slide_distance = sum(abs(slide.distance) for slide in slides)
-        work = sum(slide.work for slide in slides)
+        slide_work = sum(slide.work for slide in slides)
         # _MOST_SLIDES_NAMED: 4.
         slides_in_words = "; ".join(
             _slide_in_words(slide, length_unit) for slide in slides[:_MOST_SLIDES_NAMED]
@@ -1066,7 +1066,7 @@ def notes_of_slides(scene: Scene, driven_path: DrivenPath, last_cycle: slice) ->
         )
         yield (
             f"gross sliding: in {span_text} the bodies slide as a whole by {slide_distance:.6g}"
-            f" {length_unit}, which takes {work:.6g} {energy_unit} of the dissipation:"
+            f" {length_unit}, which takes {slide_work:.6g} {energy_unit} of the dissipation:"
             f" {slides_in_words}{rest_text}"
         )
     if slides_before:

@@ -272,9 +272,9 @@ class _Peaks(NamedTuple):
 
 
 def _largest_maximum(
-    maxima: _LocalMaxima,
+    local_maxima: _LocalMaxima,
     ellipses: Ellipses,
-    places: Array,
+    sample_places: Array,
     is_unknown: NDArray[np.bool_],
     density_at: Callable[..., Array],
 ) -> _Peaks:
@@ -288,41 +288,43 @@ def _largest_maximum(
 
     Parameters
     ----------
-    places
+    sample_places
         (m, n) places x of the samples, from the half-width c of permanent stick to that of the
         largest contact
     density_at
         W(x) pi E*/(2 f^2) of (ellipse numbers, x, stride of the quadrature nodes)
-    maxima
+    local_maxima
         local maxima of all ellipses, each the vertex of a parabola, which holds W, place and how
         far W may rise above it
     """
     n_ellipses = len(ellipses.mean_load)
     # of the largest maximum of each ellipse, -1 where there is none
-    maximum_number = maxima.largest_of_ellipses(n_ellipses)
+    maximum_number = local_maxima.largest_of_ellipses(n_ellipses)
     largest_density = np.where(is_unknown, np.nan, 0.0)
-    error = np.where(is_unknown, np.nan, _largest_undetected_density(ellipses, places))
-    place = np.full(n_ellipses, np.nan)
+    error_of_density = np.where(
+        is_unknown, np.nan, _largest_undetected_density(ellipses, sample_places)
+    )
+    place_of_maximum = np.full(n_ellipses, np.nan)
 
     slipping_ellipses = np.flatnonzero((maximum_number >= 0) & ~is_unknown)
     maxima_of_slipping_ellipses = maximum_number[slipping_ellipses]
-    vertices = maxima.vertex
+    vertices = local_maxima.vertex
     largest_density[slipping_ellipses] = vertices.density[maxima_of_slipping_ellipses]
-    place[slipping_ellipses] = vertices.place[maxima_of_slipping_ellipses]
+    place_of_maximum[slipping_ellipses] = vertices.place[maxima_of_slipping_ellipses]
     densities_by_stride = np.stack(
         [
-            density_at(slipping_ellipses, place[slipping_ellipses], node_stride)
+            density_at(slipping_ellipses, place_of_maximum[slipping_ellipses], node_stride)
             for node_stride in (1, 2, 4)
         ]
     )
     # from W by all nodes, by every second and by every fourth
     relative_rule_error = quadrature_error(densities_by_stride, densities_by_stride[0])
     relative_error = relative_rule_error + _relative_roundoff(ellipses)[slipping_ellipses]
-    error[slipping_ellipses] = (
+    error_of_density[slipping_ellipses] = (
         vertices.possible_rise[maxima_of_slipping_ellipses]
         + vertices.density[maxima_of_slipping_ellipses] * relative_error
     )
-    return _Peaks(largest_density, error, place, maximum_number)
+    return _Peaks(largest_density, error_of_density, place_of_maximum, maximum_number)
 
 
 def _relative_roundoff(ellipses: Ellipses) -> Array:
@@ -365,7 +367,7 @@ def _largest_undetected_density(ellipses: Ellipses, places: Array) -> Array:
 
 
 def _second_maximum(
-    maxima: _LocalMaxima, sampled_density: Array, peaks: _Peaks
+    local_maxima: _LocalMaxima, sampled_density: Array, peaks: _Peaks
 ) -> tuple[Array, Array]:
     """Second largest maximum over x of the friction work per area W(x), times pi E*/(2 f^2), of
     each load ellipse, and its |x|, (m,) each. NaN where there is one maximum only.
@@ -379,26 +381,34 @@ def _second_maximum(
     n_ellipses = len(peaks.density)
     second_density = np.full(n_ellipses, np.nan)
     second_place = np.full(n_ellipses, np.nan)
-    if not len(maxima.sample_number):
+    if not len(local_maxima.sample_number):
         return second_density, second_place
     # From the sample of each maximum to that of the largest of its ellipse.
-    sample_of_largest_maximum = maxima.sample_number[peaks.maximum_number[maxima.ellipse_number]]
-    sample_ranges = np.sort(np.stack([maxima.sample_number, sample_of_largest_maximum]), axis=0)
+    sample_of_largest_maximum = local_maxima.sample_number[
+        peaks.maximum_number[local_maxima.ellipse_number]
+    ]
+    sample_ranges = np.sort(
+        np.stack([local_maxima.sample_number, sample_of_largest_maximum]), axis=0
+    )
     # Every other minimum of `reduceat` is that between two ranges: it is left out.
     least_density_in_range = np.minimum.reduceat(sampled_density, sample_ranges.T.ravel())[::2]
     # _LEAST_FALL_SHARE: 1e-3
     least_fall = np.maximum(_LEAST_FALL_SHARE * peaks.density, 2 * peaks.error)
     # By ascending W: the last one of an ellipse stays.
-    maximum_numbers = maxima.numbers_by_ascending_density()
-    ellipse_number = maxima.ellipse_number[maximum_numbers]
-    density_of_maximum = maxima.vertex.density[maximum_numbers]
+    maximum_numbers = local_maxima.numbers_by_ascending_density()
+    ellipse_number = local_maxima.ellipse_number[maximum_numbers]
+    density_of_maximum = local_maxima.vertex.density[maximum_numbers]
     is_not_largest = maximum_numbers != peaks.maximum_number[ellipse_number]
     is_distinct = (
         least_density_in_range[maximum_numbers] < density_of_maximum - least_fall[ellipse_number]
     )
     second_numbers = maximum_numbers[is_not_largest & is_distinct]
-    second_density[maxima.ellipse_number[second_numbers]] = maxima.vertex.density[second_numbers]
-    second_place[maxima.ellipse_number[second_numbers]] = maxima.vertex.place[second_numbers]
+    second_density[local_maxima.ellipse_number[second_numbers]] = local_maxima.vertex.density[
+        second_numbers
+    ]
+    second_place[local_maxima.ellipse_number[second_numbers]] = local_maxima.vertex.place[
+        second_numbers
+    ]
     return second_density, second_place
 
 
@@ -615,10 +625,10 @@ def _narrowed_brackets(
     narrows_slowly = np.zeros(len(ellipse_of_maximum), dtype=bool)
     for _ in range(_MOST_ROUNDS):
         # of the parabola, with a bound of the rise of W above the middle point
-        vertex = _vertex_of_parabola(
+        parabola_vertex = _vertex_of_parabola(
             bracket_places[:, wide_bracket_numbers], bracket_densities[:, wide_bracket_numbers]
         )
-        is_wide_bracket = vertex.possible_rise > rise_tolerance * np.abs(
+        is_wide_bracket = parabola_vertex.possible_rise > rise_tolerance * np.abs(
             bracket_densities[1, wide_bracket_numbers]
         )
         wide_bracket_numbers = wide_bracket_numbers[is_wide_bracket]
@@ -627,7 +637,9 @@ def _narrowed_brackets(
         former_places = bracket_places[:, wide_bracket_numbers]
         former_width = former_places[2] - former_places[0]
         # (3, n): at the vertex and on each side of it
-        places_by_parabola = _next_trial_places(former_places, vertex.place[is_wide_bracket])
+        places_by_parabola = _next_trial_places(
+            former_places, parabola_vertex.place[is_wide_bracket]
+        )
         even_places = former_places[0] + former_width * _EVEN_BRACKET_FRACTIONS[:, None]
         new_places = np.where(narrows_slowly[wide_bracket_numbers], even_places, places_by_parabola)
         new_densities = [
@@ -640,8 +652,8 @@ def _narrowed_brackets(
         )
         bracket_places[:, wide_bracket_numbers] = new_bracket
         bracket_densities[:, wide_bracket_numbers] = densities_of_new_bracket
-        width = new_bracket[2] - new_bracket[0]
-        narrows_slowly[wide_bracket_numbers] = width > former_width / 2
+        bracket_width = new_bracket[2] - new_bracket[0]
+        narrows_slowly[wide_bracket_numbers] = bracket_width > former_width / 2
     return bracket_places, bracket_densities
 
 
@@ -663,15 +675,15 @@ def _bracket_about_highest(places: Array, densities: Array) -> tuple[Array, Arra
     )
 
 
-def _next_trial_places(bracket: Array, vertex_place: Array) -> Array:
+def _next_trial_places(bracket_places: Array, vertex_place: Array) -> Array:
     """Three places (3, n) at which the friction work per area W(x) is evaluated next in the search
     for a maximum. One is at `vertex_place` (n,), the vertex of a parabola, and one on each side of
     it.
 
-    `bracket` (3, n) are the places about each maximum so far, ascending. The new ones keep away
-    from its ends and from its middle place, where W is known.
+    `bracket_places` (3, n) are the places about each maximum so far, ascending. The new ones keep
+    away from its ends and from its middle place, where W is known.
     """
-    left_end, middle_place, right_end = bracket
+    left_end, middle_place, right_end = bracket_places
     bracket_width = right_end - left_end
     inner_vertex = np.clip(
         vertex_place, left_end + 0.02 * bracket_width, right_end - 0.02 * bracket_width
@@ -709,7 +721,7 @@ class _Vertex(NamedTuple):
     possible_rise: Array
 
 
-def _vertex_of_parabola(x: Array, density: Array) -> _Vertex:
+def _vertex_of_parabola(places: Array, densities: Array) -> _Vertex:
     """Vertex of the parabola through three points (x, W(x)) about each of n maxima, and the most
     that W can rise above the middle point. x, ascending, and W(x), the friction work per area, are
     (3, n) each.
@@ -717,10 +729,10 @@ def _vertex_of_parabola(x: Array, density: Array) -> _Vertex:
     The bound holds for a concave W: it stays below the chords of the points, extended. Where the
     parabola is convex the middle point stands for its vertex.
     """
-    distances = np.diff(x, axis=0)
-    first_distance, second_distance = distances
-    first_slope, second_slope = np.diff(density, axis=0) / np.where(
-        distances > 0, distances, np.inf
+    distances_of_places = np.diff(places, axis=0)
+    first_distance, second_distance = distances_of_places
+    first_slope, second_slope = np.diff(densities, axis=0) / np.where(
+        distances_of_places > 0, distances_of_places, np.inf
     )
     total_distance = np.where(
         first_distance + second_distance > 0, first_distance + second_distance, np.inf
@@ -734,8 +746,8 @@ def _vertex_of_parabola(x: Array, density: Array) -> _Vertex:
         is_concave, slope_at_middle / np.where(is_concave, -2 * half_second_derivative, 1.0), 0.0
     )
     return _Vertex(
-        density=density[1] + slope_at_middle * distance_to_vertex / 2,
-        place=x[1] + distance_to_vertex,
+        density=densities[1] + slope_at_middle * distance_to_vertex / 2,
+        place=places[1] + distance_to_vertex,
         possible_rise=np.maximum(
             np.abs(first_slope) * second_distance, np.abs(second_slope) * first_distance
         ),
@@ -1023,15 +1035,17 @@ def _works_with_effects(curvatures_per_load: Curvatures, members: Members) -> Ar
     work, forward_work, reverse_work, work_error, permanent_stick_load = rows_of_results
     for group in members.shape_groups():
         member_numbers = group.members
-        change = _change_by_curvatures(curvatures_per_load, members, group)
+        change_by_curvatures = _change_by_curvatures(curvatures_per_load, members, group)
         # what the rule misses of the exact work on half-planes; four times that is allowed for the
         # change
-        rule_error = np.abs(change.half_plane_work - work[member_numbers])
-        work[member_numbers] += change.forward_work + change.reverse_work
-        forward_work[member_numbers] += change.forward_work
-        reverse_work[member_numbers] += change.reverse_work
+        rule_error = np.abs(change_by_curvatures.half_plane_work - work[member_numbers])
+        work[member_numbers] += (
+            change_by_curvatures.forward_work + change_by_curvatures.reverse_work
+        )
+        forward_work[member_numbers] += change_by_curvatures.forward_work
+        reverse_work[member_numbers] += change_by_curvatures.reverse_work
         work_error[member_numbers] += _FACTOR_ON_RULE_ERROR * rule_error
-        permanent_stick_load[member_numbers] = change.permanent_stick_load
+        permanent_stick_load[member_numbers] = change_by_curvatures.permanent_stick_load
     return rows_of_results
 
 
@@ -1795,18 +1809,18 @@ def _members_by_shape(
     and the ratios.
     """
     with np.errstate(all="ignore"):
-        length_unit, height_unit, *ratios = _UNITS_AND_RATIOS[kind](*parameters)
-    if all(np.all(ratio_of_members == ratio_of_members[0]) for ratio_of_members in ratios):
+        length_unit, height_unit, *shape_ratios = _UNITS_AND_RATIOS[kind](*parameters)
+    if all(np.all(ratio_of_members == ratio_of_members[0]) for ratio_of_members in shape_ratios):
         all_numbers = np.arange(len(length_unit))
         yield (
             all_numbers,
-            tuple(float(ratio_of_members[0]) for ratio_of_members in ratios),
+            tuple(float(ratio_of_members[0]) for ratio_of_members in shape_ratios),
             length_unit,
             height_unit,
         )
         return
     different_ratios, group_of_member = np.unique(
-        np.stack(ratios, axis=1), axis=0, return_inverse=True
+        np.stack(shape_ratios, axis=1), axis=0, return_inverse=True
     )
     group_of_member = group_of_member.reshape(-1)
     order_by_group = np.argsort(group_of_member, kind="stable")
@@ -1853,11 +1867,11 @@ def _is_invalid_shape(kind: str, parameters: list[Array]) -> NDArray[np.bool_]:
     if kind in ("polynomial", "compound") and len(numbers_in_range):
         # The profile and its contact have rules of their own: both are made once for each shape, in
         # units of its own; InputError if a rule is broken.
-        for numbers_of_shape, ratios, _, _ in _members_by_shape(
+        for numbers_of_shape, shape_ratios, _, _ in _members_by_shape(
             kind, [parameter[numbers_in_range] for parameter in parameters]
         ):
             try:
-                _contact_in_own_units(kind, ratios)
+                _contact_in_own_units(kind, shape_ratios)
             except InputError:
                 is_invalid[numbers_in_range[numbers_of_shape]] = True
     return is_invalid

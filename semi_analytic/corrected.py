@@ -468,15 +468,17 @@ class _HalfPlanePath:
         """
         # Ends of the initial loading and of two cycles; start and end of a path without cycle.
         cycle_ends = self.cycle_ends
-        duration = cycle_ends[-1] - self.start
+        path_duration = cycle_ends[-1] - self.start
         # _SAME_INSTANT_SHARE: 1e-12.
         times_in_path = time[(time > self.start) & (time < cycle_ends[-1])]
         time_to_nearest_end = np.min(
             np.abs(times_in_path[:, None] - np.array([self.start, *cycle_ends])), axis=1
         )
-        times_in_path = times_in_path[time_to_nearest_end > _SAME_INSTANT_SHARE * duration]
+        times_in_path = times_in_path[time_to_nearest_end > _SAME_INSTANT_SHARE * path_duration]
         instants = np.unique(np.concatenate([times_in_path, [self.start], cycle_ends]))
-        instants = instants[np.diff(instants, prepend=-np.inf) > _SAME_INSTANT_SHARE * duration]
+        instants = instants[
+            np.diff(instants, prepend=-np.inf) > _SAME_INSTANT_SHARE * path_duration
+        ]
 
         # _MOST_ROWS: 200,000.
         if len(instants) > _MOST_ROWS:
@@ -490,7 +492,9 @@ class _HalfPlanePath:
             normal_load, tangential_load = _loads_of_series(self.solved_path, instants)
         else:
             normal_load, tangential_load = self.scene.load.path().at(instants)
-        rows_of_ends = tuple(int(np.argmin(np.abs(instants - end))) for end in cycle_ends)
+        rows_of_ends = tuple(
+            int(np.argmin(np.abs(instants - cycle_end))) for cycle_end in cycle_ends
+        )
 
         # Without a cycle the path has its last row as the only end.
         if self.period is None:
@@ -614,22 +618,24 @@ def _loads_of_series(series: LoadSeries, time: Array) -> tuple[Array, Array]:
     ----------
     series
         load path that is linear between rows; each of its `parts` (initial loading, cycles) has
-        `rows` (r, 3) of time, P and Q and a `delay`, the time at which it begins; `period` is the
-        duration of a cycle or None
+        `rows` (r, 3) of time, P and Q and a `delay`, the time at which it begins;
+        `period` is the duration of a cycle or None
     time
         (n,) instants
     """
-    rows = np.concatenate([part.rows + np.array([part.delay, 0.0, 0.0]) for part in series.parts])
+    rows_of_series = np.concatenate(
+        [part.rows + np.array([part.delay, 0.0, 0.0]) for part in series.parts]
+    )
     # Instants after the last row go back by whole periods; a slack of 1e-12 periods is allowed.
     time_in_path = time
     if series.period is not None:
-        path_end = float(rows[-1, 0])
+        path_end = float(rows_of_series[-1, 0])
         periods_beyond = np.maximum(
             np.ceil((time - path_end) / series.period - _SAME_INSTANT_SHARE), 0.0
         )
         time_in_path = time - periods_beyond * series.period
-    return np.interp(time_in_path, rows[:, 0], rows[:, 1]), np.interp(
-        time_in_path, rows[:, 0], rows[:, 2]
+    return np.interp(time_in_path, rows_of_series[:, 0], rows_of_series[:, 1]), np.interp(
+        time_in_path, rows_of_series[:, 0], rows_of_series[:, 2]
     )
 
 
@@ -869,17 +875,17 @@ class PathSeries:
         # Pressure at x = 0 under the largest P.
         row_of_largest_load = np.array([np.argmax(followed_path.normal_load)])
         central_pressure = float(PointFields(self, np.zeros(1)).pressure(row_of_largest_load)[0, 0])
-        tolerance = _EXCESS_TOLERANCE_SHARE * followed_path.friction * central_pressure
+        excess_tolerance = _EXCESS_TOLERANCE_SHARE * followed_path.friction * central_pressure
         # A few places may miss the largest excess: a hundredth of it is suspect.
         all_rows = np.arange(len(shear_signs))
         # _PLACES_CHECKED_FIRST: 30 places, _PLACES_CHECKED: 100.
         # Largest |q| - f p of each instant, over so many places, and the sign of q there.
-        excess, _ = self._excess_over_limit(all_rows, _PLACES_CHECKED_FIRST)
-        is_suspect = (excess > tolerance / 100).astype(float)
+        largest_excess, _ = self._excess_over_limit(all_rows, _PLACES_CHECKED_FIRST)
+        is_suspect = (largest_excess > excess_tolerance / 100).astype(float)
         # The instant itself, and two on either side.
         rows_to_check = np.flatnonzero(np.convolve(is_suspect, np.ones(5), mode="same"))
-        excess, signs_of_shear = self._excess_over_limit(rows_to_check, _PLACES_CHECKED)
-        shear_signs[rows_to_check] = np.where(excess > tolerance, signs_of_shear, 0)
+        largest_excess, signs_of_shear = self._excess_over_limit(rows_to_check, _PLACES_CHECKED)
+        shear_signs[rows_to_check] = np.where(largest_excess > excess_tolerance, signs_of_shear, 0)
         return shear_signs
 
     def _excess_over_limit(self, row_numbers: Indices, n_places: int) -> tuple[Array, Array]:
@@ -898,15 +904,17 @@ class PathSeries:
         signs_of_shear = np.zeros(len(row_numbers))
         # Many instants at once, _ROWS_AT_ONCE = 2000, to bound the memory.
         for chunk_start in range(0, len(row_numbers), _ROWS_AT_ONCE):
-            chunk = slice(chunk_start, chunk_start + _ROWS_AT_ONCE)
-            shear = fields_of_places.shear_of_memory(row_numbers[chunk])
-            limit = self.followed_path.friction * fields_of_places.pressure(row_numbers[chunk])
-            excess = np.nan_to_num(np.abs(shear) - limit)
+            rows_of_chunk = slice(chunk_start, chunk_start + _ROWS_AT_ONCE)
+            shear = fields_of_places.shear_of_memory(row_numbers[rows_of_chunk])
+            coulomb_limit = self.followed_path.friction * fields_of_places.pressure(
+                row_numbers[rows_of_chunk]
+            )
+            excess = np.nan_to_num(np.abs(shear) - coulomb_limit)
             place_of_largest_excess = np.argmax(excess, axis=1)[:, None]
-            largest_excess[chunk] = np.take_along_axis(excess, place_of_largest_excess, axis=1)[
-                :, 0
-            ]
-            signs_of_shear[chunk] = np.sign(
+            largest_excess[rows_of_chunk] = np.take_along_axis(
+                excess, place_of_largest_excess, axis=1
+            )[:, 0]
+            signs_of_shear[rows_of_chunk] = np.sign(
                 np.take_along_axis(shear, place_of_largest_excess, axis=1)[:, 0]
             )
         return largest_excess, signs_of_shear
@@ -1562,23 +1570,29 @@ def _followed_paths(question: Question) -> _Paths:
     curvatures_per_load = curvatures_of(effects)
 
     # Flat punches that make up the contact, with the loads that they carry.
-    table = punch_table_of(contact, modulus, path_rows, curvatures_per_load)
+    punch_table = punch_table_of(contact, modulus, path_rows, curvatures_per_load)
     friction_coefficient = scene.friction.coefficient
     # G of the widest punch: load of the punches of x^2/2 up to it.
-    largest_parabola_load = float(table.parabola_load(table.largest_s))
+    largest_parabola_load = float(punch_table.parabola_load(punch_table.largest_s))
     path_rows = half_plane_path.rows_with_turning_points(
         path_rows, friction_coefficient, curvatures_per_load, largest_parabola_load
     )
 
     # `follow` gives friction memory and slip zones at the rows.
-    loads = (path_rows.normal_load, path_rows.tangential_load)
+    normal_and_tangential_loads = (path_rows.normal_load, path_rows.tangential_load)
     # Curvatures(): all zero.
-    memory_of_half_planes = follow(table, friction_coefficient, *loads, Curvatures())
+    memory_of_half_planes = follow(
+        punch_table, friction_coefficient, *normal_and_tangential_loads, Curvatures()
+    )
 
     # Half-planes are given only for an estimate of q_2, the second moment of the shear, by which
     # the fourth-order term T_22 changes the curvature of the faces.
     memory_of_bodies = follow(
-        table, friction_coefficient, *loads, curvatures_per_load, memory_of_half_planes
+        punch_table,
+        friction_coefficient,
+        *normal_and_tangential_loads,
+        curvatures_per_load,
+        memory_of_half_planes,
     )
     steady_from = _first_steady_cycle(memory_of_bodies, path_rows)
     return _Paths(
@@ -1675,7 +1689,7 @@ def punch_table_of(
 
 
 def _require_one_contact(
-    table: PunchTable,
+    punch_table: PunchTable,
     contact: SymmetricContact,
     gap_curvature: Array,
     lower_bound_of_curvature: Array,
@@ -1687,7 +1701,7 @@ def _require_one_contact(
 
     Parameters
     ----------
-    table
+    punch_table
         eta, G and G_4 of the punches: of the profile, of x^2/2 and of x^4/24
     contact
         the profile, whose flat has no punches inside
@@ -1702,10 +1716,10 @@ def _require_one_contact(
     # s: coordinate of the punches in the table; the punches within the flat carry no load.
     first_s = 1.0 if contact.least_half_width else 0.0
     # _PUNCHES_CHECKED: 200 punches.
-    s = np.linspace(first_s, table.largest_s, _PUNCHES_CHECKED)
-    profile_load = table.profile_load(s)
-    parabola_load = table.parabola_load(s)
-    fourth_load = table.fourth_load(s)
+    s = np.linspace(first_s, punch_table.largest_s, _PUNCHES_CHECKED)
+    profile_load = punch_table.profile_load(s)
+    parabola_load = punch_table.parabola_load(s)
+    fourth_load = punch_table.fourth_load(s)
     least_known_curvature = min(float(np.min(gap_curvature)), 0.0)
     if np.any(np.diff(profile_load + least_known_curvature * parabola_load) < 0):
         raise contact_splits_error()
@@ -2227,27 +2241,27 @@ def work_uncertainty_by_bodies(
         # LEAST_UNCERTAIN_FRACTION: 3e-5.
         return abs(change_by_bodies) * max(uncertain_fractions.values()) + LEAST_UNCERTAIN_FRACTION
     followed_path = path_with_bodies.followed_path
-    loads = (followed_path.normal_load, followed_path.tangential_load)
+    normal_and_tangential_loads = (followed_path.normal_load, followed_path.tangential_load)
     uncertainty = LEAST_UNCERTAIN_FRACTION
 
     # What the bodies change beyond the sum of the changes by each kind alone.
     change_by_interaction = change_by_bodies
     # CURVATURES: names of the two kinds. `follow` gives the friction memory along the same path;
     # its step_work is that of the step that ends at each row, without the factor A/pi.
-    for kind in CURVATURES:
-        curvatures_of_kind = curvatures_of(with_one_group_alone(effects, kind))
-        memory = follow(
+    for kind_of_curvature in CURVATURES:
+        curvatures_of_kind = curvatures_of(with_one_group_alone(effects, kind_of_curvature))
+        path_by_kind = follow(
             followed_path.table,
             followed_path.friction,
-            *loads,
+            *normal_and_tangential_loads,
             curvatures_of_kind,
             path_of_half_planes.followed_path,
         )
         work_by_kind = path_with_bodies.unit_compliance * float(
-            np.sum(memory.step_work[cycle_rows][1:])
+            np.sum(path_by_kind.step_work[cycle_rows][1:])
         )
         change_by_kind = work_by_kind / work_of_half_planes - 1
-        uncertainty += abs(change_by_kind) * uncertain_fractions[kind]
+        uncertainty += abs(change_by_kind) * uncertain_fractions[kind_of_curvature]
         change_by_interaction -= change_by_kind
     return uncertainty + abs(change_by_interaction) * sum(uncertain_fractions.values())
 
@@ -2274,17 +2288,22 @@ def _errors_of_contact(paths: _Paths) -> dict[str, float]:
     if not largest_half_width > 0:
         return {}
     # Instant of the largest P, and places at which its largest pressure is sought.
-    row = last_cycle.start + int(np.argmax(path_with_bodies.followed_path.normal_load[last_cycle]))
+    row_of_largest_load = last_cycle.start + int(
+        np.argmax(path_with_bodies.followed_path.normal_load[last_cycle])
+    )
     # _PLACES_CHECKED: 100 places.
     places = largest_half_width * np.sin(np.linspace(0.0, math.pi / 2, _PLACES_CHECKED))
     pressure_of_bodies, pressure_of_half_planes = (
-        float(np.max(PointFields(series, places).pressure(np.array([row]))))
+        float(np.max(PointFields(series, places).pressure(np.array([row_of_largest_load]))))
         for series in (path_with_bodies, path_of_half_planes)
     )
     pressure_change = 0.0
     if pressure_of_half_planes:
         pressure_change = abs(pressure_of_bodies / pressure_of_half_planes - 1)
-    half_width_ratio = path_with_bodies.half_width[row] / path_of_half_planes.half_width[row]
+    half_width_ratio = (
+        path_with_bodies.half_width[row_of_largest_load]
+        / path_of_half_planes.half_width[row_of_largest_load]
+    )
     half_width_change = abs(float(half_width_ratio) - 1)
     # The larger of the fractions of curvatures that follow P and of those that follow Q.
     fractions_of_loads = uncertain_fraction_of_curvatures(paths.effects, largest_half_width)
@@ -2435,8 +2454,8 @@ def _errors_of_steps(paths: _Paths) -> dict[str, float]:
     """
     path_of_half_planes = paths.path_of_half_planes
     field_names = tuple(name for name in ("shear", "slip") if paths.question.wants(name))
-    friction = path_of_half_planes.followed_path.friction
-    if not field_names or not friction:
+    friction_coefficient = path_of_half_planes.followed_path.friction
+    if not field_names or not friction_coefficient:
         return {}
     row_numbers, places = _rows_and_places_compared(paths)
     exact_theory = _exact_theory(paths, field_names, places, paths.path_rows.time[row_numbers])
@@ -2447,13 +2466,17 @@ def _errors_of_steps(paths: _Paths) -> dict[str, float]:
     errors = {}
     for name in field_names:
         exact_values = exact_theory.values[name]
-        evaluate = point_fields.shear if name == "shear" else point_fields.slip
-        difference = np.where(is_compared, np.abs(evaluate(row_numbers) - exact_values), 0.0)
+        field_by_steps = point_fields.shear if name == "shear" else point_fields.slip
+        field_difference = np.where(
+            is_compared, np.abs(field_by_steps(row_numbers) - exact_values), 0.0
+        )
         largest_value = (
-            friction * largest_pressure if name == "shear" else float(np.max(np.abs(exact_values)))
+            friction_coefficient * largest_pressure
+            if name == "shear"
+            else float(np.max(np.abs(exact_values)))
         )
         if largest_value > 0:
-            errors[name] = float(np.max(difference)) / largest_value
+            errors[name] = float(np.max(field_difference)) / largest_value
     return errors
 
 
@@ -2614,12 +2637,12 @@ def admissibility_checks_of(
     pressure = fields["pressure"]
     shear = fields["shear"]
     if np.any(np.isfinite(pressure)) and np.any(np.isfinite(shear)):
-        friction = followed_path.friction
+        friction_coefficient = followed_path.friction
         with np.errstate(invalid="ignore"):
-            excess = np.abs(shear) - friction * pressure
-        largest_excess = np.fmax.reduce(excess, axis=1, initial=0.0)
+            excess_shear = np.abs(shear) - friction_coefficient * pressure
+        largest_excess = np.fmax.reduce(excess_shear, axis=1, initial=0.0)
         largest_pressure = float(np.max(pressure, where=np.isfinite(pressure), initial=0.0))
-        largest_limit = friction * largest_pressure
+        largest_limit = friction_coefficient * largest_pressure
         checks["cone"] = largest_excess / max(largest_limit, np.finfo(float).tiny)
     return checks
 

@@ -307,13 +307,15 @@ def _works_and_stick(
         E* [stress]
     """
     punches = _Punches(loads, curvatures, contact, modulus)
-    edges = _edges_of_cycle(punches)
-    works = _works_of_forward_and_reverse_slip(punches, edges)
+    edges_of_cycle = _edges_of_cycle(punches)
+    works = _works_of_forward_and_reverse_slip(punches, edges_of_cycle)
     # dP/da must be positive, and the profile wide enough.
-    stiffness = _least_stiffness_at_edge(loads, curvatures, contact, modulus, edges.contact_edge)
-    is_refused = ~(stiffness[:, 0] > 0) | np.isnan(edges.least_contact_edge[:, 0])
+    least_stiffness = _least_stiffness_at_edge(
+        loads, curvatures, contact, modulus, edges_of_cycle.contact_edge
+    )
+    is_refused = ~(least_stiffness[:, 0] > 0) | np.isnan(edges_of_cycle.least_contact_edge[:, 0])
     works[:, is_refused] = np.nan
-    return np.stack([*works, np.where(is_refused, np.nan, edges.stick_edge[:, 0])])
+    return np.stack([*works, np.where(is_refused, np.nan, edges_of_cycle.stick_edge[:, 0])])
 
 
 class _Punches(NamedTuple):
@@ -407,7 +409,7 @@ def _edges_of_cycle(punches: _Punches) -> _EdgesOfCycle:
     return _EdgesOfCycle(contact_edge, least_contact_edge, np.minimum(stick_edge, contact_edge))
 
 
-def _works_of_forward_and_reverse_slip(punches: _Punches, edges: _EdgesOfCycle) -> Array:
+def _works_of_forward_and_reverse_slip(punches: _Punches, edges_of_cycle: _EdgesOfCycle) -> Array:
     """Friction work of forward and of reverse slip, times pi/A = pi E*/2, (2, m). It is the
     integral of w(c) dc/c over the punches of half-width c from permanent stick to the largest
     contact.
@@ -415,12 +417,14 @@ def _works_of_forward_and_reverse_slip(punches: _Punches, edges: _EdgesOfCycle) 
     w(c) is the work of a punch. Punches beyond the edge of the least contact open in a part of the
     cycle: w has a kink there, at which the range is divided. E* is the composite modulus, A = 2/E*.
     """
-    works = np.zeros((2, len(edges.contact_edge)))
+    works = np.zeros((2, len(edges_of_cycle.contact_edge)))
     node_fractions, node_weights = _crowded_gauss_rule()
-    kink_half_width = np.clip(edges.least_contact_edge, edges.stick_edge, edges.contact_edge)
+    kink_half_width = np.clip(
+        edges_of_cycle.least_contact_edge, edges_of_cycle.stick_edge, edges_of_cycle.contact_edge
+    )
     for inner_edge, length_of_range in (
-        (edges.stick_edge, kink_half_width - edges.stick_edge),
-        (kink_half_width, edges.contact_edge - kink_half_width),
+        (edges_of_cycle.stick_edge, kink_half_width - edges_of_cycle.stick_edge),
+        (kink_half_width, edges_of_cycle.contact_edge - kink_half_width),
     ):
         half_width = inner_edge + length_of_range * node_fractions
         work_of_punches = _work_of_punches(punches.cycle_at(half_width), punches.loads.friction)
@@ -567,14 +571,21 @@ def _work_of_punches(cycle: CycleOfPunches, friction: Array) -> Array:
     # From turning point to turning point, until contact ends: int L dB while the rising bound B =
     # s B_s takes s F with it, from the s F before to the bound at the angle.
     angles_since_begin = _turning_angles_since(begin_angle, contact_angle, cycle)
-    for angle in (*(begin_angle + angles_since_begin), begin_angle + contact_angle):
-        for index, direction, bound in ((0, 1.0, forward_bound), (1, -1.0, reverse_bound)):
-            bound_at_angle = bound.values_at(angle)
+    for turning_angle in (*(begin_angle + angles_since_begin), begin_angle + contact_angle):
+        for row_of_direction, direction, coulomb_bound in (
+            (0, 1.0, forward_bound),
+            (1, -1.0, reverse_bound),
+        ):
+            bound_at_angle = coulomb_bound.values_at(turning_angle)
             is_slipping = bound_at_angle > direction * locked_in_force
             # int L dB along the rising bound up to each value of it; the constant falls out
-            integral_to_angle = _load_integral(bound, load_outside, bound_at_angle)
-            integral_to_force = _load_integral(bound, load_outside, direction * locked_in_force)
-            works[index] += np.where(is_slipping, integral_to_angle - integral_to_force, 0.0)
+            integral_to_angle = _load_integral(coulomb_bound, load_outside, bound_at_angle)
+            integral_to_force = _load_integral(
+                coulomb_bound, load_outside, direction * locked_in_force
+            )
+            works[row_of_direction] += np.where(
+                is_slipping, integral_to_angle - integral_to_force, 0.0
+            )
             locked_in_force = np.where(is_slipping, direction * bound_at_angle, locked_in_force)
     return np.asarray(friction * np.maximum(works, 0.0))
 
@@ -620,7 +631,7 @@ def _turning_angles_since(begin_angle: Array, contact_angle: Array, cycle: Cycle
     return angles_since_begin
 
 
-def _load_integral(bound: _Sinusoid, load_outside: _Sinusoid, bound_value: Array) -> Array:
+def _load_integral(coulomb_bound: _Sinusoid, load_outside: _Sinusoid, bound_value: Array) -> Array:
     """Integral of the normal load outside of flat punches over their rising Coulomb bound B, up to
     where the bound is `bound_value` [force^2 per thickness^2].
 
@@ -631,17 +642,17 @@ def _load_integral(bound: _Sinusoid, load_outside: _Sinusoid, bound_value: Array
     the wider flat punches carry. Only differences of the integral count: the constant is left out.
 
     In the phase angle t of the cycle B = B_0 + A cos(t - t_B) and L = p + b cos(t - t_L). B_0 and p
-    are means, A and b amplitudes, t_B and t_L phases of `bound` and `load_outside`. While B rises
-    it is at the angle theta = t_B - t before its maximum, from 0 to pi; D = t_B - t_L.
+    are means, A and b amplitudes, t_B and t_L phases of `coulomb_bound` and `load_outside`. While B
+    rises it is at the angle theta = t_B - t before its maximum, from 0 to pi; D = t_B - t_L.
     """
     # A bound that does not vary is divided by as well; its integral is 0 by the last factor.
     # _SMALLEST_FLOAT: smallest positive number.
-    positive_amplitude = np.maximum(bound.amplitude, _SMALLEST_FLOAT)
-    cosine = np.clip((bound_value - bound.mean) / positive_amplitude, -1.0, 1.0)
+    positive_amplitude = np.maximum(coulomb_bound.amplitude, _SMALLEST_FLOAT)
+    cosine = np.clip((bound_value - coulomb_bound.mean) / positive_amplitude, -1.0, 1.0)
     sine = np.sqrt(1 - cosine**2)
     theta = np.arccos(cosine)
-    phase_difference = bound.phase - load_outside.phase
+    phase_difference = coulomb_bound.phase - load_outside.phase
     in_phase_term = np.cos(phase_difference) * cosine**2
     out_of_phase_term = np.sin(phase_difference) * (theta - sine * cosine)
     varying_load_term = load_outside.amplitude * (in_phase_term - out_of_phase_term) / 2
-    return np.asarray(bound.amplitude * (load_outside.mean * cosine + varying_load_term))
+    return np.asarray(coulomb_bound.amplitude * (load_outside.mean * cosine + varying_load_term))

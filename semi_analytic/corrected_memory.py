@@ -810,7 +810,7 @@ class _Bound(NamedTuple):
         """dB per d eta, per dG and per dG_4."""
         return self.profile_slope, self.parabola_slope, self.fourth_slope
 
-    def excess_at_top(self, piece: Piece) -> float:
+    def excess_at_top(self, memory_piece: Piece) -> float:
         """How far the locked-in tangential force F at the outer end of a piece of memory curve is
         beyond the Coulomb bound [force per thickness]; the punch there slips where this is
         positive.
@@ -819,11 +819,12 @@ class _Bound(NamedTuple):
         `constant` plus a slope times each. The sign is that of the direction of slip, +1 or -1.
         """
         # profile_load, parabola_load, fourth_load of the piece: eta, G and G_4 at its outer end.
-        bound_at_top = self.constant + self.profile_slope * piece.profile_load
+        bound_at_top = self.constant + self.profile_slope * memory_piece.profile_load
         bound_at_top += (
-            self.parabola_slope * piece.parabola_load + self.fourth_slope * piece.fourth_load
+            self.parabola_slope * memory_piece.parabola_load
+            + self.fourth_slope * memory_piece.fourth_load
         )
-        return self.direction * (bound_at_top - piece.locked_in_force)
+        return self.direction * (bound_at_top - memory_piece.locked_in_force)
 
 
 @dataclass(frozen=True, eq=False)
@@ -1109,7 +1110,7 @@ class FollowedPath:
             locked_in_force + pieces.fourth_slope[piece_number][:, None] * fourth_rise
         )
 
-    def _intervals_of_zones(self, *zones: tuple[Indices, Array, Array]) -> _SlipIntervals:
+    def _intervals_of_zones(self, *slip_zones: tuple[Indices, Array, Array]) -> _SlipIntervals:
         """Intervals of the punch coordinate s of which the slip zones of all steps consist, such
         that the integrand of the friction work is smooth on each. s grows with the half-width of
         the flat punches.
@@ -1121,14 +1122,14 @@ class FollowedPath:
 
         Parameters
         ----------
-        zones
+        slip_zones
             each as three arrays (n,) over the steps: direction of slip, 0 for no slip; s of the
             inner end; s of the outer end
         """
         # each: instant at which the step ends, s of inner and outer end, piece, direction of slip
         intervals: list[tuple[int, float, float, int, int]] = []
         # the zones that are not empty; a step has the number of the instant at which it ends
-        for directions, inner_ends, outer_ends in zones:
+        for directions, inner_ends, outer_ends in slip_zones:
             rows_of_zone = (
                 np.flatnonzero((directions[1:] != 0) & (outer_ends[1:] > inner_ends[1:])) + 1
             )
@@ -1579,14 +1580,14 @@ def _followed_rows(table: PunchTable, friction: float, columns: Array) -> Follow
     """
     # Step by step from the unloaded state; a step gives the new state of the memory.
     # Pieces(): list of the pieces of memory curves, with the empty curve alone at first.
-    memory = FrictionMemory(table, friction, float(np.max(columns[0])), Pieces())
-    state = UNLOADED_STATE
+    friction_memory = FrictionMemory(table, friction, float(np.max(columns[0])), Pieces())
+    memory_state = UNLOADED_STATE
     steps = []
-    for values in columns.T.tolist():
-        step = memory.step(state, Row(*values))
-        state = step.state
-        steps.append(step)
-    return path_of_steps(memory, columns, steps)
+    for values_at_instant in columns.T.tolist():
+        memory_step = friction_memory.step(memory_state, Row(*values_at_instant))
+        memory_state = memory_step.state
+        steps.append(memory_step)
+    return path_of_steps(friction_memory, columns, steps)
 
 
 def path_of_steps(
@@ -1770,7 +1771,7 @@ class FrictionMemory:
             return MemoryStep(UNLOADED_STATE, stick_edge_s=row.edge_s)
         pieces = self.pieces
         # 1e-11 of f times the largest P of the path.
-        round_off = _ROUND_OFF_FORCE_SHARE * self.friction * self.largest_load
+        force_roundoff = _ROUND_OFF_FORCE_SHARE * self.friction * self.largest_load
 
         # number_of_top: number of the outermost piece, None as long as it is not stored.
         outermost_piece, number_of_top = self._fit_to_edge(state.uppermost_piece, row)
@@ -1779,15 +1780,19 @@ class FrictionMemory:
 
         # +1 or -1; 0 where the edge of contact sticks.
         direction = _slip_direction_at_edge(
-            outermost_piece, pieces[outermost_piece.number_below], self.friction, row, round_off
+            outermost_piece,
+            pieces[outermost_piece.number_below],
+            self.friction,
+            row,
+            force_roundoff,
         )
 
         # Slip at the edge: the slip zone is taken off the curve, down to where F meets its bound.
-        bound = None
+        coulomb_bound = None
         if direction:
-            bound = _coulomb_bound_of(direction, self.friction, row)
+            coulomb_bound = _coulomb_bound_of(direction, self.friction, row)
             number_of_top = _cut_at_end_of_slip(
-                self.table, pieces, outermost_piece, number_of_top, bound, round_off
+                self.table, pieces, outermost_piece, number_of_top, coulomb_bound, force_roundoff
             )
             stick_edge_s = pieces[number_of_top].top_s
         elif number_of_top is None:
@@ -1798,15 +1803,15 @@ class FrictionMemory:
             # Further in, slip in the last direction may continue.
             bound_of_last_slip = _coulomb_bound_of(state.last_direction, self.friction, row)
             number_of_top, inner_end, outer_end = _add_inner_slip_zone(
-                self.table, pieces, number_of_top, bound_of_last_slip, round_off
+                self.table, pieces, number_of_top, bound_of_last_slip, force_roundoff
             )
             inner_zone_s = (inner_end, outer_end)
             if outer_end > inner_end:
                 inner_zone_direction = state.last_direction
-        if bound is not None:
+        if coulomb_bound is not None:
             # The slip zone at the edge, where F is the bound.
             number_of_top = pieces.add_piece(
-                number_of_top, row.edge_s, row.edge_loads, bound.slopes
+                number_of_top, row.edge_s, row.edge_loads, coulomb_bound.slopes
             )
         return MemoryStep(
             MemoryState(number_of_top, inner_zone_direction or direction),
@@ -1840,9 +1845,9 @@ class FrictionMemory:
         # row.tangential_fourth: kt and t4. top_s: s of the outer end of a piece.
         pieces = self.pieces
         piece_number = uppermost_piece
-        piece = pieces[piece_number]
-        loads = row.edge_loads
-        if row.edge_s > piece.top_s:
+        memory_piece = pieces[piece_number]
+        loads_at_edge = row.edge_loads
+        if row.edge_s > memory_piece.top_s:
             # The contact has grown: F rises from that of the old edge to that of the new one.
             force_without_fourth = (
                 row.tangential_load - row.tangential_curvature * row.edge_parabola_load
@@ -1850,23 +1855,33 @@ class FrictionMemory:
             force_rise = (
                 force_without_fourth
                 - row.tangential_fourth * row.edge_fourth_load
-                - piece.locked_in_force
+                - memory_piece.locked_in_force
             )
-            load_rise = row.edge_load - piece.profile_load
+            load_rise = row.edge_load - memory_piece.profile_load
             if load_rise > 0:
-                slopes = (force_rise / load_rise, 0.0, 0.0)
-                return pieces.piece_above(uppermost_piece, row.edge_s, loads, slopes), None
+                force_slopes = (force_rise / load_rise, 0.0, 0.0)
+                return pieces.piece_above(
+                    uppermost_piece, row.edge_s, loads_at_edge, force_slopes
+                ), None
             # The profile is still flat here: only the curvature of the bodies carries load.
-            slopes = (0.0, force_rise / (row.edge_parabola_load - piece.parabola_load), 0.0)
-            return pieces.piece_above(uppermost_piece, row.edge_s, loads, slopes), None
+            force_slopes = (
+                0.0,
+                force_rise / (row.edge_parabola_load - memory_piece.parabola_load),
+                0.0,
+            )
+            return pieces.piece_above(
+                uppermost_piece, row.edge_s, loads_at_edge, force_slopes
+            ), None
 
         # The contact recedes: pieces that lie outside the new edge go.
-        while piece_number and pieces[piece.number_below].top_s >= row.edge_s:
-            piece_number = piece.number_below
-            piece = pieces[piece_number]
-        if piece.top_s <= row.edge_s:
-            return piece, piece_number
-        return pieces.piece_above(piece.number_below, row.edge_s, loads, piece.slopes), None
+        while piece_number and pieces[memory_piece.number_below].top_s >= row.edge_s:
+            piece_number = memory_piece.number_below
+            memory_piece = pieces[piece_number]
+        if memory_piece.top_s <= row.edge_s:
+            return memory_piece, piece_number
+        return pieces.piece_above(
+            memory_piece.number_below, row.edge_s, loads_at_edge, memory_piece.slopes
+        ), None
 
     def step_of_gross_sliding(self, row: Row, direction: int) -> MemoryStep:
         """Memory state in which the contact slides as a whole in one direction, +1 or -1, whatever
@@ -1908,7 +1923,7 @@ def _coulomb_bound_of(direction: int, friction: float, row: Row) -> _Bound:
 
 
 def _slip_direction_at_edge(
-    outermost_piece: Piece, piece_below: Piece, friction: float, row: Row, round_off: float
+    outermost_piece: Piece, piece_below: Piece, friction: float, row: Row, force_roundoff: float
 ) -> int:
     """Direction of slip at the edge of contact, +1 or -1; 0 if the edge sticks.
 
@@ -1927,7 +1942,7 @@ def _slip_direction_at_edge(
         f
     row
         P, Q and the curvatures kn, n4 of the gap and kt, t4 of the faces at the end of the step
-    round_off
+    force_roundoff
         excess of force that counts as 0
     """
     # Of each piece the attributes are those at its outer end.
@@ -1940,18 +1955,18 @@ def _slip_direction_at_edge(
             - row.normal_curvature * piece_end.parabola_load
         )
         load_beyond -= row.normal_fourth * piece_end.fourth_load
-        if abs(force_beyond) - friction * load_beyond > round_off:
+        if abs(force_beyond) - friction * load_beyond > force_roundoff:
             return 1 if force_beyond > 0 else -1
     return 0
 
 
 def _cut_at_end_of_slip(
     table: PunchTable,
-    pieces: Pieces,
-    piece: Piece,
+    all_pieces: Pieces,
+    memory_piece: Piece,
     piece_number: int | None,
-    bound: _Bound,
-    round_off: float,
+    coulomb_bound: _Bound,
+    force_roundoff: float,
 ) -> int:
     """Cut the slip zone next to the edge of contact off a memory curve: number of the outermost
     piece that is left, which still sticks. The outer end of that piece is the stick edge.
@@ -1964,39 +1979,52 @@ def _cut_at_end_of_slip(
     ----------
     table
         loads of the flat punches by their coordinate s
-    pieces
+    all_pieces
         all pieces of memory curves
-    piece, piece_number
+    memory_piece, piece_number
         the outermost one of this curve, and its number, None if it is not stored yet
-    bound
+    coulomb_bound
         what F is during slip in the direction of the zone
-    round_off
+    force_roundoff
         excess of F over the bound that counts as 0
     """
     # Inwards, past all pieces that slip as a whole. excess_at_top: how far F at the outer end of a
     # piece is beyond the bound; number_below: number of the piece that it continues.
-    empty_curve = pieces[0]
-    piece_below = pieces[piece.number_below]
-    while piece is not empty_curve and bound.excess_at_top(piece_below) > round_off:
-        piece_number = piece.number_below
-        piece = piece_below
-        piece_below = pieces[piece.number_below]
+    empty_curve = all_pieces[0]
+    piece_below = all_pieces[memory_piece.number_below]
+    while (
+        memory_piece is not empty_curve
+        and coulomb_bound.excess_at_top(piece_below) > force_roundoff
+    ):
+        piece_number = memory_piece.number_below
+        memory_piece = piece_below
+        piece_below = all_pieces[memory_piece.number_below]
     # The zone ends at one of the two ends of this piece, or within it.
-    excess_below = bound.excess_at_top(piece_below)
+    excess_below = coulomb_bound.excess_at_top(piece_below)
     if excess_below >= 0:
-        return piece.number_below
-    excess_at_top = bound.excess_at_top(piece)
+        return memory_piece.number_below
+    excess_at_top = coulomb_bound.excess_at_top(memory_piece)
     if excess_at_top <= 0:
-        return pieces.append_and_number(piece) if piece_number is None else piece_number
+        return all_pieces.append_and_number(memory_piece) if piece_number is None else piece_number
     # F meets the bound within the piece: its inner part, up to there, sticks.
     crossing_s, loads_at_crossing = _crossing_of_bound(
-        table, (piece_below, piece), (excess_below, excess_at_top), bound, round_off
+        table,
+        (piece_below, memory_piece),
+        (excess_below, excess_at_top),
+        coulomb_bound,
+        force_roundoff,
     )
-    return pieces.add_piece(piece.number_below, crossing_s, loads_at_crossing.loads, piece.slopes)
+    return all_pieces.add_piece(
+        memory_piece.number_below, crossing_s, loads_at_crossing.loads, memory_piece.slopes
+    )
 
 
 def _add_inner_slip_zone(
-    table: PunchTable, pieces: Pieces, uppermost_piece: int, bound: _Bound, round_off: float
+    table: PunchTable,
+    all_pieces: Pieces,
+    uppermost_piece: int,
+    coulomb_bound: _Bound,
+    force_roundoff: float,
 ) -> tuple[int, float, float]:
     """Set the memory curve to its Coulomb bound in a slip zone inside the contact: number of the
     outermost piece of the curve then, and s of the inner and outer end of the zone (equal if there
@@ -2010,55 +2038,58 @@ def _add_inner_slip_zone(
     ----------
     table
         loads of the flat punches by their coordinate s
-    pieces, uppermost_piece
+    all_pieces, uppermost_piece
         all pieces of memory curves, and the number of the uppermost one of this curve
-    bound
+    coulomb_bound
         what F is during slip in the direction of the zone
-    round_off
+    force_roundoff
         excess of F over the bound that counts as 0
     """
     # From the edge inwards to the first piece at whose inner end F is beyond the bound.
     # number_below: number of the piece that a piece continues; excess_at_top: of F over the bound
     # at its outer end.
     piece_number = uppermost_piece
-    piece = pieces[piece_number]
+    memory_piece = all_pieces[piece_number]
     sticking_pieces_outside = []
-    while piece_number and bound.excess_at_top(pieces[piece.number_below]) <= round_off:
-        sticking_pieces_outside.append(piece)
-        piece_number = piece.number_below
-        piece = pieces[piece_number]
-    excess_at_top = bound.excess_at_top(piece)
+    while (
+        piece_number
+        and coulomb_bound.excess_at_top(all_pieces[memory_piece.number_below]) <= force_roundoff
+    ):
+        sticking_pieces_outside.append(memory_piece)
+        piece_number = memory_piece.number_below
+        memory_piece = all_pieces[piece_number]
+    excess_at_top = coulomb_bound.excess_at_top(memory_piece)
     if not piece_number or excess_at_top > 0:
-        edge_s = pieces[uppermost_piece].top_s
+        edge_s = all_pieces[uppermost_piece].top_s
         return uppermost_piece, edge_s, edge_s
 
     # F meets the bound within this piece: there the zone ends outwards; it ends inwards further in.
-    piece_below = pieces[piece.number_below]
-    excesses_at_ends = (bound.excess_at_top(piece_below), excess_at_top)
+    piece_below = all_pieces[memory_piece.number_below]
+    excesses_at_ends = (coulomb_bound.excess_at_top(piece_below), excess_at_top)
     outer_end_s, loads_at_outer_end = _crossing_of_bound(
-        table, (piece_below, piece), excesses_at_ends, bound, round_off
+        table, (piece_below, memory_piece), excesses_at_ends, coulomb_bound, force_roundoff
     )
     number_below_zone = _cut_at_end_of_slip(
-        table, pieces, piece_below, piece.number_below, bound, round_off
+        table, all_pieces, piece_below, memory_piece.number_below, coulomb_bound, force_roundoff
     )
-    top_number = pieces.add_piece(
-        number_below_zone, outer_end_s, loads_at_outer_end.loads, bound.slopes
+    top_number = all_pieces.add_piece(
+        number_below_zone, outer_end_s, loads_at_outer_end.loads, coulomb_bound.slopes
     )
 
     # On top of the zone again what sticks outside of it.
-    for sticking_piece in (piece, *reversed(sticking_pieces_outside)):
-        top_number = pieces.add_piece(
+    for sticking_piece in (memory_piece, *reversed(sticking_pieces_outside)):
+        top_number = all_pieces.add_piece(
             top_number, sticking_piece.top_s, sticking_piece.loads, sticking_piece.slopes
         )
-    return top_number, pieces[number_below_zone].top_s, outer_end_s
+    return top_number, all_pieces[number_below_zone].top_s, outer_end_s
 
 
 def _crossing_of_bound(
     table: PunchTable,
-    ends: tuple[Piece, Piece],
-    excesses: tuple[float, float],
-    bound: _Bound,
-    round_off: float,
+    neighbouring_pieces: tuple[Piece, Piece],
+    excesses_at_tops: tuple[float, float],
+    coulomb_bound: _Bound,
+    force_roundoff: float,
 ) -> tuple[float, PunchLoads]:
     """Coordinate s at which a piece of the memory curve crosses the Coulomb bound of slip, and the
     loads of the flat punches up to there.
@@ -2072,27 +2103,28 @@ def _crossing_of_bound(
     ----------
     table
         loads of the flat punches by their coordinate s
-    ends
+    neighbouring_pieces
         the piece below, and the piece itself
-    excesses
+    excesses_at_tops
         of F over the bound at the tops of the two pieces, of opposite signs
-    bound
+    coulomb_bound
         direction of slip, and derivatives of the bound with respect to eta, G and G_4
-    round_off
+    force_roundoff
         excess that counts as 0 [force per thickness]
     """
     # Bracket of s: outer ends of both pieces.
-    piece_below, piece = ends
+    piece_below, piece = neighbouring_pieces
     low_s = piece_below.top_s
     high_s = piece.top_s
-    excess_below, excess_above = excesses
+    excess_below, excess_above = excesses_at_tops
     sign_of_rise = 1.0 if excess_above > excess_below else -1.0
     excess_on_piece = _ExcessOnPiece(
         piece_below,
         excess_below,
-        profile_slope=bound.direction * (bound.profile_slope - piece.profile_slope),
-        parabola_slope=bound.direction * (bound.parabola_slope - piece.parabola_slope),
-        fourth_slope=bound.direction * (bound.fourth_slope - piece.fourth_slope),
+        profile_slope=coulomb_bound.direction * (coulomb_bound.profile_slope - piece.profile_slope),
+        parabola_slope=coulomb_bound.direction
+        * (coulomb_bound.parabola_slope - piece.parabola_slope),
+        fourth_slope=coulomb_bound.direction * (coulomb_bound.fourth_slope - piece.fourth_slope),
     )
 
     # First guess: without x^4 the excess of a parabolic profile is a straight line over G.
@@ -2109,7 +2141,7 @@ def _crossing_of_bound(
     # _MOST_NEWTON_STEPS: 60.
     for _ in range(_MOST_NEWTON_STEPS):
         excess = excess_on_piece.at(loads_at_s)
-        if abs(excess) <= round_off:
+        if abs(excess) <= force_roundoff:
             break
         if excess * sign_of_rise > 0:
             high_s = s

@@ -299,7 +299,10 @@ def _require_few_steps(n_steps: int) -> None:
 
 
 def _times_of_steps(
-    path: LoadPath, turning_times: Array, n_steps_per_interval: int, one_step_at_constant_load: bool
+    actuator_path: LoadPath,
+    turning_times: Array,
+    n_steps_per_interval: int,
+    one_step_at_constant_load: bool,
 ) -> Array:
     """Begins of the steps of a path of actuators, then the last turning time, (n,); ascending, some
     may be equal.
@@ -315,7 +318,7 @@ def _times_of_steps(
     if one_step_at_constant_load:
         middle_times = (turning_times[1:] + turning_times[:-1]) / 2
         sample_times = np.array([turning_times[:-1], turning_times[1:], middle_times])
-        loads_at_samples = path.at(sample_times)[0]
+        loads_at_samples = actuator_path.at(sample_times)[0]
         largest_load = np.max(np.abs(loads_at_samples))
         # _SAME_INSTANT_SHARE: 1e-12.
         is_constant = np.ptp(loads_at_samples, axis=0) <= _SAME_INSTANT_SHARE * largest_load
@@ -323,17 +326,17 @@ def _times_of_steps(
     return np.append(step_times.ravel(), turning_times[-1])
 
 
-def _turning_times_of_actuators(path: LoadPath, n_cycles: int) -> list[float]:
+def _turning_times_of_actuators(actuator_path: LoadPath, n_cycles: int) -> list[float]:
     """Ascending times between which the motion of each actuator of a rig is monotonic: turning
     points, ends of segments of the path, and instants at which the bodies separate or touch.
 
-    `path` has the normal actuator in the place of P, the tangential one in that of Q; it is
-    followed over the initial loading and the first `n_cycles` cycles.
+    `actuator_path` has the normal actuator in the place of P, the tangential one in that of Q; it
+    is followed over the initial loading and the first `n_cycles` cycles.
     """
-    segments = list(path.segments(n_cycles))
+    segments = list(actuator_path.segments(n_cycles))
     # Segments of the initial loading and of each cycle, in order of time. NORMAL_LOAD: the normal
     # actuator, TANGENTIAL_LOAD: the tangential one.
-    times = [segments[0].start]
+    turning_times = [segments[0].start]
     for segment in segments:
         # ends of the parts of the segment on which both actuators move one way
         normal_turning_times = segment.turning_points(NORMAL_LOAD)
@@ -347,8 +350,8 @@ def _turning_times_of_actuators(path: LoadPath, n_cycles: int) -> list[float]:
             for begin, end in pairwise(monotonic_ends)
             if segment.loads(begin)[0] * segment.loads(end)[0] < 0
         ]
-        times += sorted({*monotonic_ends[1:], *touch_times})
-    return times
+        turning_times += sorted({*monotonic_ends[1:], *touch_times})
+    return turning_times
 
 
 def _load_or_approach_at(segment: LoadSegment, time: float) -> float:
@@ -474,19 +477,23 @@ def _load_and_approach(
     # N; punch_sums: integrals of ln(2 L/c) and of c^2/2 over the punches up to the edge, each over
     # d eta and over dG.
     normal_curvature = compliance.curvatures.normal
-    load = table.profile_load(edge_s) / (1 - normal_curvature * table.parabola_load(edge_s))
+    normal_load = table.profile_load(edge_s) / (1 - normal_curvature * table.parabola_load(edge_s))
     punch_sums = [table.punch_sums_at(s, compliance.datum_length) for s in edge_s.tolist()]
-    logarithm, parabola_logarithm, second_moment, parabola_second_moment = np.array(punch_sums).T
-    gap_curvature = normal_curvature * load
-    pressure_moment = second_moment + gap_curvature * parabola_second_moment
+    logarithm_integral, parabola_logarithm, profile_second_moment, parabola_second_moment = (
+        np.array(punch_sums).T
+    )
+    gap_curvature = normal_curvature * normal_load
+    pressure_moment = profile_second_moment + gap_curvature * parabola_second_moment
     approach_of_half_planes = compliance.unit_compliance * (
-        logarithm + gap_curvature * parabola_logarithm
+        logarithm_integral + gap_curvature * parabola_logarithm
     )
     approach_of_load = (
         compliance.normal_body_compliance + compliance.normal_spring_compliance
-    ) * load
-    approach = approach_of_half_planes + approach_of_load + normal_curvature * pressure_moment / 2
-    return load, approach
+    ) * normal_load
+    normal_approach = (
+        approach_of_half_planes + approach_of_load + normal_curvature * pressure_moment / 2
+    )
+    return normal_load, normal_approach
 
 
 def _table_of_approach(
@@ -510,21 +517,25 @@ def _table_of_approach(
         For an approach that needs a contact wider than the profile, or wider than the widest that
         was tried; if the approach falls while P grows.
     """
-    extent = contact.extent  # half-width to which the profile is given
+    profile_half_width = contact.extent  # half-width to which the profile is given
     # The table is widened by half, at most 60 times, until its end has the largest approach.
     # least_half_width: of the flat part of the profile.
-    half_width = min(max(contact.least_half_width, 1e-6 * compliance.datum_length) * 1.01, extent)
+    half_width = min(
+        max(contact.least_half_width, 1e-6 * compliance.datum_length) * 1.01, profile_half_width
+    )
     for _ in range(_MOST_WIDENINGS):
-        table = PunchTable(contact, modulus, half_width)
-        _, approach_at_end = _load_and_approach(table, compliance, np.array([table.largest_s]))
+        punch_table = PunchTable(contact, modulus, half_width)
+        _, approach_at_end = _load_and_approach(
+            punch_table, compliance, np.array([punch_table.largest_s])
+        )
         if approach_at_end[0] >= largest_approach:
             break
-        if half_width >= extent:
+        if half_width >= profile_half_width:
             raise InputError(
                 f"load.approach: {largest_approach:.6g} makes the contact wider than the profile,"
-                f" {extent:.6g}: state a wider profile or a smaller approach"
+                f" {profile_half_width:.6g}: state a wider profile or a smaller approach"
             )
-        half_width = min(half_width * 1.5, extent)
+        half_width = min(half_width * 1.5, profile_half_width)
     else:
         raise InputError(
             f"load.approach: {largest_approach:.6g} is more than the profile can be pressed in:"
@@ -532,8 +543,8 @@ def _table_of_approach(
         )
 
     # The approach must grow with the half-width, and so with P: looked at in 10,241 half-widths.
-    s = np.linspace(0.0, table.largest_s, 20 * 512 + 1)
-    _, sampled_approach = _load_and_approach(table, compliance, s)
+    s = np.linspace(0.0, punch_table.largest_s, 20 * 512 + 1)
+    _, sampled_approach = _load_and_approach(punch_table, compliance, s)
     largest_fall = float(np.max(np.maximum.accumulate(sampled_approach) - sampled_approach))
     # _APPROACH_ERROR_OF_TABLE: 1e-9 of the range of the approach.
     if largest_fall > _APPROACH_ERROR_OF_TABLE * np.ptp(sampled_approach):
@@ -542,7 +553,7 @@ def _table_of_approach(
             " while P grows, so that no P follows from it: state a longer rig.datum_length, of some"
             " heights of the bodies, or the bodies themselves"
         )
-    return table
+    return punch_table
 
 
 # ------------------------------------------------------------------------------------ step by step
@@ -895,20 +906,20 @@ class _StepSolver:
         # Pieces of memory curve before the trials, which are discarded after each.
         n_pieces = len(memory.pieces)
 
-        def excess_displacement(direction: int, fraction: float) -> float:
+        def excess_displacement(direction: int, fraction_of_step: float) -> float:
             """How far U_act, counted along a direction +1 or -1, is beyond that at the limit of
             sliding, at a fraction of the step [length].
             """
-            instant = begin.at_fraction(end, fraction)
+            trial_instant = begin.at_fraction(end, fraction_of_step)
             contact_at_limit = self.contact_under_loads(
-                instant.normal_load, direction * memory.friction * instant.normal_load
+                trial_instant.normal_load, direction * memory.friction * trial_instant.normal_load
             )
             displacement_at_limit = self._displacement_without_slide(
                 contact_at_limit, memory.step_of_gross_sliding(contact_at_limit, direction)
             )
             self._discard_pieces(n_pieces)  # of this trial
             return direction * (
-                instant.actuator_displacement - free_displacement - displacement_at_limit
+                trial_instant.actuator_displacement - free_displacement - displacement_at_limit
             )
 
         for direction in (1, -1):
@@ -924,10 +935,10 @@ class _StepSolver:
             ):
                 continue
             # Fraction of the step at which sliding begins, unless it is at one of its ends.
-            fraction = _root_between(partial(excess_displacement, direction), 0.0, 1.0)
+            fraction_of_step = _root_between(partial(excess_displacement, direction), 0.0, 1.0)
             # _STEP_SHARE_AT_END: 1e-9 of the step.
-            if _STEP_SHARE_AT_END < fraction < 1 - _STEP_SHARE_AT_END:
-                return begin.at_fraction(end, fraction), end
+            if _STEP_SHARE_AT_END < fraction_of_step < 1 - _STEP_SHARE_AT_END:
+                return begin.at_fraction(end, fraction_of_step), end
         return (end,)
 
     def solved_step(
@@ -1071,7 +1082,7 @@ class _StepSolver:
         step = self._memory.step(state, contact)
         return _Trial(tangential_load, step, self._displacement_without_slide(contact, step))
 
-    def _displacement_without_slide(self, contact: Row, step: MemoryStep) -> float:
+    def _displacement_without_slide(self, contact: Row, memory_step: MemoryStep) -> float:
         """Displacement U + Q/k_s of the actuator at the end of a step [length]: U of contact and
         bodies, plus the extension of the spring k_s. Gross sliding and separation are not in it.
         `contact` has P, Q, curvatures and edge of contact there.
@@ -1095,7 +1106,7 @@ class _StepSolver:
         # Integrals of ln(2 L/c) and c^2/2 over the punches up to the edge, each over d eta and over
         # dG.
         sums_at_edge = self._table.punch_sums_at(contact.edge_s, compliance.datum_length)
-        uppermost_piece = step.state.uppermost_piece
+        uppermost_piece = memory_step.state.uppermost_piece
         face_curvature = contact.tangential_curvature
 
         # dM = dF + kt dG: the integrals over F are stored with the pieces of the memory curve.
@@ -1111,28 +1122,32 @@ class _StepSolver:
             sums_at_edge.second_moment
             + contact.normal_curvature * sums_at_edge.parabola_second_moment
         )
-        displacement = compliance.unit_compliance * logarithm_integral
+        actuator_displacement = compliance.unit_compliance * logarithm_integral
 
         # c_t and 1/k_s.
         added_compliance = (
             compliance.tangential_body_compliance + compliance.tangential_spring_compliance
         )
-        displacement += added_compliance * contact.tangential_load
-        displacement += curvatures.tangential * shear_second_moment / 2
-        displacement += curvatures.normal_under_shear * pressure_second_moment / 2
+        actuator_displacement += added_compliance * contact.tangential_load
+        actuator_displacement += curvatures.tangential * shear_second_moment / 2
+        actuator_displacement += curvatures.normal_under_shear * pressure_second_moment / 2
         displacement_by_tilt = compliance.displacement_by_tilt(
             contact.normal_load, contact.tangential_load
         )
-        return displacement + float(displacement_by_tilt)
+        return actuator_displacement + float(displacement_by_tilt)
 
-    def _compliance_at(self, step: MemoryStep, normal_load: float) -> float:
+    def _compliance_at(self, memory_step: MemoryStep, normal_load: float) -> float:
         """Compliance d(U + Q/k_s)/dQ of the actuator at the end of a step under P = `normal_load`
         [1/stress], by the half-width that sticks there; at least 1e-9 of the table's largest. U is
         the displacement of contact and bodies, k_s the spring of the rig.
         """
         # Coordinates s in the table of punches: inner end of an inner slip zone, else the stick
         # edge.
-        stick_edge_s = step.inner_zone_s[0] if step.inner_zone_direction else step.stick_edge_s
+        stick_edge_s = (
+            memory_step.inner_zone_s[0]
+            if memory_step.inner_zone_direction
+            else memory_step.stick_edge_s
+        )
         half_width = float(self._table.half_width(stick_edge_s))
         least_half_width = 1e-9 * float(self._table.half_width(self._table.largest_s))
         return float(

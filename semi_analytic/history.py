@@ -195,28 +195,28 @@ def require_admissible(segments: Sequence[LoadSegment], friction: float) -> None
 
 
 def _check_part(
-    segment: LoadSegment, begin: float, end: float, friction: float, slack: float
+    segment: LoadSegment, begin: float, end: float, friction: float, load_slack: float
 ) -> None:
     """Raise InadmissibleLoadError where |Q| > f P or P < 0 on a part of a load segment, with the
     first such instant; None for an admissible part.
 
     P, Q - f P and Q + f P are monotonic between the times `begin` and `end` of the part, so that
-    its end is beyond a limit if anything is. P may be beyond its limit by `slack` [force per
+    its end is beyond a limit if anything is. P may be beyond its limit by `load_slack` [force per
     thickness], Q by f times that, f = `friction`. The error also names the end of the part.
     """
     end_instant = instant(segment, end)
     faults = []
-    for combination, excess, reason in _excesses_over_limits(end_instant, friction):
-        tolerance = slack if combination is NORMAL_LOAD else slack * friction
-        if excess > tolerance:
+    for load_combination, excess, reason in _excesses_over_limits(end_instant, friction):
+        load_tolerance = load_slack if load_combination is NORMAL_LOAD else load_slack * friction
+        if excess > load_tolerance:
             # -P grows to its limit 0, and so do Q - f P and -Q - f P.
-            sign_of_growth = -1.0 if combination is NORMAL_LOAD else 1.0
+            sign_of_growth = -1.0 if load_combination is NORMAL_LOAD else 1.0
             # change of the combination since the begin of the part
-            growth_in_part = sign_of_growth * float(segment.change_of(combination, end, begin))
+            growth_in_part = sign_of_growth * float(segment.change_of(load_combination, end, begin))
             growth_to_limit = growth_in_part - excess
             # the inverse of `change_of`: when it has changed by that much
             fault_time = float(
-                segment.time_of(combination, sign_of_growth * growth_to_limit, begin, end)
+                segment.time_of(load_combination, sign_of_growth * growth_to_limit, begin, end)
             )
             faults.append((fault_time, reason))
     if not faults:
@@ -242,7 +242,7 @@ def _check_part(
 
 
 def _excesses_over_limits(
-    at: Instant, friction: float
+    checked_instant: Instant, friction: float
 ) -> list[tuple[Combination, float, Literal["separation", "gross sliding"]]]:
     """By how much the loads P and Q of an instant exceed the limits of contact, negative within
     them: load combination, excess [force per thickness] and what happens beyond the limit.
@@ -251,12 +251,14 @@ def _excesses_over_limits(
     reverse, f = `friction`.
     """
     excesses: list[tuple[Combination, float, Literal["separation", "gross sliding"]]] = [
-        (NORMAL_LOAD, -at.normal_load, "separation")
+        (NORMAL_LOAD, -checked_instant.normal_load, "separation")
     ]
     for direction in (1, -1):
-        excess_of_friction = direction * at.tangential_load - friction * at.normal_load
-        combination = slip_combination(direction, friction)
-        excesses.append((combination, excess_of_friction, "gross sliding"))
+        excess_of_friction = (
+            direction * checked_instant.tangential_load - friction * checked_instant.normal_load
+        )
+        load_combination = slip_combination(direction, friction)
+        excesses.append((load_combination, excess_of_friction, "gross sliding"))
     return excesses
 
 
@@ -275,7 +277,9 @@ def monotonic_parts(segment: LoadSegment, friction: float) -> list[tuple[float, 
     """
     load_combinations = (NORMAL_LOAD, slip_combination(1, friction), slip_combination(-1, friction))
     turning_times = sorted(
-        time for combination in load_combinations for time in segment.turning_points(combination)
+        time
+        for load_combination in load_combinations
+        for time in segment.turning_points(load_combination)
     )
     # _ROUND_OFF_SHARE: 1e-14
     shortest_part = _ROUND_OFF_SHARE * max(
@@ -827,18 +831,18 @@ def follow(
     loads must be admissible, |Q| <= f P and P >= 0.
     """
     # spans of stick and slip, and the memory curve at their end; None: not yet in contact
-    loading_spans, curve = spans_along(None, loading, friction, 0.0)
-    curves_between_cycles = [curve]
+    loading_spans, memory_curve = spans_along(None, loading, friction, 0.0)
+    curves_between_cycles = [memory_curve]
     spans_of_cycles = []
     steady_from = None
     for cycle_number, cycle in enumerate(cycles_of_path):
-        curve_at_begin = curve
-        spans, curve = spans_along(curve_at_begin, cycle.segments, friction, cycle.delay)
+        curve_at_begin = memory_curve
+        spans, memory_curve = spans_along(curve_at_begin, cycle.segments, friction, cycle.delay)
         spans_of_cycles.append(spans)
-        curves_between_cycles.append(curve)
+        curves_between_cycles.append(memory_curve)
         # the less P - P_c over P in the cycle, the smaller; P_c is the load at the stick edge
-        tolerance = repeat_tolerance(slip_zone_share(spans))
-        if is_same_memory(curve_at_begin, curve, friction, tolerance):
+        memory_tolerance = repeat_tolerance(slip_zone_share(spans))
+        if is_same_memory(curve_at_begin, memory_curve, friction, memory_tolerance):
             steady_from = cycle_number
             break
     return History(loading_spans, tuple(spans_of_cycles), tuple(curves_between_cycles), steady_from)

@@ -275,17 +275,17 @@ def inner_slip(
     is_apart_from_ends[[0, -1]] = True
     half_widths = np.union1d(graded_widths[is_apart_from_ends], slip_ends)
     # None where the search does not converge
-    solution = _slip_on_punches(contact, half_widths, None)
-    if solution is None:
+    extra_slip = _slip_on_punches(contact, half_widths, None)
+    if extra_slip is None:
         raise NotFoundError("no zone was found in which points inside the contact slip")
     for _ in range(_MOST_DIVISIONS):
-        half_widths = _refined_half_widths(half_widths, solution.is_slipping, slip_ends)
-        finer_solution = _slip_on_punches(contact, half_widths, solution)
+        half_widths = _refined_half_widths(half_widths, extra_slip.is_slipping, slip_ends)
+        finer_solution = _slip_on_punches(contact, half_widths, extra_slip)
         if finer_solution is None:
             # The check of the Coulomb limit then states by how much the coarser one exceeds it.
-            return solution
-        solution = finer_solution
-    return solution
+            return extra_slip
+        extra_slip = finer_solution
+    return extra_slip
 
 
 def _refined_half_widths(
@@ -388,7 +388,7 @@ class _PunchProblem:
             is_at_edge=points >= contact.stick_half_width,
         )
 
-    def densities_and_slip_at_middle(self, states: Indices) -> tuple[Array, float]:
+    def densities_and_slip_at_middle(self, friction_states: Indices) -> tuple[Array, float]:
         """Extra slip of a contact if each of m points is in the given state: its density mu of flat
         punches at the points, (m,), and the slip at x = 0 [length].
 
@@ -400,8 +400,8 @@ class _PunchProblem:
         - it is in the slip zone at the edge, whose shear is at f p already: r = 0;
         - int r dx = 0, since the loads do not change.
         """
-        n_points = len(states)
-        is_sticking_point = states == _STICKING
+        n_points = len(friction_states)
+        is_sticking_point = friction_states == _STICKING
         # columns: mu at the points, then the slip at x = 0; rows: the points, then int r dx
         equations_matrix = np.zeros((n_points + 1, n_points + 1))
         equations_matrix[:n_points, :n_points] = np.where(
@@ -412,32 +412,36 @@ class _PunchProblem:
         # excess: |q| - f p in either sense of q [stress], which r must take away
         right_hand_side = np.zeros(n_points + 1)
         right_hand_side[:n_points] = np.where(
-            states == _SLIPPING, -self.direction * self.excess, 0.0
+            friction_states == _SLIPPING, -self.direction * self.excess, 0.0
         )
         right_hand_side[:n_points] += np.where(
-            (states == _SLIPPING_BACK) & ~self.is_at_edge,
+            (friction_states == _SLIPPING_BACK) & ~self.is_at_edge,
             self.direction * self.excess_of_reverse_slip,
             0.0,
         )
         *densities, slip_at_middle = np.linalg.solve(equations_matrix, right_hand_side)
         return np.array(densities), float(slip_at_middle)
 
-    def corrected_states(self, states: Indices, densities: Array, slip_at_middle: float) -> Indices:
+    def corrected_states(
+        self, friction_states: Indices, punch_densities: Array, slip_at_middle: float
+    ) -> Indices:
         """Friction states of m points after a trial of the extra slip, with those changed that
         break Coulomb's law: 1 slips along `direction`, 0 sticks, -1 slips the other way.
 
         A slipping point that moves against its direction is made to stick. A sticking point whose
         |q| exceeds f p is made to slip in the direction of q. The trial gave the density mu of flat
-        punches at the points, `densities` (m,), and the slip at x = 0 [length]. Shear and slip at
-        the points are linear in mu.
+        punches at the points, `punch_densities` (m,), and the slip at x = 0 [length]. Shear and
+        slip at the points are linear in mu.
         """
-        added_shear = self.direction * (self.shear_per_density @ densities)
-        added_slip = self.direction * (self.slip_per_density @ densities + slip_at_middle)
+        added_shear = self.direction * (self.shear_per_density @ punch_densities)
+        added_slip = self.direction * (self.slip_per_density @ punch_densities + slip_at_middle)
         slip_roundoff = _ROUND_OFF_SHARE * float(np.max(np.abs(added_slip)))
-        moves_back = (states == _SLIPPING) & (added_slip < -slip_roundoff)
-        moves_back |= (states == _SLIPPING_BACK) & (added_slip > slip_roundoff) & ~self.is_at_edge
-        new_states = np.where(moves_back, _STICKING, states)
-        is_sticking_point = states == _STICKING
+        moves_back = (friction_states == _SLIPPING) & (added_slip < -slip_roundoff)
+        moves_back |= (
+            (friction_states == _SLIPPING_BACK) & (added_slip > slip_roundoff) & ~self.is_at_edge
+        )
+        new_states = np.where(moves_back, _STICKING, friction_states)
+        is_sticking_point = friction_states == _STICKING
         # excess: of q over f p by the memory curve, in either sense [stress]
         exceeds_limit = is_sticking_point & (self.excess + added_shear > self.excess_tolerance)
         new_states = np.where(exceeds_limit, _SLIPPING, new_states)
@@ -468,25 +472,36 @@ def _slip_on_punches(
     coarser_solution
         extra slip by fewer punches, whose zone is tried first; None: the points with |q| > f p
     """
-    problem = _PunchProblem.of_contact(contact, half_widths)
-    states = np.where(problem.excess > problem.excess_tolerance, _SLIPPING, _STICKING)
+    punch_problem = _PunchProblem.of_contact(contact, half_widths)
+    friction_states = np.where(
+        punch_problem.excess > punch_problem.excess_tolerance, _SLIPPING, _STICKING
+    )
     if coarser_solution is not None:
         # those of the next smaller half-width
-        states = coarser_solution.friction_states[
+        friction_states = coarser_solution.friction_states[
             np.searchsorted(coarser_solution.half_widths, half_widths[:-1], side="right") - 1
         ]
-    states = np.where(problem.is_at_edge, _SLIPPING_BACK, states)
+    friction_states = np.where(punch_problem.is_at_edge, _SLIPPING_BACK, friction_states)
 
-    for trial in range(_MOST_TRIALS):
-        densities, slip_at_middle = problem.densities_and_slip_at_middle(states)
-        new_states = problem.corrected_states(states, densities, slip_at_middle)
-        changed_points = np.flatnonzero(new_states != states)
+    for trial_number in range(_MOST_TRIALS):
+        punch_densities, slip_at_middle = punch_problem.densities_and_slip_at_middle(
+            friction_states
+        )
+        new_states = punch_problem.corrected_states(
+            friction_states, punch_densities, slip_at_middle
+        )
+        changed_points = np.flatnonzero(new_states != friction_states)
         if not len(changed_points):
             return InnerSlip(
-                contact.modulus, half_widths, densities, slip_at_middle, contact.direction, states
+                contact.modulus,
+                half_widths,
+                punch_densities,
+                slip_at_middle,
+                contact.direction,
+                friction_states,
             )
         # later trials change one point at a time
-        if trial > _TRIALS_OF_ALL_POINTS:
+        if trial_number > _TRIALS_OF_ALL_POINTS:
             changed_points = changed_points[:1]
-        states[changed_points] = new_states[changed_points]
+        friction_states[changed_points] = new_states[changed_points]
     return None

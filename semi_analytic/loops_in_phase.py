@@ -329,18 +329,18 @@ def strokes_in_phase(scene: Scene) -> tuple[Stroke, Stroke] | None:
     # as a curve that can be tilted, and A = 2/E*
     profile = convex_profile(scene.profile)
     compliance = 2 / composite_modulus(scene.material)
-    samples = cycle_samples(scene)
-    normal_load, tangential_load = samples[:2]
-    loads_at_begin = samples[:, np.argmin(tangential_load)]
-    loads_at_end = samples[:, np.argmax(tangential_load)]
+    load_samples = cycle_samples(scene)
+    normal_load, tangential_load = load_samples[:2]
+    loads_at_begin = load_samples[:, np.argmin(tangential_load)]
+    loads_at_end = load_samples[:, np.argmax(tangential_load)]
     # (4,), below which a change of each of them is round-off
-    sizes = LoadSizes.of_samples(samples, profile, compliance, friction_coefficient)
-    _, roundoff_of_tangential_load, *_ = sizes.roundoff
+    load_sizes = LoadSizes.of_samples(load_samples, profile, compliance, friction_coefficient)
+    _, roundoff_of_tangential_load, *_ = load_sizes.roundoff
     if loads_at_end[1] - loads_at_begin[1] <= roundoff_of_tangential_load:
         return None
     if not np.min(normal_load) > 0:
         return None
-    if not _go_to_and_fro_on_line(samples, loads_at_begin, loads_at_end, sizes.roundoff):
+    if not _go_to_and_fro_on_line(load_samples, loads_at_begin, loads_at_end, load_sizes.roundoff):
         return None
     load_changes = loads_at_end - loads_at_begin
     strokes = (
@@ -351,18 +351,20 @@ def strokes_in_phase(scene: Scene) -> tuple[Stroke, Stroke] | None:
 
 
 def _go_to_and_fro_on_line(
-    samples: Array, loads_at_begin: Array, loads_at_end: Array, roundoff: Array
+    load_samples: Array, loads_at_begin: Array, loads_at_end: Array, roundoff: Array
 ) -> bool:
     """Whether the loads of a cycle go once along the straight line between two points, and once
-    back. `samples` (4, n) are P, Q, bulk strain and tilt in the cycle.
+    back. `load_samples` (4, n) are P, Q, bulk strain and tilt in the cycle.
 
     `loads_at_begin` and `loads_at_end` (4,) are the points of least and of largest Q. A load is on
     the line within its `roundoff`, (4,).
     """
     load_changes = loads_at_end - loads_at_begin
-    tangential_load = samples[1]
+    tangential_load = load_samples[1]
     fraction_of_way = (tangential_load - loads_at_begin[1]) / load_changes[1]
-    deviations = np.abs(samples - loads_at_begin[:, None] - np.outer(load_changes, fraction_of_way))
+    deviations = np.abs(
+        load_samples - loads_at_begin[:, None] - np.outer(load_changes, fraction_of_way)
+    )
     is_on_line = not np.any(np.max(deviations, axis=1) > roundoff)
     # direction of each change, without those of round-off, 1e-12
     changes = np.diff(fraction_of_way, append=fraction_of_way[0])

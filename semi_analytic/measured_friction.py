@@ -362,10 +362,10 @@ class _EllipseBatch:
 
 
 def _friction_of_ellipses(
-    target: ArrayLike, profile_and_material: dict[str, Any], loads: dict[str, Any]
+    measured_work: ArrayLike, profile_and_material: dict[str, Any], loads: dict[str, Any]
 ) -> FrictionBatch:
-    """Every coefficient of friction at which elliptic loads dissipate `target`, the measured W of a
-    cycle [energy per thickness]; arrays broadcast.
+    """Every coefficient of friction at which elliptic loads dissipate `measured_work`, the measured
+    W of a cycle [energy per thickness]; arrays broadcast.
 
     Parameters
     ----------
@@ -383,7 +383,7 @@ def _friction_of_ellipses(
     ellipses = _EllipseBatch(profile_and_material, loads, shape)
     least_friction, force_over_load_amplitude = ellipses.least_friction_and_amplitude_ratio()
     return _friction_batch(
-        target,
+        measured_work,
         ellipses.work,
         least_friction,
         force_over_load_amplitude,
@@ -392,9 +392,9 @@ def _friction_of_ellipses(
     )
 
 
-def _friction_of_path(target: ArrayLike, scene: Scene) -> FrictionBatch:
-    """Every coefficient of friction at which a steady cycle of the scene dissipates `target`, for
-    loads other than an ellipse [energy per thickness].
+def _friction_of_path(measured_work: ArrayLike, scene: Scene) -> FrictionBatch:
+    """Every coefficient of friction at which a steady cycle of the scene dissipates
+    `measured_work`, for loads other than an ellipse [energy per thickness].
 
     W, the friction work of a cycle, is found by `solve` at each coefficient tried. They begin at
     f_min, the largest |Q|/P of the path. Where no f within 1e-4 above it is admissible, no f is.
@@ -407,7 +407,9 @@ def _friction_of_path(target: ArrayLike, scene: Scene) -> FrictionBatch:
 
     def work_of(friction: Array, _member: NDArray[np.intp]) -> Array:
         """W at coefficients (k,), (k,); the scene is the only member of its batch."""
-        return np.array([work_at(coefficient) for coefficient in friction.tolist()])
+        return np.array(
+            [work_at(friction_coefficient) for friction_coefficient in friction.tolist()]
+        )
 
     normal_load, tangential_load = _sampled_loads(scene.load.path())
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -419,7 +421,7 @@ def _friction_of_path(target: ArrayLike, scene: Scene) -> FrictionBatch:
         load_range_ratio = float(np.ptp(tangential_load) / np.ptp(normal_load))
     # a batch of one scene, of shape (), without notes
     return _friction_batch(
-        target, work_of, np.array([least_friction]), np.array([load_range_ratio]), (), ()
+        measured_work, work_of, np.array([least_friction]), np.array([load_range_ratio]), (), ()
     )
 
 
@@ -549,29 +551,31 @@ def _friction_batch(
     """
     targets = _Targets.of_measured(measured_dissipation, shape)
     # W over ln f, (samples, m): first samples, then turning points among them
-    curve = _sampled_work(work_of, least_friction_of_member, load_amplitude_ratio)
-    curve = _with_turning_points(curve, work_of)
-    roots = _roots_of(curve, work_of, targets)
-    limits = _limits_of(curve, least_friction_of_member, targets)
-    reason = _reasons_without_root(targets, roots, limits)
-    has_root = reason == NoFriction.NONE
-    root_rows = np.where(has_root[:, None], roots.rows, np.nan)
-    sentences = _sentences_of_reasons(reason, targets, limits)
+    work_curve = _sampled_work(work_of, least_friction_of_member, load_amplitude_ratio)
+    work_curve = _with_turning_points(work_curve, work_of)
+    friction_roots = _roots_of(work_curve, work_of, targets)
+    work_limits = _limits_of(work_curve, least_friction_of_member, targets)
+    reason_codes = _reasons_without_root(targets, friction_roots, work_limits)
+    has_root = reason_codes == NoFriction.NONE
+    root_rows = np.where(has_root[:, None], friction_roots.rows, np.nan)
+    sentences = _sentences_of_reasons(reason_codes, targets, work_limits)
 
     # results in the broadcast shape; no limits for loads that no f admits
     def in_full_shape(limit_values: Array) -> Array:
         """Values of the n targets (n,), NaN where no f admits the loads, in the broadcast shape."""
         return read_only_copy(
-            np.where(limits.is_solvable, limit_values, np.nan).reshape(targets.shape)
+            np.where(work_limits.is_solvable, limit_values, np.nan).reshape(targets.shape)
         )
 
     return FrictionBatch(
         roots=read_only_copy(root_rows.reshape(*targets.shape, -1)),
-        count=read_only_copy(np.where(has_root, roots.n_roots, 0).reshape(targets.shape), np.int64),
-        reason=read_only_copy(reason.reshape(targets.shape), np.int8),
-        least_friction=in_full_shape(limits.least_friction),
-        least=in_full_shape(limits.least_work),
-        most=in_full_shape(limits.most_work),
+        count=read_only_copy(
+            np.where(has_root, friction_roots.n_roots, 0).reshape(targets.shape), np.int64
+        ),
+        reason=read_only_copy(reason_codes.reshape(targets.shape), np.int8),
+        least_friction=in_full_shape(work_limits.least_friction),
+        least=in_full_shape(work_limits.least_work),
+        most=in_full_shape(work_limits.most_work),
         sentences=sentences,
         notes=notes,
     )
@@ -597,54 +601,63 @@ class _Limits(NamedTuple):
     most_work: Array
 
 
-def _limits_of(curve: _WorkCurve, least_friction_of_member: Array, targets: _Targets) -> _Limits:
+def _limits_of(
+    work_curve: _WorkCurve, least_friction_of_member: Array, targets: _Targets
+) -> _Limits:
     """Least and largest friction work W that the loads of each of n targets dissipate at any
     sampled coefficient f, and the range of f.
 
-    `curve` has W over ln f, (k, m), for m members of a batch; `least_friction_of_member` (m,) is
-    f_min; `targets.member` (n,) is the member of each target.
+    `work_curve` has W over ln f, (k, m), for m members of a batch; `least_friction_of_member` (m,)
+    is f_min; `targets.member` (n,) is the member of each target.
     """
-    is_work_known = np.isfinite(curve.works)
-    member = targets.member
+    is_work_known = np.isfinite(work_curve.works)
+    member_of_target = targets.member
     return _Limits(
-        is_solvable=curve.is_solvable[member],
-        least_friction=least_friction_of_member[member],
-        largest_f=curve.largest_f[member],
-        least_work=np.min(np.where(is_work_known, curve.works, np.inf), axis=0)[member],
-        most_work=np.max(np.where(is_work_known, curve.works, -np.inf), axis=0)[member],
+        is_solvable=work_curve.is_solvable[member_of_target],
+        least_friction=least_friction_of_member[member_of_target],
+        largest_f=work_curve.largest_f[member_of_target],
+        least_work=np.min(np.where(is_work_known, work_curve.works, np.inf), axis=0)[
+            member_of_target
+        ],
+        most_work=np.max(np.where(is_work_known, work_curve.works, -np.inf), axis=0)[
+            member_of_target
+        ],
     )
 
 
-def _reasons_without_root(targets: _Targets, roots: _Roots, limits: _Limits) -> NDArray[np.int8]:
+def _reasons_without_root(
+    targets: _Targets, friction_roots: _Roots, work_limits: _Limits
+) -> NDArray[np.int8]:
     """Why no coefficient of friction gives the measured friction work of each of n targets, (n,) of
     `NoFriction` as int8; 0 where there is a root.
     """
     # The first condition that holds is the reason.
     conditions = {
         NoFriction.INVALID: ~(np.isfinite(targets.works) & (targets.works > 0)),
-        NoFriction.LOADS: ~limits.is_solvable,
-        NoFriction.UNSETTLED: roots.is_not_converged,
-        NoFriction.TOO_MUCH: (roots.n_roots == 0) & (targets.works > limits.most_work),
-        NoFriction.TOO_LITTLE: roots.n_roots == 0,
+        NoFriction.LOADS: ~work_limits.is_solvable,
+        NoFriction.UNSETTLED: friction_roots.is_not_converged,
+        NoFriction.TOO_MUCH: (friction_roots.n_roots == 0)
+        & (targets.works > work_limits.most_work),
+        NoFriction.TOO_LITTLE: friction_roots.n_roots == 0,
     }
     return np.select([*conditions.values()], [*conditions], NoFriction.NONE).astype(np.int8)
 
 
 def _sentences_of_reasons(
-    reason: NDArray[np.int8], targets: _Targets, limits: _Limits
+    reason_codes: NDArray[np.int8], targets: _Targets, work_limits: _Limits
 ) -> tuple[str, ...]:
     """One sentence for each target without a root, at most ten: why no coefficient of friction
-    gives its measured work. `reason` (n,) is `NoFriction` of each of the n targets.
+    gives its measured work. `reason_codes` (n,) is `NoFriction` of each of the n targets.
     """
     return tuple(
-        _SENTENCE_OF_REASON[NoFriction(reason[number])].format(
+        _SENTENCE_OF_REASON[NoFriction(reason_codes[number])].format(
             target=targets.works[number],
-            least=limits.least_work[number],
-            most=limits.most_work[number],
-            f_min=limits.least_friction[number],
-            top=limits.largest_f[number],
+            least=work_limits.least_work[number],
+            most=work_limits.most_work[number],
+            f_min=work_limits.least_friction[number],
+            top=work_limits.largest_f[number],
         )
-        for number in np.flatnonzero(reason)[:10]
+        for number in np.flatnonzero(reason_codes)[:10]
     )
 
 
@@ -687,59 +700,61 @@ def _sampled_work(
     return _WorkCurve(log_f, works, is_solvable, largest_f)
 
 
-def _with_turning_points(curve: _WorkCurve, work_of: WorkFunction) -> _WorkCurve:
+def _with_turning_points(work_curve: _WorkCurve, work_of: WorkFunction) -> _WorkCurve:
     """The samples of friction work W over the coefficient f, with the extrema of W between them
     added as samples.
 
     Between two samples an extremum may hide two roots. `work_of` gives W by coefficients and the
-    indices of members of the batch. `curve` holds ln f and W, (samples, m) each, and whether W of a
-    member is known at all its samples.
+    indices of members of the batch. `work_curve` holds ln f and W, (samples, m) each, and whether W
+    of a member is known at all its samples.
     """
-    first_sample, member = _samples_before_extrema(curve)
+    first_sample, member = _samples_before_extrema(work_curve)
     if not len(first_sample):
-        return curve
-    log_f_of_extremum, work_of_extremum = _extrema_of_work(curve, work_of, first_sample, member)
+        return work_curve
+    log_f_of_extremum, work_of_extremum = _extrema_of_work(
+        work_curve, work_of, first_sample, member
+    )
 
     # (rows, m): the first row for the first extremum of each member, the next for its second, ...
     number_within_member = np.arange(len(first_sample)) - np.searchsorted(
         np.sort(member), np.sort(member)
     )
     order_by_member = np.argsort(member, kind="stable")
-    log_f_rows = np.full((int(number_within_member.max()) + 1, curve.works.shape[1]), np.nan)
+    log_f_rows = np.full((int(number_within_member.max()) + 1, work_curve.works.shape[1]), np.nan)
     work_rows = log_f_rows.copy()
     log_f_rows[number_within_member, member[order_by_member]] = log_f_of_extremum[order_by_member]
     work_rows[number_within_member, member[order_by_member]] = work_of_extremum[order_by_member]
 
-    log_f = np.concatenate([curve.log_f, log_f_rows])
-    works = np.concatenate([curve.works, work_rows])
+    log_f = np.concatenate([work_curve.log_f, log_f_rows])
+    works = np.concatenate([work_curve.works, work_rows])
     ascending_order = np.argsort(log_f, axis=0)
-    return curve._replace(
+    return work_curve._replace(
         log_f=np.take_along_axis(log_f, ascending_order, 0),
         works=np.take_along_axis(works, ascending_order, 0),
     )
 
 
-def _samples_before_extrema(curve: _WorkCurve) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+def _samples_before_extrema(work_curve: _WorkCurve) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Where the friction work W over the coefficient f turns within three neighbouring samples: the
     number of the first of them, and the member of the batch, (e,) each for e extrema.
 
-    `curve` has W at the samples, (k, m) for m members. Members whose W is not known at all samples
-    are left out, as are changes of W below 1e-10 of its largest value, which are round-off.
+    `work_curve` has W at the samples, (k, m) for m members. Members whose W is not known at all
+    samples are left out, as are changes of W below 1e-10 of its largest value, which are round-off.
     """
-    work_changes = np.diff(curve.works, axis=0)
-    largest_work = np.max(np.where(curve.is_solvable, curve.works, 0.0), axis=0)
+    work_changes = np.diff(work_curve.works, axis=0)
+    largest_work = np.max(np.where(work_curve.is_solvable, work_curve.works, 0.0), axis=0)
     # _LEAST_RISE: 1e-10.
     is_above_roundoff = (
         np.minimum(np.abs(work_changes[:-1]), np.abs(work_changes[1:]))
         >= _LEAST_RISE * largest_work
     )
     turns = work_changes[:-1] * work_changes[1:] < 0
-    first_sample, member = np.nonzero(curve.is_solvable & is_above_roundoff & turns)
+    first_sample, member = np.nonzero(work_curve.is_solvable & is_above_roundoff & turns)
     return first_sample, member
 
 
 def _extrema_of_work(
-    curve: _WorkCurve,
+    work_curve: _WorkCurve,
     work_of: WorkFunction,
     first_sample: NDArray[np.intp],
     member: NDArray[np.intp],
@@ -749,7 +764,7 @@ def _extrema_of_work(
 
     Parameters
     ----------
-    curve
+    work_curve
         ln f and W at the samples, (k, m) for m members of a batch
     work_of
         function that gives W by coefficients of friction and the indices of members
@@ -759,14 +774,14 @@ def _extrema_of_work(
     # `scipy.optimize` alone does not load it
     from scipy.optimize import elementwise  # noqa: PLC0415
 
-    first_change = np.diff(curve.works, axis=0)[first_sample, member]
+    first_change = np.diff(work_curve.works, axis=0)[first_sample, member]
     # W falls before a minimum; of a maximum -W is minimised.
     sign_to_minimum = np.where(first_change < 0, 1.0, -1.0)
     minimum_search = elementwise.find_minimum(
         lambda log_f_at_trial, member_of_trial, sign: (
             sign * _work_by_log_f(work_of, log_f_at_trial, member_of_trial)
         ),
-        tuple(curve.log_f[first_sample + k, member] for k in (0, 1, 2)),
+        tuple(work_curve.log_f[first_sample + k, member] for k in (0, 1, 2)),
         args=(member.astype(float), sign_to_minimum),
     )
     return minimum_search.x, sign_to_minimum * minimum_search.f_x
@@ -800,7 +815,7 @@ class _Roots(NamedTuple):
     is_not_converged: NDArray[np.bool_]
 
 
-def _roots_of(curve: _WorkCurve, work_of: WorkFunction, targets: _Targets) -> _Roots:
+def _roots_of(work_curve: _WorkCurve, work_of: WorkFunction, targets: _Targets) -> _Roots:
     """Every coefficient f at which the friction work W of a member of a batch is its target, the
     measured W.
 
@@ -808,14 +823,14 @@ def _roots_of(curve: _WorkCurve, work_of: WorkFunction, targets: _Targets) -> _R
 
     Parameters
     ----------
-    curve
+    work_curve
         samples of W over ln f for each of m members, (samples, m), turning points included
     work_of
         function that gives W by coefficients of friction and the indices of members
     targets
         n measured W, and the member of each
     """
-    sample_before_root, target_of_root = _samples_before_roots(curve, targets)
+    sample_before_root, target_of_root = _samples_before_roots(work_curve, targets)
     n_roots = np.bincount(target_of_root, minlength=len(targets.works))
     rows = np.full((len(targets.works), max(1, int(n_roots.max(initial=0)))), np.nan)
     is_not_converged = np.zeros(len(targets.works), dtype=bool)
@@ -833,8 +848,8 @@ def _roots_of(curve: _WorkCurve, work_of: WorkFunction, targets: _Targets) -> _R
             _work_by_log_f(work_of, log_f_at_trial, member_of_trial) - work_at_root
         ),
         (
-            curve.log_f[sample_before_root, member_of_root],
-            curve.log_f[sample_before_root + 1, member_of_root],
+            work_curve.log_f[sample_before_root, member_of_root],
+            work_curve.log_f[sample_before_root + 1, member_of_root],
         ),
         args=(member_of_root.astype(float), works_at_roots),
     )
@@ -848,19 +863,19 @@ def _roots_of(curve: _WorkCurve, work_of: WorkFunction, targets: _Targets) -> _R
 
 
 def _samples_before_roots(
-    curve: _WorkCurve, targets: _Targets
+    work_curve: _WorkCurve, targets: _Targets
 ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Where the friction work W of a member passes its target between two neighbouring samples: the
     number of the sample below in f, and that of the target, (r,) each for r roots. They are sorted
     by the target, then by f.
 
-    `curve` has W at the samples, (k, m) for m members of a batch. Targets that are not finite, not
-    above 0, or of members whose W is not known at all samples, have none.
+    `work_curve` has W at the samples, (k, m) for m members of a batch. Targets that are not finite,
+    not above 0, or of members whose W is not known at all samples, have none.
     """
     target_works = targets.works
-    works_of_targets = curve.works[:, targets.member]
+    works_of_targets = work_curve.works[:, targets.member]
     is_valid_target = (
-        np.isfinite(target_works) & (target_works > 0) & curve.is_solvable[targets.member]
+        np.isfinite(target_works) & (target_works > 0) & work_curve.is_solvable[targets.member]
     )
     is_above_target = works_of_targets > np.where(is_valid_target, target_works, np.inf)
     is_work_known = np.isfinite(works_of_targets)

@@ -534,11 +534,11 @@ class _StickEdge:
 
 
 def _stick_edge_at(
-    span: Span, piece: Piece, time: Array, slip_zone_load: Array, radius: float
+    span: Span, memory_piece: Piece, time: Array, slip_zone_load: Array, radius: float
 ) -> _StickEdge:
     """Steepness of the memory curve at the stick edge, changes of P and Q since it was set there,
     and shift of the centre of stick since then, at times (n,) of a span of slip. The load at the
-    edge, P_c = P - `slip_zone_load` (n,), lies on a `piece` of the memory curve.
+    edge, P_c = P - `slip_zone_load` (n,), lies on a piece of the memory curve.
 
     The memory curve M(eta) is the tangential force of the flat punches up to the load eta. It was
     set at P_c in stick when P grew to P_c, or by slip at the end of a stroke; m is that instant.
@@ -548,14 +548,14 @@ def _stick_edge_at(
     # notation: alpha tilt, eps bulk strain under the loads at that instant, f friction coefficient
     """
     # P at these times, M' at P_c, and mu.
-    load = span.segment.loads(time)[0]
-    memory_slope = piece.slope_at(load - slip_zone_load)
+    normal_load = span.segment.loads(time)[0]
+    memory_slope = memory_piece.slope_at(normal_load - slip_zone_load)
     steepness = span.friction - span.direction * memory_slope
     # combination_change: change of P, or of Q, since the instant `anchor` at which slip ended.
-    if _is_set_by_slip(piece, span.friction):
+    if _is_set_by_slip(memory_piece, span.friction):
         loads_since_set = (
-            combination_change(piece.anchor, span.segment, NORMAL_LOAD, time),
-            combination_change(piece.anchor, span.segment, TANGENTIAL_LOAD, time),
+            combination_change(memory_piece.anchor, span.segment, NORMAL_LOAD, time),
+            combination_change(memory_piece.anchor, span.segment, TANGENTIAL_LOAD, time),
         )
     else:
         # It was set at P = P_c, Q = M(P_c), and s M(P_c) - f P_c is s Q - f P now.
@@ -565,44 +565,46 @@ def _stick_edge_at(
         span.friction, span.direction, *loads_since_set
     )
     centre_shift = -radius * equivalent_tilt_since_set / steepness[:, None]
-    return _StickEdge(load, slip_zone_load, steepness, loads_since_set, centre_shift)
+    return _StickEdge(normal_load, slip_zone_load, steepness, loads_since_set, centre_shift)
 
 
-def _is_set_by_slip(piece: Piece, friction: float) -> bool:
+def _is_set_by_slip(memory_piece: Piece, friction: float) -> bool:
     """Whether slip set the memory of a piece, at the end of a stroke: then it is at the Coulomb
     limit, M' = f or -f. Otherwise it was set while the contact grew in stick.
     """
-    return is_at_coulomb_limit(piece, 1, friction) or is_at_coulomb_limit(piece, -1, friction)
+    return is_at_coulomb_limit(memory_piece, 1, friction) or is_at_coulomb_limit(
+        memory_piece, -1, friction
+    )
 
 
-def _loads_when_set(piece: Piece, friction: float, eta: Array) -> tuple[Array, Array]:
+def _loads_when_set(memory_piece: Piece, friction: float, eta: Array) -> tuple[Array, Array]:
     """P and Q at the instants at which the memory at loads eta (n,) of a piece was set, (n,) each:
     those of its anchor if slip set it, else eta and M(eta).
     """
-    if _is_set_by_slip(piece, friction):
+    if _is_set_by_slip(memory_piece, friction):
         ones = np.ones(np.shape(eta))
-        return piece.anchor.normal_load * ones, piece.anchor.tangential_load * ones
-    return eta, force_on_piece(piece, eta)
+        return memory_piece.anchor.normal_load * ones, memory_piece.anchor.tangential_load * ones
+    return eta, force_on_piece(memory_piece, eta)
 
 
-def _slope_derivative(piece: Piece, eta: Array) -> Array:
-    """Derivative d2M/d eta2 of the slope M' of a `piece` of the memory curve, at loads eta (n,)
-    [thickness per force].
+def _slope_derivative(memory_piece: Piece, eta: Array) -> Array:
+    """Derivative d2M/d eta2 of the slope M' of a piece of the memory curve, at loads eta
+    (n,) [thickness per force].
 
     It is constant on a straight or parabolic piece. On an arc M' = dQ/dP of the load path, and it
     is found by central differences in time; it is 0 on an arc without duration, which round-off may
     leave. The memory curve M(eta) is the tangential force of the flat punches up to the load eta.
     """
-    if piece.arc_times is None:
+    if memory_piece.arc_times is None:
         # bend: half of d2M/d eta2.
-        return np.full(np.shape(eta), 2 * piece.bend)
+        return np.full(np.shape(eta), 2 * memory_piece.bend)
     # arc_times: times of both ends of the arc on the load segment that was passed in stick
-    first_time, last_time = piece.arc_times
+    first_time, last_time = memory_piece.arc_times
     if first_time == last_time:
         return np.zeros(np.shape(eta))
-    segment = piece.anchor.segment
+    segment = memory_piece.anchor.segment
     # Times at which P was eta on the arc, and Q'/P' a little before and after them.
-    time = time_of_load_on_arc(piece, eta)
+    time = time_of_load_on_arc(memory_piece, eta)
     # _DERIVATIVE_STEP: 1e-4 of the duration of the arc.
     time_increment = _DERIVATIVE_STEP * (last_time - first_time)
     slopes = []
@@ -674,10 +676,11 @@ def _work_in_span(span: Span, radius: float, n_points: int) -> Array:
 
 
 def _work_along_memory(
-    piece: Piece, stick_edge: _StickEdge, weights: Array, radius: float
+    memory_piece: Piece, stick_edge: _StickEdge, weights: Array, radius: float
 ) -> tuple[Array, Array]:
     """Two matrices (4, 4) over o = (alpha_P, alpha_Q, e_P, e_Q), tilt and strain per load: friction
-    work, to be subtracted, where the stick edge passes a `piece` of memory that was set in stick.
+    work, to be subtracted, where the stick edge passes a piece of memory that was set in
+    stick.
 
         int s f (P - P_c) v^2 d2M/d eta2/(2R) |dP_c|,
         int s f (P - P_c) v (dM/d eta dalpha/d eta - deps/d eta) |dP_c|
@@ -691,14 +694,14 @@ def _work_along_memory(
     are s f (P - P_c) |dP_c|, s the direction of slip. `radius` is R of the parabola.
     """
     eta = stick_edge.load - stick_edge.slip_zone_load
-    memory_slope = piece.slope_at(eta)
-    ones = np.ones(np.shape(eta))  # dP/d eta along the memory; dQ/d eta is its slope
-    tilt_by_eta = _tilt_coefficients(ones, memory_slope)
-    strain_by_eta = _strain_coefficients(ones, memory_slope)
+    memory_slope = memory_piece.slope_at(eta)
+    unit_load_rate = np.ones(np.shape(eta))  # dP/d eta along the memory; dQ/d eta is its slope
+    tilt_by_eta = _tilt_coefficients(unit_load_rate, memory_slope)
+    strain_by_eta = _strain_coefficients(unit_load_rate, memory_slope)
     # dM/d eta dalpha/d eta - deps/d eta
     equivalent_tilt_by_eta = memory_slope[:, None] * tilt_by_eta - strain_by_eta
     work_by_bend = _quadratic_form(
-        weights * _slope_derivative(piece, eta) / (2 * radius),
+        weights * _slope_derivative(memory_piece, eta) / (2 * radius),
         stick_edge.centre_shift,
         stick_edge.centre_shift,
     )
@@ -727,23 +730,25 @@ def _work_at_kink(span_before: Span, span: Span, radius: float) -> Array:
 
     # bottom_load and top_load: loads eta at both ends of a piece.
     # _EQUALITY_TOLERANCE: 1e-9, within which two loads, or two slopes over f, are equal.
-    tolerance = _EQUALITY_TOLERANCE * outer_piece.top_load
-    if inner_piece.top_load > outer_piece.bottom_load + tolerance:
+    load_tolerance = _EQUALITY_TOLERANCE * outer_piece.top_load
+    if inner_piece.top_load > outer_piece.bottom_load + load_tolerance:
         return zero_matrix  # both spans are on one piece
-    if inner_piece.top_load - inner_piece.bottom_load <= tolerance:
+    if inner_piece.top_load - inner_piece.bottom_load <= load_tolerance:
         return zero_matrix  # the stick edge stays at the upper end of a piece at the Coulomb limit
 
     # The edge passes pieces at the Coulomb limit between both at once: they count as one kink.
     # At the instant at which the edge passes the kink, (1,).
-    time = np.array([span.begin.time])
+    time_of_passage = np.array([span.begin.time])
     slip_zone_load = span.begin.normal_load - np.array([outer_piece.bottom_load])
     eta = np.array([outer_piece.bottom_load])
     stick_centres = []
     steepness_of_sides = []
-    for piece in (outer_piece, inner_piece):
+    for memory_piece in (outer_piece, inner_piece):
         # Shift of the centre since the memory was set there, and the centre at that time.
-        stick_edge = _stick_edge_at(span, piece, time, slip_zone_load, radius)
-        centre_when_set = -radius * _tilt_coefficients(*_loads_when_set(piece, span.friction, eta))
+        stick_edge = _stick_edge_at(span, memory_piece, time_of_passage, slip_zone_load, radius)
+        centre_when_set = -radius * _tilt_coefficients(
+            *_loads_when_set(memory_piece, span.friction, eta)
+        )
         stick_centres.append(centre_when_set + stick_edge.centre_shift)
         steepness_of_sides.append(float(stick_edge.steepness[0]))
 
@@ -777,20 +782,22 @@ def _refuse_return_to_limit(span_before: Span, span: Span, radius: float) -> Non
     friction = span.friction
     begin = span.begin
     top_of_sticking_piece = span.sticking_piece.top_load if span.sticking_piece is not None else 0.0
-    for piece in pieces(span_before.curve(span_before.end.time)):
+    for memory_piece in pieces(span_before.curve(span_before.end.time)):
         # _EQUALITY_TOLERANCE: 1e-9 of a load.
-        load_tolerance = _EQUALITY_TOLERANCE * max(piece.anchor.normal_load, begin.normal_load)
-        if piece.bottom_load < top_of_sticking_piece - load_tolerance:
+        load_tolerance = _EQUALITY_TOLERANCE * max(
+            memory_piece.anchor.normal_load, begin.normal_load
+        )
+        if memory_piece.bottom_load < top_of_sticking_piece - load_tolerance:
             break
         # A piece without length leaves nothing to return to.
-        has_no_length = piece.top_load - piece.bottom_load <= load_tolerance
-        if has_no_length or not is_at_coulomb_limit(piece, span.direction, friction):
+        has_no_length = memory_piece.top_load - memory_piece.bottom_load <= load_tolerance
+        if has_no_length or not is_at_coulomb_limit(memory_piece, span.direction, friction):
             continue
         # anchor: instant at which the earlier stroke ended and left this piece.
-        normal_change = begin.normal_load - piece.anchor.normal_load
-        tangential_change = begin.tangential_load - piece.anchor.tangential_load
+        normal_change = begin.normal_load - memory_piece.anchor.normal_load
+        tangential_change = begin.tangential_load - memory_piece.anchor.tangential_load
         # None at a vertex of the path; `tilt_rate_form` is 0 if nothing is left there.
-        earlier_smooth_end = _smooth_end_at_anchor(piece, span.direction, friction, radius)
+        earlier_smooth_end = _smooth_end_at_anchor(memory_piece, span.direction, friction, radius)
         if (
             abs(normal_change) > load_tolerance
             or abs(tangential_change) > friction * load_tolerance
@@ -885,19 +892,19 @@ def _smooth_end(
 
 
 def _smooth_end_at_anchor(
-    piece: Piece, direction: int, friction: float, radius: float
+    memory_piece: Piece, direction: int, friction: float, radius: float
 ) -> _SmoothEnd | None:
-    """The smooth end of the stroke of slip that left a `piece` of the memory curve at the Coulomb
-    limit; None where that stroke ended at a vertex of the load path.
+    """The smooth end of the stroke of slip that left a piece of the memory curve at the
+    Coulomb limit; None where that stroke ended at a vertex of the load path.
 
     At a smooth end the rates of the loads do not jump. `piece.anchor` is the instant at which the
     stroke ended, `piece.bottom_load` the load at its stick edge; `direction` is that of its slip.
     """
-    anchor = piece.anchor
+    end_of_stroke = memory_piece.anchor
     # That stroke, as a span of slip from the start of the load segment to its end.
-    start = instant(anchor.segment, anchor.segment.start)
-    stroke = Span(start, anchor, 0.0, direction, None, friction)
-    return _smooth_end(stroke, anchor.time, piece.bottom_load, radius)
+    start = instant(end_of_stroke.segment, end_of_stroke.segment.start)
+    stroke = Span(start, end_of_stroke, 0.0, direction, None, friction)
+    return _smooth_end(stroke, end_of_stroke.time, memory_piece.bottom_load, radius)
 
 
 def _work_at_stroke_end(span: Span, radius: float, n_panels: int) -> Array:
@@ -921,8 +928,8 @@ def _work_at_stroke_end(span: Span, radius: float, n_panels: int) -> Array:
     # Loads eta of punches, and the tangential load left next to each over R a_s'^2/N'';
     # tilt_rate_form is R a_s'^2/N'' as a quadratic form of tilt and strain.
     eta, remaining_load_at_eta = smooth_end.remaining_loads(n_panels)
-    integral = float(np.sum(remaining_load_at_eta * (smooth_end.load - eta)))
-    return np.asarray(span.friction * integral * smooth_end.tilt_rate_form)
+    integral_of_loads = float(np.sum(remaining_load_at_eta * (smooth_end.load - eta)))
+    return np.asarray(span.friction * integral_of_loads * smooth_end.tilt_rate_form)
 
 
 def _work_at_passed_end(span: Span, radius: float, n_panels: int) -> Array:
@@ -939,10 +946,12 @@ def _work_at_passed_end(span: Span, radius: float, n_panels: int) -> Array:
     #           tilt, eps bulk strain, s direction of slip, M(eta) tangential force of the flat
     #           punches up to the load eta
     """
-    piece = span.sticking_piece
-    if piece is None or not is_at_coulomb_limit(piece, -span.direction, span.friction):
+    memory_piece = span.sticking_piece
+    if memory_piece is None or not is_at_coulomb_limit(
+        memory_piece, -span.direction, span.friction
+    ):
         return np.zeros((4, 4))
-    smooth_end = _smooth_end_at_anchor(piece, -span.direction, span.friction, radius)
+    smooth_end = _smooth_end_at_anchor(memory_piece, -span.direction, span.friction, radius)
     if smooth_end is None:
         return np.zeros((4, 4))
     # Loads eta of punches, and the tangential load left next to each over R a_s'^2/N'';
@@ -954,14 +963,14 @@ def _work_at_passed_end(span: Span, radius: float, n_panels: int) -> Array:
     # Only the punches that the stick edge passes in this span.
     is_passed = (eta < stick_edge_load_at_begin) & (eta >= stick_edge_load_at_end)
     eta = eta[is_passed]
-    load = _load_when_stick_edge_at(eta, span, piece)
-    integral = float(np.sum(remaining_load_at_eta[is_passed] * (load - eta)))
-    return np.asarray(span.friction * integral * smooth_end.tilt_rate_form)
+    load_at_passage = _load_when_stick_edge_at(eta, span, memory_piece)
+    integral_of_loads = float(np.sum(remaining_load_at_eta[is_passed] * (load_at_passage - eta)))
+    return np.asarray(span.friction * integral_of_loads * smooth_end.tilt_rate_form)
 
 
-def _load_when_stick_edge_at(eta: Array, span: Span, piece: Piece) -> Array:
+def _load_when_stick_edge_at(eta: Array, span: Span, memory_piece: Piece) -> Array:
     """Normal load P at the times of a span of slip at which the stick edge is at the loads `eta`
-    (n,) of a `piece` of the memory curve, (n,) [force per thickness].
+    (n,) of a piece of the memory curve, (n,) [force per thickness].
 
     The memory curve M(eta) is the tangential force of the flat punches up to the load eta. The
     stick edge is at eta when s Q - f P of the path equals s M(eta) - f eta, s the direction of
@@ -969,9 +978,9 @@ def _load_when_stick_edge_at(eta: Array, span: Span, piece: Piece) -> Array:
     """
     s_q_minus_f_p = slip_combination(span.direction, span.friction)
     change_to_begin = float(
-        combination_change(piece.anchor, span.segment, s_q_minus_f_p, span.begin.time)
+        combination_change(memory_piece.anchor, span.segment, s_q_minus_f_p, span.begin.time)
     )
-    change_to_eta = slip_combination_on_piece(piece, span.direction, span.friction, eta)
+    change_to_eta = slip_combination_on_piece(memory_piece, span.direction, span.friction, eta)
     passing_time = span.segment.time_of(
         s_q_minus_f_p, change_to_eta - change_to_begin, span.begin.time, span.end.time
     )
@@ -994,20 +1003,22 @@ def _one_sided_slip_coefficients(span: Span, radius: float, modulus: float) -> I
     """
     # _GAUSS_POINTS: 24, of which half are taken.
     time, _ = _gauss_times(span, _GAUSS_POINTS // 2)
-    load = span.segment.loads(time)[0]
+    normal_load = span.segment.loads(time)[0]
     normal_rate, _ = span.segment.rates(time)
     if not span.direction and np.all(normal_rate <= 0):
         return  # at rest, or unloaded along the memory curve itself
 
     # Hertz' law: a^2 = 4 P R/(pi E*).
-    half_width = np.sqrt(4 * load * radius / (np.pi * modulus))
+    half_width = np.sqrt(4 * normal_load * radius / (np.pi * modulus))
     # sqrt(a^2 - c^2)/arccosh(a/c), which is a in stick, c = a
     slip_rate_length = half_width
     if span.sticking_piece is not None and span.direction:
         slip_zone_load = span.slip_zone_load(time)
         # c/a = sqrt(P_c/P) of a parabola, kept off 0 and 1.
         stick_ratio = np.sqrt(
-            np.clip(1 - slip_zone_load / load, _LEAST_STICK_RATIO**2, 1 - _EQUALITY_TOLERANCE)
+            np.clip(
+                1 - slip_zone_load / normal_load, _LEAST_STICK_RATIO**2, 1 - _EQUALITY_TOLERANCE
+            )
         )
         slip_rate_length = half_width * np.sqrt(1 - stick_ratio**2) / np.arccosh(1 / stick_ratio)
         # First criterion: distance of the centres over a - c.

@@ -103,11 +103,11 @@ def slip_depths_of_loads(e: Array, force: Array) -> tuple[Array, Array]:
     loads = np.stack([e, force])
     with np.errstate(invalid="ignore", divide="ignore"):
         # by Newton's method; NaN or no solution where it fails
-        depths = _depths_by_newton(loads)
-        residual = np.abs(np.stack(loads_of_slip_depths(*depths)) - loads)
-    if not np.all(residual <= 1e-11 * np.abs(loads).max(axis=0)):
+        slip_depths = _depths_by_newton(loads)
+        residual_of_loads = np.abs(np.stack(loads_of_slip_depths(*slip_depths)) - loads)
+    if not np.all(residual_of_loads <= 1e-11 * np.abs(loads).max(axis=0)):
         raise ArithmeticError("no stick zone with slip of opposite sense at both ends")
-    left_depth, right_depth = depths
+    left_depth, right_depth = slip_depths
     return left_depth, right_depth
 
 
@@ -122,48 +122,56 @@ def _depths_by_newton(loads: Array) -> Array:
     """
     e, force_over_limit = loads
     # first guess, for a twelfth of the loads
-    depths = np.stack([-e - force_over_limit / 2, -e + force_over_limit / 2]) / _LOAD_STEP_COUNT
+    slip_depths = (
+        np.stack([-e - force_over_limit / 2, -e + force_over_limit / 2]) / _LOAD_STEP_COUNT
+    )
     # _LOAD_STEP_COUNT: 12; _MOST_NEWTON_STEPS: 30
     for load_step in range(1, _LOAD_STEP_COUNT + 1):
         load_fraction = load_step / _LOAD_STEP_COUNT
         for _ in range(_MOST_NEWTON_STEPS):
-            residual = np.stack(loads_of_slip_depths(*depths)) - load_fraction * loads
-            newton_step = _newton_step(depths, residual)
+            residual_of_loads = np.stack(loads_of_slip_depths(*slip_depths)) - load_fraction * loads
+            newton_step = _newton_step(slip_depths, residual_of_loads)
             # Never more than half the way to an end of contact, or to where both slip zones meet.
             longest_newton_step = np.minimum(
-                depths / 2, np.maximum(2 - depths.sum(axis=0), 0.0) / 4
+                slip_depths / 2, np.maximum(2 - slip_depths.sum(axis=0), 0.0) / 4
             )
-            depths = depths - np.clip(newton_step, -longest_newton_step, longest_newton_step)
-            is_converged = np.all(np.abs(newton_step) <= 1e-14 * depths)
-            if is_converged or not np.all(np.isfinite(depths)):
+            slip_depths = slip_depths - np.clip(
+                newton_step, -longest_newton_step, longest_newton_step
+            )
+            is_converged = np.all(np.abs(newton_step) <= 1e-14 * slip_depths)
+            if is_converged or not np.all(np.isfinite(slip_depths)):
                 break
 
         # first guess of the next load step, unless the slip zones would meet
         if load_step < _LOAD_STEP_COUNT:
-            extrapolated_depths = depths * (load_step + 1) / load_step
-            depths = np.where(extrapolated_depths.sum(axis=0) < 2, extrapolated_depths, depths)
-    return depths
+            extrapolated_depths = slip_depths * (load_step + 1) / load_step
+            slip_depths = np.where(
+                extrapolated_depths.sum(axis=0) < 2, extrapolated_depths, slip_depths
+            )
+    return slip_depths
 
 
-def _newton_step(depths: Array, residual_of_loads: Array) -> Array:
+def _newton_step(slip_depths: Array, residual_of_loads: Array) -> Array:
     """Newton's step of the slip depths (2, n) at both ends of the contact, to be subtracted;
-    `residual_of_loads` (2, n): dimensionless bulk strain e and Q/(f P) of these `depths`, minus
-    those that are wanted.
+    `residual_of_loads` (2, n): dimensionless bulk strain e and Q/(f P) of these `slip_depths`,
+    minus those that are wanted.
 
     Derivatives are central differences of 1e-6 of the depths; the two equations are solved by
     Cramer's rule. `loads_of_slip_depths` gives both loads from the depths.
     """
-    derivatives = []
+    load_derivatives = []
     for end_number in (0, 1):
         depth_difference = (
-            _DIFFERENCE_SHARE_OF_DEPTH * depths * (np.arange(2) == end_number)[:, None]
+            _DIFFERENCE_SHARE_OF_DEPTH * slip_depths * (np.arange(2) == end_number)[:, None]
         )
-        loads_after_difference = np.stack(loads_of_slip_depths(*(depths + depth_difference)))
-        loads_before_difference = np.stack(loads_of_slip_depths(*(depths - depth_difference)))
-        derivatives.append(
+        loads_after_difference = np.stack(loads_of_slip_depths(*(slip_depths + depth_difference)))
+        loads_before_difference = np.stack(loads_of_slip_depths(*(slip_depths - depth_difference)))
+        load_derivatives.append(
             (loads_after_difference - loads_before_difference) / (2 * depth_difference[end_number])
         )
-    (e_by_left_depth, force_by_left_depth), (e_by_right_depth, force_by_right_depth) = derivatives
+    (e_by_left_depth, force_by_left_depth), (e_by_right_depth, force_by_right_depth) = (
+        load_derivatives
+    )
     residual_of_e, residual_of_force = residual_of_loads
     determinant = e_by_left_depth * force_by_right_depth - e_by_right_depth * force_by_left_depth
     left_numerator = force_by_right_depth * residual_of_e - e_by_right_depth * residual_of_force
@@ -482,7 +490,11 @@ class OppositeSlip(TiltedProfile):
             np.asarray(load, dtype=float), np.asarray(slip_zone_load, dtype=float)
         )
         # `log_datum_ratio` of the same contact for U + kappa m_q
-        rate = self._conjugate_contact.log_datum_ratio
+        rate_per_load = self._conjugate_contact.log_datum_ratio
         stick_edge_load = load - slip_zone_load
         eta, weights = crowded_nodes(stick_edge_load, load)
-        return np.asarray(np.sum(weights * (rate(stick_edge_load)[..., None] - rate(eta)), axis=-1))
+        return np.asarray(
+            np.sum(
+                weights * (rate_per_load(stick_edge_load)[..., None] - rate_per_load(eta)), axis=-1
+            )
+        )

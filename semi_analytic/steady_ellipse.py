@@ -438,17 +438,19 @@ def _work_density_of_phases(
             ellipses.take((slice(None), 0)), contact.corner_loads[:, None]
         ).values()
     )
-    density = np.zeros((len(PHASE_NAMES), len(x)))
-    for phase_number, begin, end in ranges_of_slip:
+    density_of_phases = np.zeros((len(PHASE_NAMES), len(x)))
+    for phase_number, first_angle, last_angle in ranges_of_slip:
         # intervals of the range of slip, between cuts, of every ellipse
-        inner_cut_angles = np.clip(cuts_of_phases[phase_number].T, begin, np.maximum(begin, end))
-        cut_angles = np.concatenate([begin, inner_cut_angles, end], axis=1)
+        inner_cut_angles = np.clip(
+            cuts_of_phases[phase_number].T, first_angle, np.maximum(first_angle, last_angle)
+        )
+        cut_angles = np.concatenate([first_angle, inner_cut_angles, last_angle], axis=1)
         ellipse_of_interval, cut_number = np.nonzero(cut_angles[:, 1:] > cut_angles[:, :-1])
         if not len(ellipse_of_interval):
             continue
 
         # graded to singular ends: angles and weights, (intervals, nodes)
-        angle_in_phase, weights = graded_nodes(
+        angle_in_phase, node_weights = graded_nodes(
             cut_angles[ellipse_of_interval, cut_number],
             cut_angles[ellipse_of_interval, cut_number + 1],
             node_stride,
@@ -457,14 +459,16 @@ def _work_density_of_phases(
             rate_and_loads_in_phase(
                 PHASE_NAMES[phase_number], ellipses.take(ellipse_of_interval), angle_in_phase
             ),
-            weights,
+            node_weights,
             contact,
             x[ellipse_of_interval],
             load_at_x[ellipse_of_interval],
         )
         # add the intervals of each ellipse
-        np.add.at(density[phase_number], ellipse_of_interval, np.sum(density_at_nodes, axis=1))
-    return density
+        np.add.at(
+            density_of_phases[phase_number], ellipse_of_interval, np.sum(density_at_nodes, axis=1)
+        )
+    return density_of_phases
 
 
 def _weighted_work_rate_at_points(
@@ -946,14 +950,14 @@ def _dissipation_of_group(
     corner_loads = contact.corner_loads
     log_half_width = _log_half_width_of(contact)
     # _SHALLOW_SLIP_SHARE: 1e-6; _ELLIPSES_WITHOUT_TABLE: 8
-    table = None
+    log_table = None
     if len(ellipses.mean_load) > _ELLIPSES_WITHOUT_TABLE and np.any(
         slip_zone_share > _SHALLOW_SLIP_SHARE
     ):
         # polynomials of ln a, each between two of the `series_ends`
-        table = _cached_log_half_width(contact, first_octave, last_octave + 1)
-        corner_loads = table.series_ends
-        log_half_width = table
+        log_table = _cached_log_half_width(contact, first_octave, last_octave + 1)
+        corner_loads = log_table.series_ends
+        log_half_width = log_table
         uses_table = (slip_zone_share > _SHALLOW_SLIP_SHARE) & ~has_deep_slip
     uses_contact = ~has_deep_slip & ~uses_table
 
@@ -968,9 +972,9 @@ def _dissipation_of_group(
         )
 
     # Lam by the table of ln a
-    if table is not None and np.any(uses_table):
+    if log_table is not None and np.any(uses_table):
         works_and_error[:, uses_table] = _work_by_table(
-            ellipses.take(uses_table), contact, table, slip_zone_share[uses_table]
+            ellipses.take(uses_table), contact, log_table, slip_zone_share[uses_table]
         )
     # no kernel: integrals of ln a over the loads
     if np.any(has_deep_slip):
@@ -981,27 +985,27 @@ def _dissipation_of_group(
 
 
 def _work_by_table(
-    ellipses: Ellipses, contact: SymmetricContact, table: LogHalfWidth, slip_zone_share: Array
+    ellipses: Ellipses, contact: SymmetricContact, log_table: LogHalfWidth, slip_zone_share: Array
 ) -> Array:
     """Friction work of forward and of reverse slip times pi E*/(2 f^2), and an upper bound of the
     error of their sum, (3, m), with the kernel Lam = int ln(a(eta)/a(P_c)) d eta by a table of ln
     a.
 
     a is the contact half-width, P_c the load at the stick edge. `slip_zone_share` (m,) is the
-    largest P - P_c over the mean load, to a factor of two. Lam by the series of the `table` has the
-    last digits of P - P_c times the slope of ln a, not of itself: that error is added.
+    largest P - P_c over the mean load, to a factor of two. Lam by the series of the `log_table` has
+    the last digits of P - P_c times the slope of ln a, not of itself: that error is added.
     """
     works_and_error = _work_over_phases(
         ellipses,
         contact,
-        table.dissipation_kernel_by_series,
+        log_table.dissipation_kernel_by_series,
         _PHASE_RULES,
         _CONVERGED_COEFFICIENT_SHARE,
     )
-    forward_work, reverse_work, error = works_and_error
+    forward_work, reverse_work, error_of_work = works_and_error
     work = np.abs(forward_work + reverse_work)
     # _LAM_ERROR_OF_SERIES: 1e-13
-    error += _LAM_ERROR_OF_SERIES / slip_zone_share * work
+    error_of_work += _LAM_ERROR_OF_SERIES / slip_zone_share * work
     return works_and_error
 
 
@@ -1033,7 +1037,7 @@ def _work_over_phases(
         return rate_of_w * kernel(load, np.minimum(slip_zone_load, load))
 
     # (phases, m) and (m,)
-    works_of_phases, error = _integrals_by_group(
+    works_of_phases, error_of_work = _integrals_by_group(
         ellipses,
         _intervals_of_phases(ellipses, contact.corner_loads, len(rules)),
         len(PHASE_NAMES),
@@ -1042,7 +1046,7 @@ def _work_over_phases(
         converged_share,
     )
     reverse_work, early_forward_work, later_forward_work = works_of_phases
-    return np.stack([early_forward_work + later_forward_work, reverse_work, error])
+    return np.stack([early_forward_work + later_forward_work, reverse_work, error_of_work])
 
 
 def _intervals_of_phases(ellipses: Ellipses, corner_loads: Array, n_rules: int) -> AngleIntervals:
@@ -1139,7 +1143,7 @@ def _work_over_loads(
         return weight * (log_half_width(load) - log_at_mean_load[ellipse_of_interval])
 
     # (courses, m) and (m,); checks are taken relative to 50 P0^2 at least
-    works_of_courses, error = _integrals_by_group(
+    works_of_courses, error_of_work = _integrals_by_group(
         ellipses,
         _intervals_of_courses(ellipses, corner_loads),
         len(_COURSE_NAMES),
@@ -1156,10 +1160,10 @@ def _work_over_loads(
         later_stick_course,
     ) = works_of_courses
     # a last digit, 1e-15, of the square of the largest load
-    error += _LAST_DIGIT_SHARE * np.square(ellipses.mean_load + ellipses.load_amplitude)
+    error_of_work += _LAST_DIGIT_SHARE * np.square(ellipses.mean_load + ellipses.load_amplitude)
     forward_work = load_course_of_forward_slip + early_stick_course + later_stick_course
     reverse_work = load_course_of_reverse_slip + stick_course_of_reverse_slip
-    return np.stack([forward_work, reverse_work, error])
+    return np.stack([forward_work, reverse_work, error_of_work])
 
 
 def _log_weights_and_loads_in_intervals(
@@ -1218,9 +1222,11 @@ def _intervals_of_courses(ellipses: Ellipses, corner_loads: Array) -> AngleInter
     intervals_of_courses = []
     for course_number, course in enumerate(_courses_of_loads(ellipses, corner_loads)):
         # first and last angle (m,), and angles at which the course is cut if they are between
-        begin, end, inner_cuts, load_is_cosine = course
-        unsorted_angles = np.concatenate([begin[None], *inner_cuts, end[None]])
-        cut_angles = np.sort(np.clip(unsorted_angles, begin, np.maximum(begin, end)), axis=0)
+        first_angle, last_angle, inner_cuts, load_is_cosine = course
+        unsorted_angles = np.concatenate([first_angle[None], *inner_cuts, last_angle[None]])
+        cut_angles = np.sort(
+            np.clip(unsorted_angles, first_angle, np.maximum(first_angle, last_angle)), axis=0
+        )
         ellipse_of_interval, cut_number = np.nonzero((np.diff(cut_angles, axis=0) > 1e-14).T)
         begin_angle = cut_angles[cut_number, ellipse_of_interval]
         end_angle = cut_angles[cut_number + 1, ellipse_of_interval]
@@ -1704,7 +1710,7 @@ class LogHalfWidth:
         v = np.sqrt(np.maximum(stick_edge_load - self._corner_load[series_number], 0.0))
         # L(P_c) by the polynomial
         log_at_stick_edge = self._values_of_series(series_number, v)
-        integral = np.zeros(load.shape)
+        kernel_integral = np.zeros(load.shape)
         remaining_load = slip_zone_load
 
         # one polynomial after the other
@@ -1724,11 +1730,13 @@ class LogHalfWidth:
                 - log_at_stick_edge[..., None]
             )
             # d eta = 2 v dv
-            integral += range_of_v * np.sum(weights * 2 * v_at_nodes * log_excess_at_nodes, axis=-1)
+            kernel_integral += range_of_v * np.sum(
+                weights * 2 * v_at_nodes * log_excess_at_nodes, axis=-1
+            )
             remaining_load = remaining_load - load_range
             series_number = np.minimum(series_number + 1, last_series_number)
             v = np.where(remaining_load > 0, self._first_v[series_number], v)
-        return integral
+        return kernel_integral
 
 
 @lru_cache(maxsize=8)
