@@ -760,7 +760,7 @@ def body_kernels(
     Raises
     ------
     InputError
-        For a body so thin that polynomials of the largest degree do not serve.
+        For a body so thin that the polynomials would need more than the largest degree.
     """
     shape = getattr(scene.bodies, name)
     if isinstance(shape, HalfPlane):
@@ -781,7 +781,8 @@ def body_kernels(
     n_elements = _N_ELEMENTS_AT_JUMP if has_curvature_jump else _N_ELEMENTS
     force_places = reach * np.sin(np.linspace(0.0, np.pi / 2, n_forces))
 
-    # A fine mesh, and one with elements twice as large: unit forces at n_forces places x >= 0.
+    # A fine mesh, and one with elements twice as large. `remainder_kernels`: displacements of the
+    # face by unit forces at n_forces places x >= 0, those at x < 0 being mirror images.
     kernels_of_meshes = []
     for size_factor in (1.0, _FACTOR_OF_COARSE_MESH):
         body = _mesh_for_kernels(

@@ -187,8 +187,12 @@ def _states_at_all_nodes(
     states_of_image = np.array([OPEN, STICK, SLIP_REVERSE, SLIP_FORWARD], dtype=np.int8)
 
     def at_all_nodes(state: InterfaceState) -> InterfaceState:
-        """One contact state at all nodes: each value is that of the node or its image, times a
-        factor. A state without forces and gap ends with the slip.
+        """One contact state at all n nodes, from that at the nodes with x >= 0. The values of a
+        state are approach, tangential displacement, tilt, and slip, p, q, gap of the nodes.
+
+        Each value at all nodes is the value of number `index_in_half` in the half, times its
+        `factors`. A state that is not complete ends with the slip. Node states are those of the
+        image; at x < 0 slip has the opposite sense (`states_of_image`) if shear is odd in x.
         """
         n_values = len(index_in_half) if state.is_complete else 3 + len(images.node_of_half)
         values_at_all_nodes = state.values[index_in_half[:n_values]] * factors[:n_values]

@@ -154,7 +154,8 @@ def remainder_kernels(
         a mesh of quadratic elements, with supports that hold it; "contact" is the part of the
         face that is read
     material
-        Young's modulus and Poisson's ratio of the body; mixed elements above 1/3 do not lock
+        Young's modulus and Poisson's ratio of the body; above a ratio of 1/3 the elements are
+        mixed, so that they do not lock
     x_of_forces
         (m,) places of the forces on the face [length]; on a curved one the nodes of "contact"
         next to them
@@ -167,7 +168,8 @@ def remainder_kernels(
         At the n nodes of "contact", by unit forces at the m places: of pressing forces and of
         forces along +x. On a curved face Flamant's field counts from a flat one at y = 0.
     """
-    # Finite-element system, and places of the contact nodes and of the forces.
+    # Finite-element system, and places of the contact nodes and of the forces. `contact_dofs`
+    # (2, n) are the degrees of freedom along x and y of the contact nodes.
     system = assemble(body, material)
     node_x, node_y = body.mesh.p[:, system.node_of_dof[system.contact_dofs[0]]]
     forces = _SurfaceForces(x_of_forces, np.zeros(len(x_of_forces)))

@@ -365,9 +365,9 @@ def _scales_of_run(
     """Size and load of a contact, from its states along the load path on a coarse mesh: half-width,
     reach, innermost place of an edge, largest load and pressure, friction work of a revolution.
 
-    From these the fine mesh is chosen. Lengths of the run are over
-    `face_half_width`, forces over P, displacements over P/E*. A local that is so divided is called
-    scaled; what is returned is in the scene's units.
+    From these the fine mesh is chosen. Lengths of the run are over `face_half_width`, forces over
+    P, displacements over P/E*. A local that is so divided is called scaled; what is returned is in
+    the scene's units.
 
     Parameters
     ----------
@@ -432,15 +432,16 @@ def _scales_of_run(
 
 
 def _innermost_edge_of_cycles(scene: Scene, problem: ContactProblem, run: PathRun) -> float:
-    """Innermost |x| of an edge of contact or stick in all revolutions of a run, scaled; 0 where the
-    load path does not repeat.
+    """Least distance from x = 0 of an edge of contact or stick in all revolutions of a run, scaled;
+    0 where the load path does not repeat.
 
-    The first revolution counts too: the kink of q that it leaves where edges turned stays for good.
+    The first revolution counts too: where its edges turned, q keeps a kink in all later ones.
     `scene` has the load path; `problem` the places of the nodes.
     """
     if prescribed_path(scene).period is None:
         return 0.0
-    # rows of the states after the initial loading
+    # indices of the states after the initial loading; `reported_states`: open, stick or slip of
+    # each node, without slip that may be round-off or error of the mesh
     rows_of_cycles = slice(run.cycle_starts[0] + 1, None)
     surface_states = reported_states(problem, run.states, run.cycle_starts)[rows_of_cycles]
     return _innermost_edge(
@@ -765,8 +766,8 @@ def _coarse_run(
     # Units of load, length and stress, and increments of a revolution; np.inf: any step error is
     # accepted.
     pace = Pace(pair.load, steps, np.inf, face_half_width, pair.modulus)
-    # All states are stored, for their edges decide about the mesh; there are few nodes. These edges
-    # are read off the nodes: those by the loads would be found for no answer.
+    # All states are stored, for their edges decide about the mesh; there are few nodes. The edges
+    # are read off the nodes. Placing them between nodes by the loads would be of no use here.
     run = run_path(
         solved_problem,
         prescribed_path(pair.scene),

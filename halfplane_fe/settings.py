@@ -60,8 +60,9 @@ class SolverSettings:
     def __post_init__(self) -> None:
         """Refuse settings of the contact solver outside their ranges.
 
-        Stiffnesses are those of a penalty layer, or of trial tractions, over E*/h; None for the
-        method's default.
+        A stiffness is traction per gap or per slip, over E*/h: that of a penalty layer between the
+        faces, or of the trial tractions that an iteration is driven by; None for the method's
+        default.
 
         # notation: E* contact modulus, h size of the surface elements at the contact edges
 
@@ -89,17 +90,17 @@ class SolverSettings:
             )
         if not self.step_tolerance >= 1e-8:
             raise InputError(
-                f"solver: step_tolerance = {self.step_tolerance!r} is refused: it is at least 1e-8"
+                f"solver: step_tolerance = {self.step_tolerance!r} is refused: it must be at least 1e-8"
             )
         if self.max_iterations < 2:
             raise InputError(
-                f"solver: max_iterations = {self.max_iterations!r} is refused: it is at least 2"
+                f"solver: max_iterations = {self.max_iterations!r} is refused: it must be at least 2"
             )
 
     @property
     def stiffnesses(self) -> tuple[float, float]:
-        """Normal and tangential stiffness of trial tractions, or of the penalty layer, over E*/h:
-        as they are set, or by the method's default.
+        """Normal and tangential stiffness, over E*/h, as they are set, or by the method's default:
+        traction per gap and per slip, in a penalty layer or in the trials of an iteration.
 
         # notation: E* contact modulus, h size of the surface elements at the contact edges
 
@@ -108,7 +109,7 @@ class SolverSettings:
         >>> SolverSettings("augmented_lagrangian", tangential_stiffness=3.0).stiffnesses
         (300.0, 3.0)
         """
-        # _PENALTY: 300; _STIFFNESS: 1000
+        # _PENALTY: 300; _STIFFNESS: 1000, for the methods "active_set" and "penalty"
         default_stiffness = _PENALTY if self.method == "augmented_lagrangian" else _STIFFNESS
         normal_stiffness = (
             default_stiffness if self.normal_stiffness is None else self.normal_stiffness

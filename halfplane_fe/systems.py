@@ -645,8 +645,9 @@ class Systems:
         # views (n, n_cases): what is written to them is written to `values`
         slip, pressure, shear, gap = values[:, 3:].reshape(-1, 4, n).transpose(1, 2, 0)
 
-        # Normal problem: pressure, approach (column 0 of the values) and gap. A compliance of
-        # `actuators` is None where the load is given, and no actuator's movement.
+        # Normal problem: pressure, approach (column 0 of the values) and gap, from the numbers of
+        # nodes with prescribed displacement and in contact. A compliance of `actuators` is None
+        # where the load is given, and no actuator's movement.
         normal_problem = self._nested_compliances[0]
         pressure[:], values[:, 0], gap[:] = normal_problem.forces_and_displacements(
             n_touching_nodes,
@@ -911,7 +912,7 @@ class Systems:
             raise SingularSet("no node sticks: the bodies slide on each other")
 
         # Its held equations are those that prescribe a displacement, then P and Q; its free ones
-        # prescribe a force.
+        # prescribe a force. `position_in_held`: place of an equation or load among the held ones.
         factorised_set = self._factorised_set(node_states)
 
         # What causes gaps, slips, P and Q, as the columns of the contact matrix: p, q, approach,

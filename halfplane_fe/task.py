@@ -83,9 +83,11 @@ class Task:
 def surface_grading(
     mesh: MeshSettings, scales: Scales, profile: Profile, ratio: float = 1.0
 ) -> SurfaceGrading:
-    """Element sizes along the face of a body: finest where edges of contact and stick travel, from
-    just inside the innermost to just outside the outermost place they reach. Where fewer than four
-    of the larger elements fit between x = 0 and that zone, it begins at x = 0.
+    """Element sizes along the face of a body: finest in the zone where edges of contact and stick
+    travel, from just inside the innermost to just outside the outermost place that they reach.
+
+    Where fewer than four of the larger elements fit between x = 0 and that zone, it begins at
+    x = 0. A half-disc that stands for a half-plane gets its radius here too.
 
     Parameters
     ----------

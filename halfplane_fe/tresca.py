@@ -89,10 +89,13 @@ def pressure_at_known_shear(
     n_y = systems.interface.face_normals[1]
 
     def normal_step(is_closed: Mask) -> tuple[_NormalForces, Array, Mask]:
-        """Normal forces p for a set of closed nodes, under the load at zero gap g. Also by how much
-        each node violates p >= 0 (closed) or g >= 0 (open), and the next set.
+        """Normal forces p and approach delta for a set of closed nodes; by how much each of n nodes
+        violates p >= 0 (closed) or g >= 0 (open); and the next set, in which such nodes have
+        opened or closed.
 
-        Nodes that violate it open or close.
+        The gap g = `initial_gap` - n_y delta + N p is 0 at the closed nodes, N being the normal
+        compliance of `systems`; n_y p adds up to `normal_load`. Less than `round_off` is no
+        violation.
         """
         if not is_closed.any():
             raise SingularSet("no node holds the normal load")
@@ -281,11 +284,12 @@ def _shear_within_limits(
     """
 
     def friction_step(node_states: States) -> tuple[Array, Array, States]:
-        """For given node states: tangential forces q, without slip of sticking nodes and at the
-        Coulomb limit of sliding ones; how much each node violates its inequality; and the next
-        states.
+        """For given node states (n,): tangential forces q; by how much each node violates its
+        inequality; and the next states.
 
-        The inequality is |q| <= f p of a sticking node, slip along q of a sliding one.
+        Sticking nodes have no slip, s = -T q - `known_slip` = 0, T being the tangential compliance
+        of `systems`; sliding ones are at the Coulomb limit, q = +-f p (`coulomb_limit`). The
+        inequality of a sticking node is |q| <= f p, that of a sliding one slip along q.
         """
         is_sticking = node_states == STICK
         slips_forward = node_states == SLIP_FORWARD

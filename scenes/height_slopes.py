@@ -563,9 +563,10 @@ def _refined_least_squares(equations: Array, right_side: Array) -> tuple[Array, 
     """Least-squares solution (k,) of n equations (n, k) for the right side (n,), and the inverse
     (k, k) of the triangle R of the factorisation Q R of the equations.
 
-    Independent errors of the right side with a standard deviation e make errors of the solution of
-    e times the rows of that inverse. The residuals are solved for once more: a single solution
-    leaves them too large by round-off.
+    The inverse gives the error of the solution: where the n entries of the right side have
+    independent errors of standard deviation e, entry j of the solution has one of e times the norm
+    of row j. The residuals are solved for once more: a single solution leaves them too large by
+    round-off.
     """
     orthogonal_factor, triangular_factor = np.linalg.qr(equations)
     inverse_of_triangle = np.linalg.inv(triangular_factor)

@@ -841,10 +841,11 @@ def rows_within_tolerance(loads: Array, tolerance: Array) -> Rows:
 
     def line_fits(first_row: int, last_row: int) -> bool:
         """Whether the straight line in the P-Q plane from row `first_row` to `last_row` of `loads`
-        passes all rows between them in order, within the tolerance of each load.
+        (P, Q) passes all rows between them in order, within the tolerance of each load.
 
-        Near each row the line has an interval of positions (0 at its begin, 1 at its end). The
-        intervals must allow ascending positions.
+        Positions on the line go from 0 at its begin to 1 at its end. Those within the tolerance of
+        a row are an interval; a position in each of these intervals must be possible so that they
+        ascend. `tolerance_and_roundoff` (2,) are the tolerances of P and Q.
         """
         # Change of P and Q along the line, and the loads of rows between, from its begin.
         change_along_line = loads[last_row] - loads[first_row]

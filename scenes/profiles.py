@@ -676,8 +676,11 @@ class CallableProfile(Gap):
         )
 
     def curvature_times_x(self, x: ArrayLike) -> Array:
-        """x times the curvature h''(x) for x >= 0, in the shape of x; 0 beyond the extent. Below
-        the x at which the series of the slope begin the slope is a power of x.
+        """x times the curvature h''(x) of the profile for x >= 0, in the shape of x; 0 beyond the
+        extent.
+
+        The slope h' is a piecewise series (`_slope`). Below the x at which it begins h' goes as
+        x^`exponent`, so that x h'' is `exponent` times h' there.
         """
         distance = np.asarray(x, dtype=float)
         begin_of_series = float(self._slope.interval_ends[0])
@@ -919,7 +922,8 @@ class Tabulated(FromFile):
         x_array = np.asarray(x, dtype=float)
 
         def height_by(spline: Spline) -> Array:
-            """Gap at |x| on one side, by its spline; straight beyond the last knot.
+            """Gap [length] on one side of the profile at the distances |x| of the places `x_array`,
+            by the quadratic spline of that side; straight beyond its last knot.
 
             The spline holds distance, height and slope at its knots, and the curvature between
             them.

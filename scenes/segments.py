@@ -156,7 +156,13 @@ class _BracketedSearch:
 
     @classmethod
     def between(cls, begin: float, end: float, first_guess: Array) -> _BracketedSearch:
-        """The search between two times from a first guess (n,); `begin` may be the later one."""
+        """A new search for n times between two times, from first guesses (n,); `begin` may be the
+        later one.
+
+        Each time has a bracket, from `earliest_time` to `latest_time`, at first the whole interval.
+        The best time so far is the first guess, its error not yet known (infinite); the last step
+        counts as long as the bracket.
+        """
         earliest_time = np.full(first_guess.shape, min(begin, end))
         latest_time = np.full(first_guess.shape, max(begin, end))
         return cls(
@@ -197,8 +203,9 @@ class _BracketedSearch:
         """Shrink the brackets and go to the next iterates: by Newton's step where it stays in the
         bracket and is at most half as long as the last step, else to the middle of the bracket.
 
-        `signed_error` (n,) are the errors of the iterates, positive where a time is too late, and
-        `error_rate` (n,) their derivatives in time. Times that have converged stay.
+        The bracket of each of n times goes from `earliest_time` to `latest_time`. `signed_error`
+        (n,) are the errors of the iterates `time`, positive where a time is too late, and
+        `error_rate` (n,) their derivatives in time. Times that have converged stay at `best_time`.
         """
         np.copyto(self.earliest_time, self.time, where=signed_error < 0)
         np.copyto(self.latest_time, self.time, where=signed_error > 0)
@@ -971,8 +978,9 @@ class HarmonicSegment(LoadSegment):
     def mirrored_time(
         self, combination: Combination, time: ArrayLike, near_time: float
     ) -> Array | None:
-        """Time next to `near_time` at which a combination of the loads of an ellipse has the value
-        that it has at `time`; None for several harmonics.
+        """Time [rad] next to `near_time` at which a combination c_P P + c_Q Q of the loads of an
+        ellipse has the value that it has at `time`, on the other side of an extreme; None for loads
+        of several harmonics.
 
         The combination is amplitude cos(t + lead) plus a constant, which is symmetric about its
         extremes.

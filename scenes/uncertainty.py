@@ -638,13 +638,13 @@ def moved_scene(scene: S, changes: Mapping[str, float]) -> S:
             changes_of_load[key] = change
         else:
             # The part of the scene that holds the input, such as "bodies", and its new value,
-            # nested.
+            # nested as in the scene file; merged with other changes of that part.
             table, entries = _changed_entry(scene, key, change)
             changed_tables[table] = _merged_entries(changed_tables.get(table, {}), entries)
 
     if changes_of_load:
         changed_tables["load"] = _changed_load(scene, changes_of_load)
-    # The profile of cylinders follows from their radii.
+    # The profile of cylinders follows from their radii. `vary`: a checked copy with changed keys.
     if _changes_a_cylinder(scene, changed_tables):
         bodies = scene.bodies.vary(**changed_tables["bodies"])
         changed_tables["profile"] = {"radius": bodies.relative_radius()}
