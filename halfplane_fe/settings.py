@@ -90,11 +90,13 @@ class SolverSettings:
             )
         if not self.step_tolerance >= 1e-8:
             raise InputError(
-                f"solver: step_tolerance = {self.step_tolerance!r} is refused: it must be at least 1e-8"
+                f"solver: step_tolerance = {self.step_tolerance!r} is refused: it must be at least"
+                " 1e-8"
             )
         if self.max_iterations < 2:
             raise InputError(
-                f"solver: max_iterations = {self.max_iterations!r} is refused: it must be at least 2"
+                f"solver: max_iterations = {self.max_iterations!r} is refused: it must be at least"
+                " 2"
             )
 
     @property
