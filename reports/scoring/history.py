@@ -339,7 +339,9 @@ def _times_on_ends_of_segments(time: Array, path: LoadPath, scene: Scene) -> Arr
     return np.where(np.abs(time - nearest_end) <= largest_miss, nearest_end, time)
 
 
-def _hint_on_constant_ratio(result_values: Array, scene_values: Array, largest_load: float) -> str:
+def _hint_on_constant_ratio(
+    result_values: Array, scene_values: Array, largest_normal_load: float
+) -> str:
     """A hint for an error message where the loads of a result are those of the scene times one
     factor at every instant: the factor and its likely reason. "" where there is no such factor.
 
@@ -349,12 +351,12 @@ def _hint_on_constant_ratio(result_values: Array, scene_values: Array, largest_l
         (k,) load P or Q of the result at its k instants
     scene_values
         (k,) that of the scene
-    largest_load
+    largest_normal_load
         smaller loads than 1 % of it are not looked at
 
     # notation: P normal load, Q tangential load
     """
-    is_loaded = np.abs(scene_values) > 0.01 * largest_load
+    is_loaded = np.abs(scene_values) > 0.01 * largest_normal_load
     if not is_loaded.any():
         return ""
     ratios = result_values[is_loaded] / scene_values[is_loaded]
@@ -411,7 +413,7 @@ def _history_by_loads(
 
 
 def _best_times(
-    scene: Scene, loads: Loads, largest_load: float, limit: float
+    scene: Scene, loads: Loads, largest_normal_load: float, largest_misfit: float
 ) -> tuple[float, Array]:
     """Ascending times (n_steps,) of the load path that are nearest to the loads of a result's
     instants; first, the largest distance of an instant from the path. They are searched in the last
@@ -425,9 +427,9 @@ def _best_times(
         gives the path, and the number of cycles
     loads
         P and Q of the instants, (n_steps,) each
-    largest_load
+    largest_normal_load
         largest P of the path
-    limit
+    largest_misfit
         largest distance that is near enough
 
     # notation: P normal load, Q tangential load
@@ -435,11 +437,11 @@ def _best_times(
     path = scene.load.path()
     best_match: tuple[float, Array] | None = None
     for sample_times in _times_to_search(path, scene):
-        time = _times_in_order(sample_times, path, scene, loads, largest_load)
-        misfit = float(np.max(_distances_from_path(path, time, loads))) / largest_load
+        time = _times_in_order(sample_times, path, scene, loads, largest_normal_load)
+        misfit = float(np.max(_distances_from_path(path, time, loads))) / largest_normal_load
         if best_match is None or misfit < best_match[0]:
             best_match = (misfit, time)
-        if misfit <= limit:
+        if misfit <= largest_misfit:
             break
     assert best_match is not None
     return best_match
@@ -525,7 +527,7 @@ def _sample_times(path: LoadPath, n_cycles: int) -> Array:
 
 
 def _times_in_order(
-    times: Array, path: LoadPath, scene: Scene, loads: Loads, largest_load: float
+    times: Array, path: LoadPath, scene: Scene, loads: Loads, largest_normal_load: float
 ) -> Array:
     """Find the time on the load path of each of k instants of a result by its loads P and Q:
     ascending times (k,), near to the loads, and with even steps where several places are as near.
@@ -544,10 +546,10 @@ def _times_in_order(
         its number of cycles says where load segments end
     loads
         P and Q of the instants, (k,) each
-    largest_load
+    largest_normal_load
         largest P of the path, by which distances between loads are divided
     """
-    places, costs_by_distance = _places_near_loads(times, path, loads, largest_load)
+    places, costs_by_distance = _places_near_loads(times, path, loads, largest_normal_load)
     chosen_places = _cheapest_sequence(times, places, costs_by_distance, path.period)
     # exact times near the samples; those that miss a turning point by round-off are put on it
     return np.maximum.accumulate(
@@ -556,7 +558,7 @@ def _times_in_order(
 
 
 def _places_near_loads(
-    times: Array, path: LoadPath, loads: Loads, largest_load: float
+    times: Array, path: LoadPath, loads: Loads, largest_normal_load: float
 ) -> tuple[list[Places], list[Array]]:
     """Where each of k instants of a result may lie on the load path: for each instant the indices
     of the samples that are nearest to its loads P and Q, (m,), and the cost of each, (m,).
@@ -573,13 +575,14 @@ def _places_near_loads(
         the load path, which gives P and Q at a time
     loads
         P and Q of the instants, (k,) each
-    largest_load
+    largest_normal_load
         largest P of the path, by which distances between loads are divided
     """
     normal_load, tangential_load = path.at(times)
     # of each instant: squared distance from the path at each sample, over P^2, (n,)
     squared_distances = [
-        _squared_distances(normal_load - instant_p, tangential_load - instant_q) / largest_load**2
+        _squared_distances(normal_load - instant_p, tangential_load - instant_q)
+        / largest_normal_load**2
         for instant_p, instant_q in zip(*loads, strict=True)
     ]
     least_squared_distances = [

@@ -118,13 +118,13 @@ def find_branches(
     # notation: Q tangential load
     """
     # standard deviation of Q that neighbouring rows show, at least that of the last digit
-    noise = max(row_noise(load), resolution / math.sqrt(12))
-    range_of_load = _least_and_largest_load(load, noise)
-    _refuse_scatter(load, noise, range_of_load, source)
-    record = _record_of_two_cycles(displacement, load, time, noise, range_of_load, source)
+    load_noise = max(row_noise(load), resolution / math.sqrt(12))
+    range_of_load = _least_and_largest_load(load, load_noise)
+    _refuse_scatter(load, load_noise, range_of_load, source)
+    record = _record_of_two_cycles(displacement, load, time, load_noise, range_of_load, source)
     _refuse_few_rows(record, source)
-    turns = _turns_of_record(record, sum(range_of_load) / 2, noise)
-    return _branches_between(turns, load, time, noise)
+    turns = _turns_of_record(record, sum(range_of_load) / 2, load_noise)
+    return _branches_between(turns, load, time, load_noise)
 
 
 class _Turns(NamedTuple):
@@ -146,7 +146,7 @@ class _Turns(NamedTuple):
     lowest: TurningPoint
 
 
-def _turns_of_record(record: _CyclicRows, middle_load: float, noise: float) -> _Turns:
+def _turns_of_record(record: _CyclicRows, middle_load: float, load_noise: float) -> _Turns:
     """The turning points of Q in a record with three crossings or more of the middle of Q's range:
     one between each two crossings, and one beyond the first and the last crossing.
 
@@ -157,7 +157,7 @@ def _turns_of_record(record: _CyclicRows, middle_load: float, noise: float) -> _
         rises there; `period` of one cycle, where the rows are repeated
     middle_load
         middle of Q's range
-    noise
+    load_noise
         standard deviation of Q
 
     # notation: Q tangential load
@@ -165,11 +165,15 @@ def _turns_of_record(record: _CyclicRows, middle_load: float, noise: float) -> _
     crossing_times = _crossing_times(
         record.load, record.time, record.rows_before, record.rows_after, middle_load
     )
-    # turning points, and how long after the centre of two crossings they come
-    highest_turn, highest_after_centre = _mean_turning_point(record, crossing_times, True, noise)
-    lowest_turn, lowest_after_centre = _mean_turning_point(record, crossing_times, False, noise)
+    # turning points, and how long after the middle time of two crossings they come
+    highest_turn, highest_after_middle = _mean_turning_point(
+        record, crossing_times, True, load_noise
+    )
+    lowest_turn, lowest_after_middle = _mean_turning_point(
+        record, crossing_times, False, load_noise
+    )
     turn_times = _times_of_turns(
-        crossing_times, record.rises_at_crossing, highest_after_centre, lowest_after_centre
+        crossing_times, record.rises_at_crossing, highest_after_middle, lowest_after_middle
     )
     # Q falls at the first crossing, and so the turning point before it is a highest one
     first_is_highest = not bool(record.rises_at_crossing[0])
@@ -184,10 +188,10 @@ def _turns_of_record(record: _CyclicRows, middle_load: float, noise: float) -> _
     return _Turns(turn_times, first_is_highest, highest_turn, lowest_turn)
 
 
-def _branches_between(turns: _Turns, load: Array, time: Array, noise: float) -> Branches:
+def _branches_between(turns: _Turns, load: Array, time: Array, load_noise: float) -> Branches:
     """The branch of each row between two turning points of Q, rising or falling, and the number of
-    cycles up to the row. `load` and `time` (n,) are Q and time of the rows, `noise` is the standard
-    deviation of Q.
+    cycles up to the row. `load` and `time` (n,) are Q and time of the rows, `load_noise` is the
+    standard deviation of Q.
 
     # notation: Q tangential load
     """
@@ -205,7 +209,7 @@ def _branches_between(turns: _Turns, load: Array, time: Array, noise: float) -> 
         is_rising=~begins_at_highest,
         highest_turn=turns.highest,
         lowest_turn=turns.lowest,
-        load_noise=noise,
+        load_noise=load_noise,
     )
 
 
@@ -237,13 +241,14 @@ class _CyclicRows:
 
 
 def _refuse_scatter(
-    load: Array, noise: float, range_of_load: tuple[float, float], source: str
+    load: Array, load_noise: float, range_of_load: tuple[float, float], source: str
 ) -> None:
-    """InputError where most of the range of Q (n,) is scatter of the rows, of sigma `noise`."""
+    """InputError where most of the range of Q (n,) is scatter of the rows, of sigma
+    `load_noise`."""
     least_load, largest_load = range_of_load
-    if noise > _LARGEST_SCATTER_SHARE * (largest_load - least_load) / 2:
+    if load_noise > _LARGEST_SCATTER_SHARE * (largest_load - least_load) / 2:
         raise InputError(
-            f"{source}: its Q goes up and down to {200 * noise / np.ptp(load):.0f} % of its"
+            f"{source}: its Q goes up and down to {200 * load_noise / np.ptp(load):.0f} % of its"
             f" amplitude only (limit {100 * _LARGEST_SCATTER_SHARE:.0f} %), the rest is scatter:"
             " give the rows in the order of time, and whole cycles"
         )
@@ -312,10 +317,10 @@ def _refuse_few_rows(record: _CyclicRows, source: str) -> None:
 
 
 def _mean_turning_point(
-    record: _CyclicRows, crossing_times: Array, is_top: bool, noise: float
+    record: _CyclicRows, crossing_times: Array, is_top: bool, load_noise: float
 ) -> tuple[TurningPoint, float]:
     """The highest (`is_top`) or the lowest turning point of Q, in the mean over all of them in the
-    record; and how much later it comes than the centre of the two crossings beside it [time].
+    record; and how much later it comes than the middle time of the two crossings beside it [time].
 
     Parameters
     ----------
@@ -324,22 +329,22 @@ def _mean_turning_point(
         `is_repeated`, whether these are one measured cycle and its copy
     crossing_times
         (k,) times at which Q passes the middle of its range
-    noise
+    load_noise
         sigma of Q
 
     # notation: Q tangential load, sigma standard deviation of the noise
     """
-    centres = (crossing_times[1:] + crossing_times[:-1]) / 2
+    middle_times = (crossing_times[1:] + crossing_times[:-1]) / 2
     # after a crossing at which Q rises comes a highest turning point
     has_turning_point = record.rises_at_crossing[:-1] == is_top
     return _turning_point(
         record.load,
         record.time,
         # middle and duration of the times between crossings that hold such a turning point
-        centres[has_turning_point],
+        middle_times[has_turning_point],
         np.diff(crossing_times)[has_turning_point],
         is_top,
-        noise,
+        load_noise,
         # copies of each measured turning point
         2 if record.is_repeated else 1,
     )
@@ -377,8 +382,8 @@ def _two_equal_cycles(load: Array, time: Array, closing_row: int) -> tuple[Array
 def _times_of_turns(
     crossing_times: Array,
     rises_at_crossing: NDArray[np.bool_],
-    highest_after_centre: float,
-    lowest_after_centre: float,
+    highest_after_middle: float,
+    lowest_after_middle: float,
 ) -> Array:
     """Times of the turning points of Q, ascending, (k + 1,): one between each two crossings, one
     before the first crossing, and one behind the last. A crossing is where Q passes the middle of
@@ -390,12 +395,12 @@ def _times_of_turns(
         (k,) times at which Q passes the middle of its range
     rises_at_crossing
         (k,) whether Q rises there
-    highest_after_centre, lowest_after_centre
+    highest_after_middle, lowest_after_middle
         time from the middle between two crossings to the highest and to the lowest Q
 
     # notation: Q tangential load
     """
-    centres = (crossing_times[1:] + crossing_times[:-1]) / 2
+    middle_times = (crossing_times[1:] + crossing_times[:-1]) / 2
     # Q is highest between a crossing at which it rises and the next one
     is_highest = rises_at_crossing[:-1]
     # half of the time between two crossings, with Q above its middle (True) or below it (False)
@@ -403,28 +408,28 @@ def _times_of_turns(
         above: float(np.median(np.diff(crossing_times)[is_highest == above])) / 2
         for above in (True, False)
     }
-    turn_after_centre = {True: highest_after_centre, False: lowest_after_centre}
-    turn_times = centres + np.where(is_highest, highest_after_centre, lowest_after_centre)
+    turn_after_middle = {True: highest_after_middle, False: lowest_after_middle}
+    turn_times = middle_times + np.where(is_highest, highest_after_middle, lowest_after_middle)
     rises_at_first = bool(rises_at_crossing[0])
     rises_at_last = bool(rises_at_crossing[-1])
     first_turn_time = (
         crossing_times[0]
         - half_time_between[not rises_at_first]
-        + turn_after_centre[not rises_at_first]
+        + turn_after_middle[not rises_at_first]
     )
     last_turn_time = (
-        crossing_times[-1] + half_time_between[rises_at_last] + turn_after_centre[rises_at_last]
+        crossing_times[-1] + half_time_between[rises_at_last] + turn_after_middle[rises_at_last]
     )
     return np.concatenate([[first_turn_time], turn_times, [last_turn_time]])
 
 
-def _least_and_largest_load(load: Array, noise: float) -> tuple[float, float]:
+def _least_and_largest_load(load: Array, load_noise: float) -> tuple[float, float]:
     """Least and largest Q, without what noise (its standard deviation) adds to them where that is
     small beside their difference.
     """
-    if not np.ptp(load) > 8 * noise:
+    if not np.ptp(load) > 8 * load_noise:
         return float(load.min()), float(load.max())
-    return float(load.min()) + 2 * noise, float(load.max()) - 2 * noise
+    return float(load.min()) + 2 * load_noise, float(load.max()) - 2 * load_noise
 
 
 def _crossings_of_middle(
@@ -563,7 +568,10 @@ def _closing_row(
 
 
 def _first_branch_a_cycle_later(
-    load: Array, rows_before: NDArray[np.intp], rises_at_crossing: NDArray[np.bool_], noise: float
+    load: Array,
+    rows_before: NDArray[np.intp],
+    rises_at_crossing: NDArray[np.bool_],
+    load_noise: float,
 ) -> slice | None:
     """Rows of a measured loop on the branch of the first row, rising or falling, a cycle later. The
     branch begins at the first lowest Q behind a highest one, or the other way round, and ends at
@@ -575,7 +583,7 @@ def _first_branch_a_cycle_later(
         (n,) Q of the rows
     rows_before, rises_at_crossing
         (k,) last row before each crossing of the middle of Q, and whether Q rises there; k > 0
-    noise
+    load_noise
         standard deviation of Q
 
     # notation: Q tangential load
@@ -583,7 +591,7 @@ def _first_branch_a_cycle_later(
     # runs of neighbouring rows with Q above its middle and below it, by turns
     runs_of_rows = np.split(np.arange(len(load)), rows_before + 1)
     is_high_at_begin = not bool(rises_at_crossing[0])
-    is_rising_at_begin = _rises_at_begin(load, runs_of_rows[0], is_high_at_begin, noise)
+    is_rising_at_begin = _rises_at_begin(load, runs_of_rows[0], is_high_at_begin, load_noise)
     index_of_turning_run = 1 if is_rising_at_begin == is_high_at_begin else 2
     if len(runs_of_rows) <= index_of_turning_run:
         return None
@@ -601,7 +609,7 @@ def _first_branch_a_cycle_later(
 
 
 def _rises_at_begin(
-    load: Array, first_run: NDArray[np.intp], is_high_at_begin: bool, noise: float
+    load: Array, first_run: NDArray[np.intp], is_high_at_begin: bool, load_noise: float
 ) -> bool:
     """Whether the first row of a measured loop lies on the branch on which Q rises. Of the rows
     before the first crossing of the middle of Q some go farther from the middle than the first
@@ -615,15 +623,15 @@ def _rises_at_begin(
         indices of the rows before the first crossing
     is_high_at_begin
         whether these lie above the middle
-    noise
+    load_noise
         standard deviation of Q
 
     # notation: Q tangential load
     """
     if is_high_at_begin:
-        leaves_middle_at_begin = np.max(load[first_run]) > load[0] + 4 * noise
+        leaves_middle_at_begin = np.max(load[first_run]) > load[0] + 4 * load_noise
     else:
-        leaves_middle_at_begin = np.min(load[first_run]) < load[0] - 4 * noise
+        leaves_middle_at_begin = np.min(load[first_run]) < load[0] - 4 * load_noise
     return bool(leaves_middle_at_begin) == is_high_at_begin
 
 
@@ -733,7 +741,7 @@ class _RowsAroundTop:
     height
         (n,) Q, or -Q where the lowest Q is sought
     scaled_time
-        (n,) time since the nearest centre between two crossings of the middle of Q, over half of
+        (n,) time since the nearest middle time of two crossings of the middle of Q, over half of
         the time between them: -1 and 1 at the crossings
     rows_in_half_duration
         number of rows in half of that time, in one cycle
@@ -801,7 +809,7 @@ class _FitOfTop(NamedTuple):
     height
         largest value of the parabolas: Q, or -Q of a lowest turning point
     scaled_time
-        its time from the centre of two crossings, over half of the time between them
+        its time from the middle time of two crossings, over half of the time between them
     rows_in_half_window
         number of rows on each side of the middle of the window, in one cycle
     """
@@ -811,21 +819,21 @@ class _FitOfTop(NamedTuple):
     rows_in_half_window: float
 
 
-def _time_from_nearest(centres: Array, time: Array) -> Array:
-    """Times (n,) counted from the nearest of k centres in time, negative before it.
+def _time_from_nearest(middle_times: Array, time: Array) -> Array:
+    """Times (n,) counted from the nearest of k times (`middle_times`), negative before it.
 
     >>> _time_from_nearest(np.array([0.0, 10.0]), np.array([-1.0, 4.0, 6.0])).tolist()
     [-1.0, 4.0, -4.0]
     """
-    if len(centres) == 1:
-        return np.asarray(time - centres[0])
-    index_after = np.clip(np.searchsorted(centres, time), 1, len(centres) - 1)
-    time_since_centre_before = time - centres[index_after - 1]
-    time_until_centre_after = centres[index_after] - time
+    if len(middle_times) == 1:
+        return np.asarray(time - middle_times[0])
+    index_after = np.clip(np.searchsorted(middle_times, time), 1, len(middle_times) - 1)
+    time_since_middle_before = time - middle_times[index_after - 1]
+    time_until_middle_after = middle_times[index_after] - time
     nearest_index = np.where(
-        time_since_centre_before < time_until_centre_after, index_after - 1, index_after
+        time_since_middle_before < time_until_middle_after, index_after - 1, index_after
     )
-    return np.asarray(time - centres[nearest_index])
+    return np.asarray(time - middle_times[nearest_index])
 
 
 def _highest_of_two_parabolas(x: Array, y: Array) -> tuple[float, float, float] | None:
