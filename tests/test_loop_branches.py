@@ -327,10 +327,10 @@ def test_noise_of_a_loop_over_time_counts_the_fitted_parameters(rig_compliance, 
     fit = fit_over_time(rows, scene, rig_compliance)
     sum_of_squares, _, _ = fit_rig(
         rows,
-        theory_displacement(scene, fit.friction / fit.scale),
+        theory_displacement(scene, fit.friction / fit.load_scale),
         fit.share_of_cycle,
-        fit.scale * cycle_loads(scene)[1],
-        fit.scale,
+        fit.load_scale * cycle_loads(scene)[1],
+        fit.load_scale,
         rig_compliance,
     )
     noise = (sum_of_squares / (len(rows.load) - n_fitted)) ** 0.5

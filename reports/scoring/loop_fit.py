@@ -377,8 +377,8 @@ class LoopsOverFriction:
         # notation: f coefficient of friction, Q tangential load, U relative tangential displacement
         """
         # r; self.load (m,): Q of the scene at instants of its cycle
-        scale = self.load_scale(highest_load, lowest_load)
-        displacement_of_scene = self.displacement(friction / scale)
+        load_scale = self.load_scale(highest_load, lowest_load)
+        displacement_of_scene = self.displacement(friction / load_scale)
         fraction_of_range = (rows.load - lowest_load) / (highest_load - lowest_load)
         load_of_scene = self.load.min() + self.range_of_load * np.clip(fraction_of_range, 0.0, 1.0)
         n_instants = len(self.load) - 1
@@ -401,7 +401,7 @@ class LoopsOverFriction:
         )
         # least squares of U - r U_theory over C Q + U0
         rows_that_count = is_in_middle if np.count_nonzero(is_in_middle) > 8 else None
-        return rows.fitted_rig(scale * displacement_at_rows, rows_that_count)
+        return rows.fitted_rig(load_scale * displacement_at_rows, rows_that_count)
 
     def displacement_and_load_of_loop(self, friction: float, terms: Array) -> tuple[Array, Array]:
         """U and Q of theory's loop at instants of a cycle, (m,) each [length, force / thickness];
@@ -419,11 +419,13 @@ class LoopsOverFriction:
         # notation: Q tangential load, U relative tangential displacement
         """
         highest_load, lowest_load, compliance, origin = terms.tolist()
-        scale = self.load_scale(highest_load, lowest_load)  # r
+        load_scale = self.load_scale(highest_load, lowest_load)  # r
         # self.load (m,): Q of the scene
-        load_of_loop = lowest_load + scale * (self.load - self.load.min())
+        load_of_loop = lowest_load + load_scale * (self.load - self.load.min())
         displacement_of_loop = (
-            scale * self.displacement(friction / scale) + compliance * load_of_loop + origin
+            load_scale * self.displacement(friction / load_scale)
+            + compliance * load_of_loop
+            + origin
         )
         return displacement_of_loop, load_of_loop
 
@@ -547,17 +549,17 @@ class LoopsOverFriction:
         #           tangential displacement, U0 origin of U
         """
         highest_load, lowest_load, compliance, _ = terms.tolist()
-        scale = self.load_scale(highest_load, lowest_load)  # r
+        load_scale = self.load_scale(highest_load, lowest_load)  # r
         instants = np.arange(len(self.load))
         # self.load (m,): Q of the scene at the instants
         load_above_lowest = np.interp(place, instants, self.load - self.load.min())
         fraction_of_range = load_above_lowest / self.range_of_load
-        displacement_at_place = np.interp(place, instants, self.displacement(friction / scale))
-        displacement_by_log = self.displacement_by_log_friction(friction / scale)
-        displacement_by_log_at_place = scale * np.interp(place, instants, displacement_by_log)
+        displacement_at_place = np.interp(place, instants, self.displacement(friction / load_scale))
+        displacement_by_log = self.displacement_by_log_friction(friction / load_scale)
+        displacement_by_log_at_place = load_scale * np.interp(place, instants, displacement_by_log)
         # U depends on r, and so on the range of Q, by r U_theory(f/r)
         displacement_by_range = (
-            displacement_at_place - displacement_by_log_at_place / scale
+            displacement_at_place - displacement_by_log_at_place / load_scale
         ) / self.range_of_load
         displacement_derivatives = np.column_stack(
             [

@@ -40,7 +40,7 @@ class FittedLoop:
         (n,) cycles that have passed at each row, from any instant on
     n_cycles
         number of cycles that the rows cover
-    scale, offset
+    load_scale, offset
         r and Q0 with which the file's Q is r Q + Q0 of the scene
     displacement_noise, load_noise
         standard deviation of the noise of U and of Q
@@ -63,7 +63,7 @@ class FittedLoop:
     share_of_cycle: Array
     cycles_passed: Array
     n_cycles: float
-    scale: float
+    load_scale: float
     offset: float
     displacement_noise: float
     load_noise: float
@@ -74,15 +74,15 @@ class FittedLoop:
     is_gross: bool = False
 
 
-def sentences_on_scale(scale: float) -> list[str]:
-    """A sentence that Q of the file is not that of the scene, where `scale`, the one over the
+def sentences_on_scale(load_scale: float) -> list[str]:
+    """A sentence that Q of the file is not that of the scene, where `load_scale`, the one over the
     other, is not 1.
     """
-    if abs(scale - 1) <= 1e-3:
+    if abs(load_scale - 1) <= 1e-3:
         return []
     return [
-        f"Q of the file is {scale:.4g} times that of the scene: loads as in the file were taken, P"
-        " as in the scene"
+        f"Q of the file is {load_scale:.4g} times that of the scene: loads as in the file were"
+        " taken, P as in the scene"
     ]
 
 
@@ -91,7 +91,7 @@ def fit_rig(
     displacement: Array,
     fraction_of_cycle: Array,
     load_of_cycle: Array,
-    scale: float,
+    load_scale: float,
     rig_compliance: float | None,
 ) -> tuple[float, float, float]:
     """Fit the rig to the rows of a measured loop: compliance C and origin U0 of U = r U_theory + C
@@ -106,7 +106,7 @@ def fit_rig(
         (n_instants,) U of theory, and r Q(t) of the scene, through one cycle
     fraction_of_cycle
         (n,) fraction of the cycle that has passed at each row
-    scale
+    load_scale
         r, the file's Q over the scene's
     rig_compliance
         C [1/stress], where it is stated; None fits it
@@ -115,7 +115,9 @@ def fit_rig(
     """
     # SHARES_OF_CYCLE: the instants of the cycle, from 0 to 1
     load_at_rows = np.interp(fraction_of_cycle, SHARES_OF_CYCLE, load_of_cycle)
-    displacement_of_theory = scale * np.interp(fraction_of_cycle, SHARES_OF_CYCLE, displacement)
+    displacement_of_theory = load_scale * np.interp(
+        fraction_of_cycle, SHARES_OF_CYCLE, displacement
+    )
     displacement_of_rig = loop.displacement - displacement_of_theory
     if rig_compliance is not None:
         displacement_of_rig = displacement_of_rig - rig_compliance * load_at_rows

@@ -62,36 +62,43 @@ def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
 
     # notation: P normal load
     """
-    # where the rows lie on the scene's cycle. Their Q is `scale` times the scene's, at the same P:
-    # so is f.
+    # where the rows lie on the scene's cycle. Their Q is `load_scale` times the scene's, at the
+    # same P: so is f.
     alignment = _required_alignment(loop, scene)
     search = _Search(loop, scene, cycle_loads(scene)[1], rig_compliance)
     # the least f of the scene: below it the contact slides as a whole at the scene's loads
     sliding_friction = friction_at_gross_sliding(scene)
     trials = search.trial_fits(sliding_friction, alignment)
     best_fit = search.best_fit(trials, alignment)
-    friction = alignment.scale * math.exp(best_fit.log_friction)
+    friction_of_file = alignment.load_scale * math.exp(best_fit.log_friction)
 
     # half of the interval on each side, by the scatter of U and by the errors that go with it
     distances_to_ends = _distances_by_scatter(search, trials, best_fit, alignment)
-    noise_of_load, changes_of_friction = _friction_changes_by_load_noise(
-        search, alignment, trials.neighbours_of_best, friction
+    noise_of_load, friction_changes_by_load_noise = _friction_changes_by_load_noise(
+        search, alignment, trials.neighbours_of_best, friction_of_file
     )
-    errors_beside_scatter = (friction * _RELATIVE_ERROR_OF_THEORY, *changes_of_friction)
-    lower_half, upper_half = (
+    errors_beside_scatter = (
+        friction_of_file * _RELATIVE_ERROR_OF_THEORY,
+        *friction_changes_by_load_noise,
+    )
+    lower_half_of_interval, upper_half_of_interval = (
         math.hypot(distance, *errors_beside_scatter) for distance in distances_to_ends
     )
     n_cycles = float(loop.time[-1] / alignment.period)
     return FittedLoop(
         scene=scene,
-        friction=friction,
-        lowest_friction=max(friction - lower_half, alignment.scale * sliding_friction),
-        highest_friction=None if math.isinf(upper_half) else friction + upper_half,
+        friction=friction_of_file,
+        lowest_friction=max(
+            friction_of_file - lower_half_of_interval, alignment.load_scale * sliding_friction
+        ),
+        highest_friction=None
+        if math.isinf(upper_half_of_interval)
+        else friction_of_file + upper_half_of_interval,
         compliance=best_fit.compliance,
         share_of_cycle=alignment.share_of_cycle,
         cycles_passed=loop.time / alignment.period,
         n_cycles=n_cycles,
-        scale=alignment.scale,
+        load_scale=alignment.load_scale,
         offset=alignment.offset,
         displacement_noise=best_fit.displacement_noise,
         load_noise=max(noise_of_load, loop.resolution[1] / math.sqrt(12)),
@@ -108,7 +115,7 @@ def _sentences_on_alignment(alignment: _Alignment, n_cycles: float) -> tuple[str
             f"The rows cover {n_cycles:.4g} cycles and follow the scene's Q over time to"
             f" {100 * alignment.misfit:.2g} % of its amplitude"
         ),
-        *sentences_on_scale(alignment.scale),
+        *sentences_on_scale(alignment.load_scale),
     )
 
 
@@ -128,22 +135,27 @@ def _distances_by_scatter(
     best_fit
         the best ln f of the scene, its sum of squares, and the standard deviation of U's noise
     alignment
-        where the rows lie on the scene's cycle; f of the file is its `scale` times f of the scene
+        where the rows lie on the scene's cycle; f of the file is its `load_scale` times f of the
+        scene
     """
     # 3.841: chi squared of one degree of freedom, 95 %
-    limit = best_fit.sum_of_squares + _CHI_SQUARED * best_fit.displacement_noise**2
-    logs_outside = trials.log_frictions[trials.sums_of_squares > limit]
-    logs_below = logs_outside[logs_outside < best_fit.log_friction]
-    logs_above = logs_outside[logs_outside > best_fit.log_friction]
-    friction = alignment.scale * math.exp(best_fit.log_friction)
+    largest_sum_of_squares = best_fit.sum_of_squares + _CHI_SQUARED * best_fit.displacement_noise**2
+    log_frictions_outside = trials.log_frictions[trials.sums_of_squares > largest_sum_of_squares]
+    log_frictions_below = log_frictions_outside[log_frictions_outside < best_fit.log_friction]
+    log_frictions_above = log_frictions_outside[log_frictions_outside > best_fit.log_friction]
+    friction_of_file = alignment.load_scale * math.exp(best_fit.log_friction)
     log_at_lower_end = search.log_friction_at_limit(
-        limit, best_fit.log_friction, logs_below, alignment
+        largest_sum_of_squares, best_fit.log_friction, log_frictions_below, alignment
     )
     log_at_upper_end = search.log_friction_at_limit(
-        limit, best_fit.log_friction, logs_above, alignment
+        largest_sum_of_squares, best_fit.log_friction, log_frictions_above, alignment
     )
-    distance_to_lower_end = abs(alignment.scale * math.exp(log_at_lower_end) - friction)
-    distance_to_upper_end = abs(alignment.scale * math.exp(log_at_upper_end) - friction)
+    distance_to_lower_end = abs(
+        alignment.load_scale * math.exp(log_at_lower_end) - friction_of_file
+    )
+    distance_to_upper_end = abs(
+        alignment.load_scale * math.exp(log_at_upper_end) - friction_of_file
+    )
     return distance_to_lower_end, distance_to_upper_end
 
 
@@ -226,19 +238,19 @@ class _Search:
         log_friction
             ln of the scene's friction coefficient f
         alignment
-            `share_of_cycle` (n,) that is over at each row, and `scale` r, the file's Q over the
-            scene's
+            `share_of_cycle` (n,) that is over at each row, and `load_scale` r, the file's Q over
+            the scene's
 
         # notation: Q tangential load, U relative tangential displacement
         """
         displacement = theory_displacement(self.scene, math.exp(log_friction))
-        load = alignment.scale * self.load_of_cycle
+        load = alignment.load_scale * self.load_of_cycle
         return fit_rig(
             self.loop,
             displacement,
             alignment.share_of_cycle,
             load,
-            alignment.scale,
+            alignment.load_scale,
             self.rig_compliance,
         )
 
@@ -333,7 +345,7 @@ class _Alignment(NamedTuple):
     ----------
     share_of_cycle
         (n,) share of the cycle that is over at each row, 0 to 1
-    scale, offset
+    load_scale, offset
         r and Q0 with which the file's Q is r Q + Q0 of the scene
     period
         of the cycle, in the file's unit of time
@@ -342,7 +354,7 @@ class _Alignment(NamedTuple):
     """
 
     share_of_cycle: Array
-    scale: float
+    load_scale: float
     offset: float
     period: float
     misfit: float
@@ -421,7 +433,7 @@ def _best_alignment(
     )
     alignment = _alignment_at(loop, load_of_cycle, frequency, phase)
     # from a force to a share of the amplitude
-    return alignment._replace(misfit=alignment.misfit / (abs(alignment.scale) * amplitude))
+    return alignment._replace(misfit=alignment.misfit / (abs(alignment.load_scale) * amplitude))
 
 
 def _alignment_at(
@@ -442,14 +454,14 @@ def _alignment_at(
     share_of_cycle = np.mod(frequency * loop.time + phase, 1.0)
     scene_load = np.interp(share_of_cycle, SHARES_OF_CYCLE, load_of_cycle)
     columns = np.column_stack([scene_load, np.ones(n_rows)])
-    scale, offset = np.linalg.lstsq(columns, loop.load, rcond=None)[0].tolist()
-    residuals = loop.load - scale * scene_load - offset
+    load_scale, offset = np.linalg.lstsq(columns, loop.load, rcond=None)[0].tolist()
+    residuals = loop.load - load_scale * scene_load - offset
     misfit = float(np.sqrt(residuals @ residuals / n_rows))
     # A negative scale fits a sine as well as a positive one does half a cycle later: only the
     # positive one counts.
-    if scale <= 0:
+    if load_scale <= 0:
         misfit += 10 * float(np.ptp(loop.load))
-    return _Alignment(share_of_cycle, scale, offset, float(1 / frequency), misfit)
+    return _Alignment(share_of_cycle, load_scale, offset, float(1 / frequency), misfit)
 
 
 def _refined_frequency_and_phase(
@@ -536,7 +548,7 @@ def _friction_changes_by_load_noise(
     search: _Search,
     alignment: _Alignment,
     log_friction_bounds: tuple[float, float],
-    friction: float,
+    friction_of_file: float,
 ) -> tuple[float, tuple[float, float]]:
     """Noise of the load Q of the rows of a measured loop, and two changes of the fitted friction
     coefficient f that it may cause. The noise is a standard deviation [force per thickness].
@@ -554,26 +566,30 @@ def _friction_changes_by_load_noise(
         scene's
     log_friction_bounds
         values of ln f between which it is sought
-    friction
+    friction_of_file
         the fitted f of the file, which is the scale times that of the scene
     """
     # standard errors of the place on the cycle and of the scale, over itself
     noise_of_load, place_error, scale_error = _noise_of_load(
-        search.loop, alignment.share_of_cycle, alignment.scale, search.load_of_cycle
+        search.loop, alignment.share_of_cycle, alignment.load_scale, search.load_of_cycle
     )
     late_alignment = alignment._replace(
         share_of_cycle=np.mod(alignment.share_of_cycle + 1.96 * place_error, 1.0)
     )
-    larger_alignment = alignment._replace(scale=alignment.scale * (1 + 1.96 * scale_error))
+    larger_alignment = alignment._replace(
+        load_scale=alignment.load_scale * (1 + 1.96 * scale_error)
+    )
     log_friction_if_late = search.best_log_friction(log_friction_bounds, late_alignment)
     log_friction_if_larger = search.best_log_friction(log_friction_bounds, larger_alignment)
-    change_if_late = alignment.scale * math.exp(log_friction_if_late) - friction
-    change_if_larger = larger_alignment.scale * math.exp(log_friction_if_larger) - friction
+    change_if_late = alignment.load_scale * math.exp(log_friction_if_late) - friction_of_file
+    change_if_larger = (
+        larger_alignment.load_scale * math.exp(log_friction_if_larger) - friction_of_file
+    )
     return noise_of_load, (change_if_late, change_if_larger)
 
 
 def _noise_of_load(
-    loop: MeasuredLoop, share_of_cycle: Array, scale: float, load_of_cycle: Array
+    loop: MeasuredLoop, share_of_cycle: Array, load_scale: float, load_of_cycle: Array
 ) -> tuple[float, float, float]:
     """Noise of the load Q of the rows of a measured loop: its standard deviation about r Q of the
     scene [force per thickness]. With it come the standard errors that it leaves in the place on the
@@ -583,17 +599,17 @@ def _noise_of_load(
     ----------
     share_of_cycle
         (n,) share of the scene's cycle that is over at each row
-    scale
+    load_scale
         r, the file's Q over the scene's
     load_of_cycle
         (n_instants,) Q of the scene at the instants `SHARES_OF_CYCLE` of its cycle
     """
-    scene_load = scale * np.interp(share_of_cycle, SHARES_OF_CYCLE, load_of_cycle)
+    scene_load = load_scale * np.interp(share_of_cycle, SHARES_OF_CYCLE, load_of_cycle)
     load_from_mean = scene_load - scene_load.mean()
     noise = float(np.std(loop.load - scene_load))
     # slope of r Q over the share of the cycle, at the middle between two instants
     # N_INSTANTS: number of these instants, the last one being the first again
-    slopes = scale * np.diff(load_of_cycle) * (N_INSTANTS - 1)
+    slopes = load_scale * np.diff(load_of_cycle) * (N_INSTANTS - 1)
     middles = (SHARES_OF_CYCLE[1:] + SHARES_OF_CYCLE[:-1]) / 2
     slope_at_rows = np.interp(share_of_cycle, middles, slopes, period=1.0)
     place_error = noise / math.sqrt(float(slope_at_rows @ slope_at_rows))

@@ -692,10 +692,10 @@ def _fit_at_constant_load(
     fit = fit_with_interval(candidate.best_loop, error_of_theory)
     # Q of the scene through a cycle; factor of the file's Q over it
     load_of_cycle = cycle_loads(scene)[1]
-    scale = (fit.highest_load - fit.lowest_load) / float(np.ptp(load_of_cycle))
+    load_scale = (fit.highest_load - fit.lowest_load) / float(np.ptp(load_of_cycle))
     sentences = [
         *_sentences_on_rows(candidate, fit),
-        *sentences_on_scale(scale),
+        *sentences_on_scale(load_scale),
         *_sentences_on_run_in_and_drift(candidate, fit),
     ]
     if fit.is_gross:
@@ -709,8 +709,8 @@ def _fit_at_constant_load(
         share_of_cycle=_share_by_place(candidate.rows.load, fit, load_of_cycle),
         cycles_passed=candidate.branches.cycles_passed,
         n_cycles=candidate.branches.n_cycles,
-        scale=scale,
-        offset=fit.lowest_load - scale * float(load_of_cycle.min()),
+        load_scale=load_scale,
+        offset=fit.lowest_load - load_scale * float(load_of_cycle.min()),
         displacement_noise=fit.sigma.of_displacement,
         load_noise=fit.sigma.of_load,
         sentences=tuple(sentences),
@@ -820,14 +820,14 @@ def _fit_where_load_varies(
     fit = fit_loop(rows, loops_of_theory, loop.resolution, _RELATIVE_ERROR_OF_THEORY)
     # Q of the scene through a cycle; factor of the file's Q over it
     load_of_cycle = cycle_loads(scene)[1]
-    scale = (fit.highest_load - fit.lowest_load) / float(np.ptp(load_of_cycle))
+    load_scale = (fit.highest_load - fit.lowest_load) / float(np.ptp(load_of_cycle))
     sentences = [
         (
             f"The rows cover {branches.n_cycles:.4g} cycles between Q = {fit.lowest_load:.6g} and"
             f" {fit.highest_load:.6g}; P was taken over Q as in the scene, so that the form of Q"
             " and U over time counts for nothing"
         ),
-        *sentences_on_scale(scale),
+        *sentences_on_scale(load_scale),
     ]
     return FittedLoop(
         scene=scene,
@@ -838,8 +838,8 @@ def _fit_where_load_varies(
         share_of_cycle=_share_by_nearest_point(rows, loops_of_theory, fit),
         cycles_passed=branches.cycles_passed,
         n_cycles=branches.n_cycles,
-        scale=scale,
-        offset=fit.lowest_load - scale * float(load_of_cycle.min()),
+        load_scale=load_scale,
+        offset=fit.lowest_load - load_scale * float(load_of_cycle.min()),
         displacement_noise=fit.displacement_noise,
         load_noise=fit.load_noise,
         sentences=tuple(sentences),
@@ -899,7 +899,7 @@ def _share_by_load(
 
     # notation: Q tangential load
     """
-    scale = (fit.highest_load - fit.lowest_load) / float(np.ptp(load_of_cycle))
+    load_scale = (fit.highest_load - fit.lowest_load) / float(np.ptp(load_of_cycle))
     # the last instant is the first one again; N_INSTANTS is their number
     lowest_instant = int(np.argmin(load_of_cycle[:-1]))
     highest_instant = int(np.argmax(load_of_cycle[:-1]))
@@ -915,7 +915,7 @@ def _share_by_load(
         if not is_branch_rising:
             instants = instants[::-1]
         branch_loads = load_of_cycle[instants % (N_INSTANTS - 1)]
-        load_from_lowest = (row_loads[is_on_branch] - fit.lowest_load) / scale
+        load_from_lowest = (row_loads[is_on_branch] - fit.lowest_load) / load_scale
         shares_of_rows = np.interp(
             load_of_cycle[lowest_instant] + load_from_lowest,
             branch_loads,

@@ -270,7 +270,7 @@ def score_loop(
         highest_friction=fit.highest_friction,
         compliance=fit.compliance,
         is_compliance_fitted=rig_compliance is None,
-        scale=fit.scale,
+        scale=fit.load_scale,
         n_cycles=fit.n_cycles,
         noise=fit.displacement_noise,
         loops=(table_row_of_measured, *(computed.row for computed in computed_loops.loops)),
@@ -299,8 +299,8 @@ def _row_of_measured_loop(loop: MeasuredLoop, fit: FittedLoop) -> tuple[LoopRow,
         U and Q of the n measured rows
     fit
         the loop fitted to them: `cycles_passed` (n,), cycles that have passed at each row;
-        `share_of_cycle` (n,), place on the scene's cycle; noise of U and Q; `scale`, the file's Q
-        over the scene's; `masing_loop` and its fit, None where P varies
+        `share_of_cycle` (n,), place on the scene's cycle; noise of U and Q; `load_scale`, the
+        file's Q over the scene's; `masing_loop` and its fit, None where P varies
 
     # notation: P normal load, Q tangential load, U relative tangential displacement
     """
@@ -316,7 +316,7 @@ def _row_of_measured_loop(loop: MeasuredLoop, fit: FittedLoop) -> tuple[LoopRow,
         )
         method_words = "the area of the best fit, with what the rows enclose beside it,"
     # Q of the scene at shares of a cycle from 0 to 1 (SHARES_OF_CYCLE), scaled
-    load_of_cycle = fit.scale * cycle_loads(fit.scene)[1]
+    load_of_cycle = fit.load_scale * cycle_loads(fit.scene)[1]
     table_row = LoopRow(
         name="measured",
         friction=None,
@@ -379,9 +379,9 @@ def _partial_loops(
         ("best f", fit.friction),
         (WITH_SCENE_FRICTION, scene.friction.coefficient),
     ):
-        # The scene's Q is that of the rows over `fit.scale`, at the same P. With f over it too,
-        # shear and U are smaller by that factor everywhere.
-        friction_at_scene_q = trial_friction / fit.scale
+        # The scene's Q is that of the rows over `fit.load_scale`, at the same P. With f over it
+        # too, shear and U are smaller by that factor everywhere.
+        friction_at_scene_q = trial_friction / fit.load_scale
         if friction_at_scene_q < friction_at_gross_sliding(scene):
             sentences.append(
                 f"With {name}, {trial_friction:.4g}, the measured loads slide grossly: there is no"
@@ -435,15 +435,15 @@ def _loop_with_rig(
     """
     # Q of the scene through a cycle
     load_of_scene = cycle_loads(fit.scene)[1]
-    load = fit.scale * load_of_scene
+    load = fit.load_scale * load_of_scene
     # C and U0 by least squares over the rows
     _, compliance, origin = fit_rig(
-        loop, computed_loop.displacement, fit.share_of_cycle, load, fit.scale, rig_compliance
+        loop, computed_loop.displacement, fit.share_of_cycle, load, fit.load_scale, rig_compliance
     )
-    displacement = fit.scale * computed_loop.displacement + compliance * load + origin
+    displacement = fit.load_scale * computed_loop.displacement + compliance * load + origin
     # the rig is elastic: it adds nothing to the area
     mean_load = (load_of_scene[1:] + load_of_scene[:-1]) / 2
-    area = fit.scale**2 * float(np.sum(mean_load * np.diff(computed_loop.displacement)))
+    area = fit.load_scale**2 * float(np.sum(mean_load * np.diff(computed_loop.displacement)))
     slope, distance = _slope_and_distance(loop, fit.share_of_cycle, displacement, load)
     # name, f, W and its uncertainty, slope, distance
     table_row = LoopRow(computed_loop.name, computed_loop.friction, area, 0.0, slope, distance)
