@@ -144,8 +144,8 @@ def _arrays_of_friction_work(
     run: PathRun, face_lengths: Array, work_unit: float
 ) -> dict[str, Array | float]:
     """Friction work of a run by name, in the scene's units: of the last load cycle ("dissipation",
-    NaN where no cycle was completed), of each cycle, and of the nodes in the last one over the area
-    of their face.
+    NaN where no cycle was completed), of each cycle, and per area at the nodes in the last one
+    ("dissipation_density").
 
     Parameters
     ----------
@@ -157,13 +157,17 @@ def _arrays_of_friction_work(
         unit of scaled work [energy / thickness]
     """
     # (n_cycles, n) friction work of each node in each load cycle
-    cycle_works = np.array(run.nodal_work_by_cycle).reshape(-1, len(face_lengths)) * work_unit
-    has_cycle = len(cycle_works) > 0
-    work_per_area = cycle_works[-1] / face_lengths if has_cycle else np.zeros_like(face_lengths)
+    nodal_work_of_cycles = (
+        np.array(run.nodal_work_by_cycle).reshape(-1, len(face_lengths)) * work_unit
+    )
+    has_cycle = len(nodal_work_of_cycles) > 0
+    work_per_area = (
+        nodal_work_of_cycles[-1] / face_lengths if has_cycle else np.zeros_like(face_lengths)
+    )
     return {
         "dissipation_density": read_only_copy(work_per_area),
-        "dissipation": float(cycle_works[-1].sum()) if has_cycle else float("nan"),
-        "cycle_dissipation": read_only_copy(cycle_works.sum(axis=1)),
+        "dissipation": float(nodal_work_of_cycles[-1].sum()) if has_cycle else float("nan"),
+        "cycle_dissipation": read_only_copy(nodal_work_of_cycles.sum(axis=1)),
     }
 
 
@@ -360,6 +364,7 @@ def _confined_ends(
         layers those by slip are, up to 40 times
     """
     is_by_slip = np.isfinite(ends.uncertainty)
+    # an end by the loads, else the given one if it lies between the two nodes around that end
     confined_places = zone.confine(ends.places)
     if half_planes:
         is_by_slip &= confined_places != zone.places_by_load
@@ -402,7 +407,7 @@ def _nodal_arrays(
 
 def _loop_work(scene: Scene, run: PathRun) -> float:
     """Closed integral of Q dU over the last load cycle, scaled; NaN where the path does not repeat
-    or no cycle is steady. Added is the work of shear in the slip that bulk stress causes.
+    or no cycle is steady. The work of shear in the slip that bulk stress causes is added.
 
     `run` holds that work of each increment ("loop_work"), and the index of the state at the start
     of each cycle.
@@ -721,7 +726,7 @@ def _common_stick_zone(
     """Left and right end (2,) of the intersection of all stick zones of the last cycle, scaled; the
     left one is further right where nothing is common. NaN where nothing sticks at some instant.
 
-    Instants that the solution leaves out have no fitted edges: theirs lie between nodes.
+    Instants that the solution leaves out have no fitted edges: theirs are half-way between nodes.
 
     Parameters
     ----------
@@ -760,7 +765,7 @@ def _with_creeping_ends(
 
     Where slip does not locate an end, and nodes that slip by next to nothing (creep) reach far
     beyond the intersection of all stick zones, it is half-way between the last of them and the next
-    node. For single increments label as slip what moves by next to nothing.
+    node. The intersection is too narrow there: an increment labels nodes that creep as slipping.
 
     Parameters
     ----------
@@ -769,7 +774,7 @@ def _with_creeping_ends(
     slip_ends
         ends that slip locates, NaN of others
     creeping_edges, common_zone
-        (2,) ends of the zone that creeps, and of the intersection of all stick zones
+        (2,) ends of the zone whose nodes at most creep, and of the intersection of all stick zones
 
     Returns
     -------
@@ -1132,8 +1137,9 @@ def record_of(
 
 
 def _at_stored_instants(run: PathRun, reduction: np.ufunc, values: ArrayLike) -> Array:
-    """(n_stored,) sum (`reduction` np.add) or maximum (np.maximum) of the values of the increments
-    of a run since the stored instant before; 0 of the first one, the unloaded state. Read-only.
+    """Values of the increments of a run, reduced to its stored instants: sum (`reduction` np.add)
+    or maximum (np.maximum) of those since the stored instant before, (n_stored,). 0 of the first
+    one, the unloaded state. Read-only.
 
     `values` has an entry for each increment; `run.stored_indices` are the indices of the stored
     states.

@@ -77,8 +77,8 @@ def _slides_of(friction: float, states: list[InterfaceState]) -> list[_Slide]:
     touching node slips, those that follow on each other in one direction joined.
 
     The bodies slide as a whole by the slip of the node that slips least; the friction work of an
-    increment is `friction` times its mean normal load times that distance. Each spell has its begin
-    and end in time, its distance (with sign) and its work. All is scaled.
+    increment is `friction` times its mean normal load times that distance. Each spell has its first
+    and last instant, its distance (with sign) and its work. All is scaled.
     """
     slides: list[_Slide] = []
     for state_before, state_after in pairwise(states):

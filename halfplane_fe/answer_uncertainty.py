@@ -103,10 +103,10 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
 
     # W of the run and of the coarse run. With bulk stress or tilt cycles only approach the steady
     # state: the second one of each run is compared (COARSE_CYCLES: 2, most of the coarse run).
-    cycle_works = (
+    nodal_work_of_cycles = (
         run.nodal_work_by_cycle[:COARSE_CYCLES] if scene.unsymmetric else run.nodal_work_by_cycle
     )
-    dissipation = float(cycle_works[-1].sum())
+    dissipation = float(nodal_work_of_cycles[-1].sum())
     coarse_dissipation = task.scales.dissipation / task.work_unit
 
     # rms of W over the places of edges between their nodes, over A f^2 P^2
@@ -422,8 +422,8 @@ def _displacement_uncertainties(
     """Uncertainties of tangential displacement and normal approach by the mesh [length], by the
     names of both; NaN where there is no coarse run to compare with.
 
-    They follow from the difference between the fine and the coarse run in one load cycle. Added is
-    the error at instants of the whole path when the contact is only a few elements wide.
+    They follow from the difference between the fine and the coarse run in one load cycle. To this
+    comes the error at instants of the whole path when the contact is only a few elements wide.
 
     Parameters
     ----------
@@ -459,8 +459,8 @@ def _displacement_uncertainties(
 
 def _relative_distance_to_edge(scene: Scene, arrays: Mapping[str, Any]) -> float:
     """Distance from the node of the largest slip outwards to the contact edge, over that to the
-    next node: the largest one in the last load cycle while that node touches. At most 1, and 1
-    where P varies.
+    next node; the largest in the last load cycle while the node touches. At most 1, and 1 where P
+    varies.
 
     Slip grows up to the edge of contact. At constant P the edge stays between this node, which is
     the last one that touches, and the next. Where P varies an edge that is hardly beyond the node
@@ -484,8 +484,10 @@ def _relative_distance_to_edge(scene: Scene, arrays: Mapping[str, Any]) -> float
         return 1.0
 
     # Contact edge on its side at the instants at which it touches.
-    edges = arrays["contact_edges"][is_under_load][is_touching[:, node], (outwards + 1) // 2]
-    farthest_distance = float(np.max(outwards * (edges - x[node]), initial=0.0))
+    contact_edges = arrays["contact_edges"][is_under_load][
+        is_touching[:, node], (outwards + 1) // 2
+    ]
+    farthest_distance = float(np.max(outwards * (contact_edges - x[node]), initial=0.0))
     return min(farthest_distance / abs(float(x[node + outwards] - x[node])), 1.0)
 
 

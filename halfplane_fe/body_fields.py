@@ -1654,7 +1654,7 @@ def _fit_of_size_effect(
     """Fit of the stress that the finite size of a body adds near the contact: element stress minus
     half-plane stress, weighted by area.
 
-    Fitted to are the nodes where elements are accurate: deeper than 0.15 half-widths, or further
+    The fit takes nodes at which elements are accurate: deeper than 0.15 half-widths, or further
     than 1.2 half-widths from the middle, but not on the face.
 
     Parameters

@@ -348,8 +348,8 @@ class ContactProblem:
         two `trial_weights`, forces over gap and slip. In the penalty method the layer of springs
         between the faces is the penalty.
 
-        Passed on are the contact compliance (`interface`), friction, layer, counts of work and
-        actuators of this contact problem, and the unit of shear forces by which round-off is judged
+        It takes the contact compliance (`interface`), friction, layer, counts of work and actuators
+        of this contact problem, and the unit of shear forces by which round-off is judged
         (`_shear_scale`: f of uncoupled bodies).
         """
         from halfplane_fe.return_mapping import ReturnMapping  # noqa: PLC0415 - not by default
@@ -414,7 +414,7 @@ class ContactProblem:
         node_states = np.where(gap <= ROUNDING, STICK, OPEN)
         load_or_position = approach if self.actuators.prescribe_approach else 0.0
         loads_at_rest = (load_or_position, shift, *loads[2:])
-        return self._state(time, loads_at_rest, read_only_copy(values), node_states)
+        return self._interface_state(time, loads_at_rest, read_only_copy(values), node_states)
 
     def _stresses_and_tilt_at_rest(self, loads: tuple[float, ...], x_of_load: float) -> Array:
         """Bulk stresses of the lower and upper body, and tilt of the upper one, (3,), before the
@@ -444,7 +444,7 @@ class ContactProblem:
             )
         return stresses_and_tilt
 
-    def _state(
+    def _interface_state(
         self, time: float, loads: tuple[float, ...], values: Array, node_states: States
     ) -> InterfaceState:
         """State of the interface at an instant, with the resultants P and Q of its nodal forces
@@ -501,8 +501,8 @@ class ContactProblem:
         Returns
         -------
         state, iterations
-            The new state, and the number of iterations. Counted are sets of node states and turns
-            between pressure and shear, or Newton steps of the return mapping.
+            The new state, and the number of iterations: sets of node states and turns between
+            pressure and shear, or Newton steps of the return mapping.
 
         Raises
         ------
@@ -604,7 +604,7 @@ class ContactProblem:
                 f" {time:.6g}, {self._loads_in_words(loads)}"
             )
         self.work_counts["contact iterations"] += solution.newton_steps
-        state = self._state(time, loads, read_only_copy(solution.values), solution.states)
+        state = self._interface_state(time, loads, read_only_copy(solution.values), solution.states)
         return state, solution.newton_steps
 
     def state_following(
@@ -638,7 +638,7 @@ class ContactProblem:
         np.copyto(gap, 0.0, where=~is_open)
         np.copyto(shear, self._shear_over_pressure(node_states) * pressure, where=~is_stuck)
         values.flags.writeable = False
-        return self._state(time, loads, values, node_states)
+        return self._interface_state(time, loads, values, node_states)
 
     def _shear_over_pressure(self, node_states: States) -> Array:
         """Shear over pressure q/p = +-f (n,) of the nodes that slip; 0 of the others."""
@@ -845,8 +845,8 @@ class ContactProblem:
         states obeys the laws of contact and friction, it is taken. Like materials need one turn.
         Where actuators prescribe movements, P and Q are those of the turn before.
 
-        Returned are the state of the contact (None without convergence), the number of turns, and
-        the number of nodes that still changed their state. All is scaled.
+        It returns the state of the contact (None without convergence), the number of turns, and the
+        number of nodes that still changed their state. All is scaled.
         """
         self.work_counts["alternating solves"] += 1
         # bulk stresses of both bodies, and the tilt: given, or at first that of `start_state`
@@ -975,10 +975,10 @@ class ContactProblem:
         stick, slip forward or reverse.
 
         With gap g and increment s of the slip since `start_state`, the trial pressure is p - r_n g,
-        the trial shear q + r_t s. A node is closed if the former is positive, and slips if the
-        latter is beyond f times it. Within round-off of either limit a node keeps the state it has:
-        1e-11 of a displacement, 1e-13 of a force, scaled. A node that slid in the one sense and is
-        to slide in the other sticks first.
+        the trial shear q + r_t s. A node is closed if its trial pressure is positive, and slips if
+        its trial shear is beyond f times that pressure. Within round-off of either limit a node
+        keeps the state it has: 1e-11 of a displacement, 1e-13 of a force, scaled. A node that slid
+        one way and is to slide the other way sticks first.
 
         # notation: r_n, r_t weights of gap and slip, f coefficient of friction
 
@@ -1089,7 +1089,7 @@ class ContactProblem:
         Parameters
         ----------
         gap_without_pressure
-            (n,) initial gap plus what the known shear and the shift add to it, scaled
+            (n,) initial gap plus what the known shear and the tangential displacement add to it
         shear
             (n,) known nodal forces along x
         is_closed
@@ -1110,8 +1110,9 @@ class ContactProblem:
         moment = loads[_TILT_OR_MOMENT]
 
         def excess_moment(tilt: float) -> float:
-            """Moment of pressure and shear at a tilt, minus the given one. A moment is minus their
-            work per unit of tilt.
+            """Moment of pressure and known shear at a tilt, minus the given `moment`. It is minus
+            their work per unit of tilt. The pressure is that of a contact without friction under
+            `load_of_pressure`, with `gap_without_pressure` and the gap by bulk stress and tilt.
             """
             gap_offset, _ = self.gap_and_slip_by(np.array([*stresses_and_tilt[:2], tilt]))
             # ROUNDING: round-off of scaled forces and displacements, 1e-11

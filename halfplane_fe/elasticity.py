@@ -551,8 +551,8 @@ def _symmetry_subspaces(system: System) -> tuple[Indices, tuple[_Subspace, ...]]
 def _mirror_images(system: System) -> Indices | None:
     """Number of the degree of freedom at (-x, y) for each one at (x, y), (n_dofs,).
 
-    None where nodes, elements or supports of the mesh are not mirror images to the last bit. Used
-    of the `system` are its mesh, the nodes of its elements (`cells`), and the degrees of freedom
+    None where nodes, elements or supports of the mesh are not mirror images to the last bit. It
+    needs of the `system` the mesh, the nodes of its elements (`cells`), and the degrees of freedom
     that belong to the contact, to reactions and to supports.
     """
     # Nodes in order of x and in order of -x are mirror images of each other.
@@ -598,7 +598,7 @@ def _elimination_ranks(system: System, stiffness: sparse.csr_matrix) -> Indices:
     reactions, by their stiffness along x alone. This takes a quarter of the work of ordering all
     degrees of freedom. All other nodes have the last rank.
 
-    Used of the `system` are its mesh, the degrees of freedom of contact and reactions along x (row
+    It needs of the `system` the mesh, the degrees of freedom of contact and reactions along x (row
     0), and the node of each degree of freedom. That along x of node k is number 2 k.
     """
     n_nodes = system.mesh.p.shape[1]
@@ -1304,8 +1304,8 @@ def _solved_unknowns(system: System, nodal_forces: Array) -> Array:
     """Solution (n_dofs, k) of a body's finite-element system under k load cases: displacements of
     the nodes [length], then r/G at the corners of mixed elements.
 
-    Held are the degrees of freedom of the supports; of a half-disc the two ends of its arc, without
-    a force, since the loads balance.
+    The degrees of freedom of the supports are held; of a half-disc also three at the ends of its
+    arc, which take no force, since the loads balance.
 
     # notation: r mixed pressure of nearly incompressible materials, G shear modulus
 

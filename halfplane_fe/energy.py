@@ -215,9 +215,9 @@ def elastic_energies(
     """Elastic energy of both bodies and of the penalty layer between them, and that of the layer
     alone, at m contact states, (m,) each, over P^2/E*.
 
-    It is (p^T N p - 2 q^T K p + q^T T q)/2. N p - K^T q is the gap by the nodal forces, T q - K p
-    minus the slip by them. Both are what is left of gap and slip without the initial gap, the rigid
-    motion of the upper body, bulk stresses and tilt.
+    The first is (p^T N p - 2 q^T K p + q^T T q)/2. N p - K^T q is the gap by the nodal forces,
+    T q - K p minus the slip by them. Both are what is left of gap and slip without the initial gap,
+    the rigid motion of the upper body, bulk stresses and tilt.
 
     # notation: p, q nodal forces, pressure and shear; N normal, T tangential compliance of bodies
     # and layer together, K coupling (slip by pressure)
@@ -392,7 +392,8 @@ def _friction_work(
     of each sliding node, times its slip.
 
     Where nodes start to slide in an increment (onsets), p and slip have kinks. Such increments are
-    integrated in parts, see `_work_with_onsets`.
+    integrated in parts between the onsets. Also returned are the part of the work by kinks, and the
+    middle of the first and last onset as a share of the increment, 1 without onsets.
 
     Parameters
     ----------
@@ -554,11 +555,11 @@ def work_by_kinks(
     end_state: InterfaceState,
     solved_node_states: States,
 ) -> float:
-    """Part of the dissipation of one increment, without sign, that is by kinks of pressure and slip
-    where nodes start to slide one after the other; over P^2/E*.
+    """Friction work that kinks of pressure and slip add in one increment, where nodes start to
+    slide one after the other; without sign, over P^2/E*.
 
     Where a node starts to slide, the pressure and the slip of all nodes change their rates: a kink.
-    Between kinks both are linear. The part is f times the integral of p ds minus (mean p) ds over
+    Between kinks both are linear. The work is f times the integral of p ds minus (mean p) ds over
     the time between the first and the last kink.
 
     Parameters
@@ -760,10 +761,11 @@ def _first_and_last_onset(
 
 
 def _states_with_rates(increments: _Increments) -> States:
-    """States (k, n) of the nodes before k increments, for which the rates are taken: derivatives of
-    slip, nodal forces and gaps by the loads at these states. A node that has just touched and
-    starts to slide counts as sliding already, unless no node would stick then. There are no rates
-    where no node sticks, since the bodies are free to move.
+    """Node states (k, n) from before k increments, at which the rates up to the first onset of slip
+    are taken: derivatives of slip, nodal forces and gaps by the loads.
+
+    A node that has just touched and starts to slide counts as sliding already, unless no node would
+    stick then: the bodies would be free to move, and there would be no rates.
     """
     is_onset = _is_slip_onset(increments.node_states_before, increments.node_states_after)
     # ROUNDING: round-off of scaled forces and displacements, 1e-11
@@ -822,10 +824,10 @@ def law_violations(
     """Violations (m,) of the laws of contact and friction, and of equilibrium, at the ends of the m
     increments between m + 1 states; 0 where they are met.
 
-    Forces, and forces times displacements, are over the largest nodal pressure at the instant; that
-    is taken for a tenth of the mean one at the largest load or more, since at the very first touch
-    there is only round-off. Equilibrium, the imbalance of loads or of actuators' movements, is over
-    the normal load at the instant. Displacements are over P/E*.
+    Forces, and forces times displacements, are over the largest nodal pressure at the instant, but
+    at least a tenth of the mean one at the largest load: at the very first touch there is only
+    round-off. Equilibrium, the imbalance of loads or of actuators' movements, is over the normal
+    load at the instant. Displacements are over P/E*.
 
     Parameters
     ----------
@@ -850,6 +852,7 @@ def law_violations(
     pressure = pressure[1:]
     shear = shear[1:]
     gap = gap[1:]
+    # 1/n is the mean nodal pressure at the largest load, scaled to 1
     largest_force = np.maximum(pressure.max(axis=1), 0.1 / pressure.shape[1])
     violation_by_name = violations(gap, pressure, shear, slip_increment, problem.friction)
     for name in ("tension", "gap_pressure", "cone", "slip_sign"):

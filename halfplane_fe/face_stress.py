@@ -480,7 +480,10 @@ class _PointsAcross(NamedTuple):
     @classmethod
     def between(cls, edges: tuple[float, float], n_nodes: int) -> _PointsAcross:
         """Points between the left and right edge of contact, eight for each of the `n_nodes` nodes
-        that touch: 512 at least and 8192 at most.
+        that touch: 512 at least and 8192 at most. They lie at x = m - h cos(theta), at the middles
+        theta of equal angles; `lengths` are the parts of the face that they stand for.
+
+        # notation: m middle, h half-width of the contact
         """
         middle = (edges[0] + edges[1]) / 2
         half_width = (edges[1] - edges[0]) / 2
@@ -501,10 +504,10 @@ def _smooth_pressure(
     inner_p: Array,
     fitted_edges: tuple[_FittedEdge, _FittedEdge] | None,
 ) -> Array:
-    """Smooth pressure at points across the contact, (n,): interpolated between inner nodes, and the
-    root of the polynomial fitted to p^2 outside the outermost fitted nodes.
+    """Smooth pressure at points across the contact, (n,): interpolated between inner nodes; outside
+    the outermost fitted nodes it is the root of the polynomial fitted to p^2.
 
-    Interpolated over the angle theta is p/sin(theta), which is finite at the edges of a smooth
+    p/sin(theta) is interpolated over the angle theta, since it is finite at the edges of a smooth
     profile.
 
     Parameters
@@ -586,8 +589,8 @@ def tractions_with_uncertainty(nodal_tractions: NodalTractions) -> TractionsAndU
     """Sine series of pressure and shear across the contact, from their values at the nodes that
     touch, and the uncertainty of the tension s_xx at both edges by the fit.
 
-    Returned too is the change of that tension by slip in a zone too narrow for the nodes. None and
-    zeros where fewer than three nodes touch. `nodal_tractions` also has the edges of contact and
+    Also the change of that tension by slip in a zone too narrow for the nodes. None and zeros where
+    fewer than three nodes touch. `nodal_tractions` also has the edges of contact and
     stick, friction and Q.
     """
     if len(nodal_tractions.x) < FEWEST_NODES:
@@ -612,7 +615,7 @@ def _tension_uncertainty(nodal_tractions: NodalTractions, usual_tractions: Tract
     - the change by a fit to the usual number of nodes, whatever its residual;
     - the change by a ratio q/p that stays constant near the edges.
 
-    Added are the mesh error of bodies of finite size, the change by other stick edges where slip
+    To this come the mesh error of bodies of finite size, the change by other stick edges where slip
     zones are narrow (six nodes at most), and a multiple of the tension by the shear that the fit
     lacked.
 
@@ -714,9 +717,9 @@ def tension_change_by_unseen_slip(
 
     Such slip changes q by 2 f p with p = K sqrt(d), so s_xx by (8/pi) f K sqrt(w); K sqrt(w) is the
     pressure at the first node inside the three distorted outermost ones. A share of 0.7 of this
-    counts. Zero where P grows in full stick, in full slip, and where nodes slip on both sides:
-    unless the outermost node of a side has shear of the other sign than its slip zone, which may be
-    new slip in that direction.
+    counts. Zero where P grows in full stick, and in full slip. Zero too where nodes slip on both
+    sides, but for a side whose outermost node has shear of the other sign than its slip zone: new
+    slip in that direction may have begun.
 
     # notation: f coefficient of friction, d distance from the edge, K constant of the pressure
     # there, w width of the zone of the distorted nodes
@@ -1154,7 +1157,7 @@ def _ratio_in_slip_zone(
     """q/p at places (n,) of a slip zone: linear between its nodes, which have +-f where they slip,
     and less where slip has ended from the edge of contact inwards.
 
-    Left out are the outermost nodes of the contact, which the mesh distorts, and the node next to
+    It leaves out the outermost nodes of the contact, which the mesh distorts, and the node next to
     the stick zone, which may stick. Where no other is left, q/p is f with the sign of the shear of
     all the zone: just before it opens, the outermost node alone may have the other sign.
 
@@ -1259,11 +1262,11 @@ def size_effect_basis(z: Complex, length: float) -> Array:
     """
     u = z / length
     stress_by_terms = []
-    for power in range(_N_TERMS):
-        for factor in (1.0, 1j) if power else (1.0,):
-            f = factor * u**power
-            f_of_conjugate = factor * u.conj() ** power
-            derivative = factor * power * u ** max(power - 1, 0) / length
+    for exponent in range(_N_TERMS):
+        for factor in (1.0, 1j) if exponent else (1.0,):
+            f = factor * u**exponent
+            f_of_conjugate = factor * u.conj() ** exponent
+            derivative = factor * exponent * u ** max(exponent - 1, 0) / length
             normal_and_shear = f - f_of_conjugate + 2j * z.imag * derivative.conj()  # s_yy - i s_xy
             stress = [
                 4 * f.real - normal_and_shear.real,

@@ -93,7 +93,8 @@ class Interface:
 
     def scaled(self, length: float, compliance: float) -> Interface:
         """This contact compliance in other units: x, face lengths and gap over `length`; N, T and K
-        over `compliance`; gap and slip by bulk stress over both, by tilt over `length`.
+        over `compliance`; gap and slip by bulk stress over both, by tilt over `length`. The place
+        where the faces are nearest, and its gap (`nearest_x_and_gap`), are over `length` too.
 
         # notation: N normal and T tangential compliance, K coupling (slip by pressure), None where
         # it is exactly zero

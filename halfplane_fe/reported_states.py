@@ -124,12 +124,12 @@ def visible_states(
     gap_and_slip_per_stress_and_tilt: Array | None = None,
 ) -> States:
     """Node states as they are reported between like bodies, open, stick or slip, (m + 1, n): those
-    of the law of friction, but a node that only creeps sticks.
+    of the law of friction, but a node that hardly moves (creeps) sticks.
 
-    A sliding node slips if two conditions are met. Since it last stopped or turned round it has
-    slid far enough: 3e-4 of the distance of the farthest one of its direction. And the load drives
-    its slip, or it is fast: a hundredth of the largest slip per change of load. The load drives
-    forward slip where dQ > f dP and reverse slip where -dQ > f dP.
+    A sliding node counts as slipping if two conditions are met. It has slid far enough since it
+    last stopped or turned round: 3e-4 of the distance of the farthest node in its direction. And
+    the load drives its slip, or it is fast: its slip per change of load is above a hundredth of the
+    largest. The load drives forward slip where dQ > f dP and reverse slip where -dQ > f dP.
 
     Parameters
     ----------

@@ -103,15 +103,15 @@ def tip_halvings(profile: Profile, size: float) -> int:
     ... ]
     [16, 12, 7, 0, 0]
     """
-    count = 0
+    n_halvings = 0
     error_left = 1.0
-    while count < _MOST_HALVINGS and error_left > _ERROR_LEFT_AT_TIP:
-        exponent = exponent_at_tip(profile, size / 2**count)  # n at the present size
+    while n_halvings < _MOST_HALVINGS and error_left > _ERROR_LEFT_AT_TIP:
+        exponent = exponent_at_tip(profile, size / 2**n_halvings)  # n at the present size
         if exponent >= SMOOTH_TIP:
-            return count + _HALVINGS_WITHIN_TIP if count else 0
-        count += 1
+            return n_halvings + _HALVINGS_WITHIN_TIP if n_halvings else 0
+        n_halvings += 1
         error_left /= 2 ** (exponent - 1)
-    return count
+    return n_halvings
 
 
 @dataclass(frozen=True, eq=False)

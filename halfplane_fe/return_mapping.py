@@ -181,8 +181,8 @@ class ReturnMapping:
 
         The first is that of the augmented Lagrangian's own penalty (`penalty`; None in the penalty
         method). In the penalty method the springs of the layer between the faces are the penalty:
-        the first compliance added is zero. The others are 10, 100, ... times that of the own
-        penalty, or of the layer.
+        the first compliance added is zero. The others are 10, 100, ... times that of the augmented
+        Lagrangian's penalty, or of the layer.
         """
         if self.penalty is None:
             yield Layer(
@@ -368,9 +368,9 @@ class _Iteration:
         )
 
     def _projected_tractions(self) -> Tractions:
-        """Tractions and states of the nodes by the return mapping at their present values. The
-        trial tractions p - G/c_n and q + (S - S_start)/c_t are projected onto p >= 0 and |q| <= f
-        p.
+        """Tractions and states of the nodes by the return mapping, at the present values of the
+        iteration. The trial tractions p - G/c_n and q + (S - S_start)/c_t are projected onto
+        p >= 0 and |q| <= f p.
 
         The iterated gap G and slip S are those of penalty springs: with multipliers l of p and m of
         q, G = g + c (p - l) and S = s - c (q - m), c the compliance of the penalty.

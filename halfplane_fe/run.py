@@ -134,8 +134,8 @@ def trend(values: Sequence[float]) -> Trend:
     if not (0 < ratio_before < 1 and 0 < ratio < 1):
         return unclear_trend
 
-    # The ratio of a geometric series stays; that of an algebraic one rises towards 1. At half of
-    # the rise 2/[k (k - 2)] of m = 1, by the constant 1, the series counts as algebraic.
+    # The ratio of a geometric series stays; that of an algebraic one rises towards 1, for m = 1 by
+    # the factor 1 + 2/[k (k - 2)]. From half of this rise on (_RISE_OF_RATIO: 1) it is algebraic.
     if ratio <= ratio_before * (1 + _RISE_OF_RATIO / (k * (k - 2))):
         change_to_limit = last_difference * ratio / (1 - ratio)
         return Trend("geometric", change_to_limit, values[-1] + change_to_limit)
@@ -149,8 +149,8 @@ def trend(values: Sequence[float]) -> Trend:
 
 def is_ratcheting(drifts: Sequence[float], travel: float) -> bool:
     """Whether the contact ratchets: the tangential displacement U drifts by as much in each
-    revolution, instead of less and less (with a drift far above what its trend leaves). False after
-    a single revolution.
+    revolution, instead of less and less. So it is if the last drift is above three times what the
+    trend of the drifts would still lose. False after a single revolution.
 
     Parameters
     ----------
@@ -474,9 +474,10 @@ class PathRun:
     def close_cycle(self, edge_excess: Excess) -> None:
         """End a revolution: correct its friction work for the mesh, and store it.
 
-        On a mesh the edges of contact and stick jump from node to node, which adds the work
-        `edge_excess.value` to that of edges between the nodes. The friction work of all increments
-        and nodes of the revolution, and Q dU of its increments, are multiplied by one factor.
+        On a mesh the edges of contact and stick jump from node to node. This adds the work
+        `edge_excess.value`, which edges that pass between the nodes do not have. The friction work
+        of all increments and nodes of the revolution, and Q dU of its increments, are multiplied by
+        one factor.
 
         - `increment_records`: energies and checks by name, one dict for each batch of consecutive
           increments; "dissipation" (friction work) and "loop_work" (Q dU) are among them.
@@ -695,8 +696,8 @@ def run_path(
 
 
 def _repeats(run: PathRun, uncertainty: Callable[[PathRun], float]) -> bool:
-    """Whether the last revolution ended as it started, to 5e-4 of the largest nodal force, and its
-    friction work is closer to the limit of the series than its uncertainty.
+    """Whether the last revolution ended as it started, to 5e-4 of the largest nodal force, and the
+    limit that the friction work of the revolutions tends to is within the uncertainty of its own.
 
     Parameters
     ----------
@@ -705,8 +706,8 @@ def _repeats(run: PathRun, uncertainty: Callable[[PathRun], float]) -> bool:
         force; `nodal_work` (n,) the friction work of each node in the last one; `trend` how the
         work of the revolutions goes on, with the change to its limit
     uncertainty
-        function from the run to that of the friction work; where it is NaN, 5e-4 of the work takes
-        its place
+        function from the run to the uncertainty of its friction work; where it is NaN, 5e-4 of the
+        work takes its place
     """
     if run.force_change_by_cycle[-1] > LARGEST_CHANGE_OF_REPEAT:
         return False
@@ -796,6 +797,7 @@ class _Follower:
         n_stretches = len(stretches_of_segments)
         load_units = self.pace.load_units(self.problem)  # (5,) what each load is divided by
         self.run.nodal_work = np.zeros_like(self.problem.initial_gap)  # friction work of each node
+        # step error over duration with which an increment is accepted
         tolerance = self._step_tolerance(duration=segments[-1].end - segments[0].start)
 
         # The batch appends increments to the run some 32 at a time, as their energies are then
@@ -922,8 +924,8 @@ class _Batch:
 
 
 def _reference_dissipation(run: PathRun, pace: Pace, friction: float) -> float:
-    """Friction work of a revolution, over P^2/E*, which the tolerated step error is a share of:
-    that of the revolution before, or else the one expected, but at least 3e-3 f^2 P^2/E*.
+    """Reference for the tolerated step error, which is a share of it, over P^2/E*: the friction
+    work of the revolution before, or else the one expected, but at least 3e-3 f^2 P^2/E*.
 
     It is rounded down to f^2 times a power of two. So the little that the initial loading changed
     in the revolution before does not change the increments. And loads with Q in proportion to f

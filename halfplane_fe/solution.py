@@ -459,7 +459,7 @@ def _with_closed_cycle(
             further_notes = (
                 *further_notes,
                 f"rig: P and Q at the end of the cycle differ by {share_of_load:.1g} of the largest"
-                " P from those at its begin, which its last instant states",
+                " P from those at its start, which its last instant states",
             )
         for load_history in load_histories.values():
             load_history[last_step] = load_history[first_step]
@@ -725,8 +725,8 @@ def _solution(
     arrays = answer_arrays(task, problem, run)
     work_uncertainty = dissipation_uncertainty(task, run, arrays)
     uncertainties_of_values = value_uncertainties(task, problem, run, arrays)
-    # Only now: the uncertainty of the permanent stick zone, taken above, must not contain the jumps
-    # of stick edges, as no edge jumps to its end.
+    # After the uncertainty of the permanent stick zone, taken above, which must not contain the
+    # jumps of stick edges: no edge jumps to its end.
     arrays["stick_edge_uncertainty"] = _stick_uncertainty_with_jumps(task, problem, run, arrays)
 
     # States at the stored instants, error of a penalty layer, and notes for the reader.

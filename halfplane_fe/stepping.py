@@ -456,8 +456,8 @@ def _end_of_slip_within(
     is_curved: bool,
 ) -> float | None:
     """Instant within an increment at which slip ends that the increment does not count, so that it
-    is to end there. None where it need not: where little work is lost, where it would be too short
-    to be halved for its step error, and on straight segments of the path.
+    is to end there. None where it need not: where little work is lost, where the increment up to
+    there would be too short to be halved for its step error, and on straight segments of the path.
 
     Parameters
     ----------
@@ -837,8 +837,9 @@ class _FirstEvent(NamedTuple):
 def _first_event(
     gaps: tuple[Array, Array], pressures: tuple[Array, Array], is_closed: Mask
 ) -> _FirstEvent | None:
-    """The first open node whose gap becomes negative, or closed one whose pressure does; None where
-    neither happens before the end of the increment.
+    """The first open node whose gap becomes negative, or closed one whose pressure does: its event,
+    its number, and the share of the increment up to then. None where neither happens before the end
+    of the increment.
 
     Parameters
     ----------
@@ -1016,12 +1017,11 @@ def _first_crossing(
 
 
 def states_up_to_event(start_state: InterfaceState, solved_state: InterfaceState) -> States:
-    """States (n,) of the nodes at the end of an increment from `start_state` to `solved_state`,
-    before its event. Nodes that touch or let go at its very end have the state that they had on the
-    way.
+    """States (n,) of the nodes on the way of an increment from `start_state` to `solved_state`, up
+    to the event at its end: nodes that touch or let go there have the state from before it.
 
-    Within round-off the law of contact calls such a node open or closed. A node that lets go at the
-    end has slid through the increment: counted as open, its friction work would be lost.
+    At the event itself the law may call such a node open or closed, by round-off. One that lets go
+    has slid through the increment: counted as open, its friction work would be lost.
     """
     has_changed = _is_at_event(solved_state) & (solved_state.is_closed != start_state.is_closed)
     return (
