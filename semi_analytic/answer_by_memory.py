@@ -163,12 +163,15 @@ def findings_by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> F
     """Half-plane answer where the frictional state is one memory curve: loads, fields, friction
     work of the cycles, their errors and notes.
 
-    The memory curve is the tangential force of the flat punches up to each normal load. With bulk
-    stress or tilt one curve is enough for some load paths alone: `bulk_tilt_path` has such a path
-    and its tilted contact. It is None without bulk stress and tilt. The question holds scene,
-    fields, and points and instants, None where theory chooses them; its `cycles` is "all" or
-    "steady", the steady cycle alone. Of the path, `cycles` are the solved cycles and `covered` the
-    solved cycle of each cycle in the answer; `steady_from` is the first steady one.
+    The memory curve is the tangential force of the flat punches up to each normal load.
+
+    Parameters
+    ----------
+    question
+        scene, wanted fields, and points and instants, None where theory chooses them
+    bulk_tilt_path
+        path and tilted contact of a scene with bulk stress or tilt, for which one curve is enough
+        on some paths alone; None without these
 
     Raises
     ------
@@ -180,6 +183,7 @@ def findings_by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> F
     stop_watch = StopWatch("history", "fields", "dissipation")
     # the friction history, the instants, and what is evaluated at them
     followed_path, time, n_rows_left_out = _path_and_instants(question, bulk_tilt_path)
+    # contact, points, and which fields are wanted
     request = _request_of(question, bulk_tilt_path, followed_path, time)
     stop_watch.add_lap("history")
     # friction states, works of cycles, friction work per area W(x) at the different |x|
@@ -198,6 +202,7 @@ def findings_by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> F
     return Findings(
         time=time,
         x=request.x,
+        # `steady_from`: index of the first steady cycle; `cycles`: those that were solved
         values=answer_fields.over_time
         | answer_fields.at_points
         | permanent_stick
@@ -1275,12 +1280,18 @@ def _values_over_time(request: Request, snapshot: Snapshot) -> dict[str, Array]:
     names of a ContactSolution [force per thickness, length].
 
     With bulk stress and tilt also these, and the moments of the tractions; edges are then those of
-    the tilted contact. `snapshot` has the friction states at the instants: P as `load`; as `force`
-    Q, or a load in its place where bulk strain alone shears the contact. A request holds its
-    instants `time` (n,), the fields that it wants, and A/pi as `unit_compliance`, A = 2/E*.
-    Displacements that were not asked for are NaN, and so are the edges of no stick zone. Under a
-    flat face the stick zone is no narrower than the flat, at the very limit |Q| = f P too.
-    `bulk_tilt_path` is the tilted contact with its loads, None without bulk stress and tilt.
+    the tilted contact. Displacements that were not asked for are NaN, and so are the edges of no
+    stick zone. Under a flat face the stick zone is no narrower than the flat, at the very limit |Q|
+    = f P too.
+
+    Parameters
+    ----------
+    request
+        instants `time` (n,), wanted fields, A/pi as `unit_compliance`, A = 2/E*; `bulk_tilt_path`,
+        the tilted contact with its loads, None without bulk stress and tilt
+    snapshot
+        friction states at the instants: P as `load`; as `force` Q, or a load in its place where
+        bulk strain alone shears the contact
 
     Raises
     ------
@@ -1807,8 +1818,8 @@ def _admissibility_checks(
     limit ("cone") is checked where `fields` have both tractions. `force_error` of the answer is
     M(P) - Q, its snapshot holds P as `load` and f.
     """
-    friction = path_answer.snapshot.friction
-    largest_friction_force = friction * float(np.max(path_answer.snapshot.load))
+    friction_coefficient = path_answer.snapshot.friction
+    largest_friction_force = friction_coefficient * float(np.max(path_answer.snapshot.load))
     relative_force_error = np.abs(path_answer.force_error) / max(
         largest_friction_force, _SMALLEST_FLOAT
     )
@@ -1818,11 +1829,11 @@ def _admissibility_checks(
         # At the tip of a wedge p is infinite: no q is above the Coulomb limit there, and none is a
         # measure of the others.
         with np.errstate(invalid="ignore"):
-            excess_shear = np.abs(fields["shear"]) - friction * pressure
+            excess_shear = np.abs(fields["shear"]) - friction_coefficient * pressure
         # at each instant; NaN is ignored
         largest_excess = np.fmax.reduce(excess_shear, axis=1, initial=0.0)
         largest_pressure = float(np.max(pressure, where=np.isfinite(pressure), initial=0.0))
         checks["cone"] = read_only_copy(
-            largest_excess / max(friction * largest_pressure, _SMALLEST_FLOAT)
+            largest_excess / max(friction_coefficient * largest_pressure, _SMALLEST_FLOAT)
         )
     return checks

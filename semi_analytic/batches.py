@@ -372,11 +372,18 @@ def _second_maximum(
     """Second largest maximum over x of the friction work per area W(x), times pi E*/(2 f^2), of
     each load ellipse, and its |x|, (m,) each. NaN where there is one maximum only.
 
-    It counts where W falls between it and the largest one by more than 1e-3 of the largest W, and
-    by more than twice its error. `sampled_density` is W(x) at all samples of all ellipses, one
-    ellipse after the other. A local maximum holds the numbers of its ellipse and its sample, and
-    the vertex of a parabola, with W and place. `peaks` holds the largest maximum of each ellipse.
-    E* is the composite modulus, f the friction.
+    A maximum counts as another one if W falls between it and the largest by more than 1e-3 of the
+    largest W, and by more than twice the error of that. E* is the composite modulus, f the
+    friction.
+
+    Parameters
+    ----------
+    local_maxima
+        all of them: numbers of ellipse and sample, and the vertex of a parabola, with W and place
+    sampled_density
+        W(x) at all samples of all ellipses, one ellipse after the other
+    peaks
+        of each ellipse the largest W, its error, and which of the local maxima it is
     """
     n_ellipses = len(peaks.density)
     second_density = np.full(n_ellipses, np.nan)
@@ -514,15 +521,15 @@ def _sample_points(ellipses: Ellipses, contact: SymmetricContact) -> Array:
     """Places |x| at which the friction work per area W(x) of each load ellipse is sampled, (m, n).
     They ascend from the permanent stick edge to the largest contact; some of them are equal.
 
-    They lie at and between the half-widths at which the formula of W(x) changes. More lie next to
-    the kinks of W(x), which are at the half-width of the least load and at corners of the profile.
-    A profile of more than eight corners gets only the middle of each interval, and no places next
-    to corners. `contact` gives the half-width of a load and the loads at which the contact reaches
-    a corner. The permanent stick edge is the half-width under `permanent_stick_load`.
+    They lie at the half-widths at which the formula of W(x) changes, and between these. More lie
+    next to the kinks of W(x), which are at the half-width of the least load and at corners of the
+    profile. A profile of more than eight corners gets only the middle of each interval, and no
+    places next to corners. `contact` gives the half-width of a load, and the loads at which its
+    edge is at a corner. The permanent stick edge is the half-width under `permanent_stick_load`.
     """
     permanent_stick_load = ellipses.permanent_stick_load
     largest_load = ellipses.mean_load + ellipses.load_amplitude
-    loads = _loads_of_other_formulas(ellipses, contact)
+    loads = _loads_at_formula_changes(ellipses, contact)
     # (loads, m) ascending
     half_widths = contact.half_width(np.sort(loads, axis=0))
     least_load = np.clip(
@@ -548,7 +555,7 @@ def _sample_points(ellipses: Ellipses, contact: SymmetricContact) -> Array:
     return np.sort(np.concatenate([half_widths, *further_places]), axis=0).T
 
 
-def _loads_of_other_formulas(ellipses: Ellipses, contact: SymmetricContact) -> Array:
+def _loads_at_formula_changes(ellipses: Ellipses, contact: SymmetricContact) -> Array:
     """Loads at whose half-widths the formula of the friction work per area W(x) changes, for each
     of m load ellipses, (n, m).
 
@@ -1020,9 +1027,9 @@ def _works_of_members(members: Members) -> Array:
 
 
 def _works_with_effects(curvatures_per_load: Curvatures, members: Members) -> Array:
-    """Friction work of one steady cycle of each member, times pi E*/(2 f^2), on finite bodies,
-    whose loads add `curvatures_per_load` to gap and faces. (5, m), with the rows of
-    `_works_of_members`.
+    """Friction work of one steady cycle of each member of a batch, times pi E*/(2 f^2), on finite
+    bodies, whose loads add `curvatures_per_load` to gap and faces, (5, m). The rows are the work,
+    its parts by forward and by reverse slip, the error of the work, and the permanent stick load.
 
     The work is that on half-planes, exact, plus the change by the curvatures. One quadrature rule
     gives the works with and without curvatures, so that its error nearly cancels in the change. A
@@ -1045,6 +1052,7 @@ def _works_with_effects(curvatures_per_load: Curvatures, members: Members) -> Ar
         forward_work[member_numbers] += change_by_curvatures.forward_work
         reverse_work[member_numbers] += change_by_curvatures.reverse_work
         work_error[member_numbers] += _FACTOR_ON_RULE_ERROR * rule_error
+        # this load is that of the bodies, not a change
         permanent_stick_load[member_numbers] = change_by_curvatures.permanent_stick_load
     return rows_of_results
 
@@ -1082,15 +1090,15 @@ def _change_by_curvatures(
     length^2)].
     """
     # columns (k, 1), also where one unit serves all
-    ones = np.ones((len(group.members), 1))
-    squared_length_units = np.reshape(np.square(group.length_unit), (-1, 1)) * ones
+    column_of_ones = np.ones((len(group.members), 1))
+    squared_length_units = np.reshape(np.square(group.length_unit), (-1, 1)) * column_of_ones
     scaled_loads = _loads_in_units(members, group)
     # Of profiles that vary the contact has E* = 1 in its own units, of one profile its own E*.
     contact_modulus = members.modulus if members.contact is not None else 1.0
     columns_of_curvatures = CurvatureColumns.from_curvatures(
         curvatures_per_load, members.modulus / contact_modulus * squared_length_units
     )
-    columns_of_no_curvatures = CurvatureColumns.from_curvatures(Curvatures(), ones)
+    columns_of_no_curvatures = CurvatureColumns.from_curvatures(Curvatures(), column_of_ones)
     # forward and reverse work of each ellipse, and half-width of permanent stick
     works_of_half_planes = works_of_ellipses(
         scaled_loads, columns_of_no_curvatures, group.contact, contact_modulus
@@ -1567,7 +1575,7 @@ class _Batch:
         """
         is_invalid = self._is_invalid(loads, parameters)
         if np.any(is_invalid):
-            # Any numbers that can be computed with.
+            # Some valid numbers in their place: these members are left out below.
             loads = LoadArrays(*(np.where(is_invalid, 1.0, column) for column in loads))
             parameters = [np.where(is_invalid, 1.0, column) for column in parameters]
         # Without friction only Q = 0 is admissible, and nothing is dissipated: any positive

@@ -1961,12 +1961,12 @@ def _states_by_edge_zone(
     stick_half_width = followed_path.table.half_width(followed_path.stick_edge_s[row_numbers])[
         :, None
     ]
-    state_at_edge = _STATES_BY_DIRECTION[followed_path.direction[row_numbers, None] + 1]
+    state_of_slip_zone = _STATES_BY_DIRECTION[followed_path.direction[row_numbers, None] + 1]
     # In full slip the stick zone ends at 0: only x = 0 is within it, and that point slips.
     is_within_stick_edges = is_between_edges(stick_half_width * signs_of_sides, distance) & (
         stick_half_width > 0
     )
-    return np.where(is_within_stick_edges, np.int8(STICK), state_at_edge)
+    return np.where(is_within_stick_edges, np.int8(STICK), state_of_slip_zone)
 
 
 class _WorkOfAnswer(NamedTuple):

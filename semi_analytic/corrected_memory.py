@@ -218,12 +218,12 @@ class PunchTable:
 
         Within the flat of the profile no punch carries load. `stiffness` of the contact is dP/da.
         """
-        sigma = np.linspace(0.0, 1.0, self._cells_per_interval + 1)
+        fraction_of_interval = np.linspace(0.0, 1.0, self._cells_per_interval + 1)
         begin_of_interval = self._interval_ends[:-1, None]
         interval_length = np.diff(self._interval_ends)[:, None]
         # c over sigma, the fraction of an interval in s: by its square P(a) is smooth at a kink.
-        half_width = begin_of_interval + interval_length * sigma**2
-        half_width_rate_in_s = 2 * interval_length * sigma
+        half_width = begin_of_interval + interval_length * fraction_of_interval**2
+        half_width_rate_in_s = 2 * interval_length * fraction_of_interval
         load = contact.load(half_width)
         load_rate_in_s = contact.stiffness(half_width) * half_width_rate_in_s
         is_flat = half_width < contact.least_half_width * (1 - 1e-14)

@@ -960,7 +960,7 @@ class _StepSolver:
         state
             memory of friction at the begin of the step
         tangential_load_before
-            Q there
+            Q at the begin of the step
         free_displacement
             part of U_act by earlier sliding and separation [length]
 

@@ -547,7 +547,7 @@ def _friction_batch(
     shape
         shape of the batch, m members in all
     notes
-        what a reader of the result must not miss
+        sentences of the batch that the result hands on
     """
     targets = _Targets.of_measured(measured_dissipation, shape)
     # W over ln f, (samples, m): first samples, then turning points among them

@@ -319,15 +319,14 @@ def cut_angles_of_phases(ellipses: Ellipses, corner_loads: Array) -> dict[str, A
     """Angles [rad] in each slip phase between which its integrands are smooth, (cuts, m) ascending,
     by the name of the phase.
 
-    # notation: t time in P = P0 + P1 cos t, P0 and P1 `mean_load` and `load_amplitude`; start_angle
-    #           the time t at which E-G begins; D (`slip_angle`) length of E-G and of J-M [rad]; u
-    #           and v amplitudes of (Q -+ f P)/f
-
     "E-G" is reverse slip, "I-J" and then "J-M" forward slip. Angles count from the begin of E-G and
-    I-J, and back from the end of J-M. Cuts are the ends of a phase, and where the edge of contact
-    or of stick passes a corner of the profile. There P or P_c, the load at the stick edge, equals
-    one of the loads `corner_loads` (c, 1). A corner that is not met adds a cut of no consequence.
-    `load_moves` is False for constant P.
+    I-J, and back from the end of J-M. E-G begins at the time `slip_start` of P = P0 + P1 cos t; it
+    is `slip_angle` long, as is J-M.
+
+    Cuts are the ends of a phase, and where the edge of contact or of stick passes a corner of the
+    profile. There P or P_c, the load at the stick edge, equals one of the loads `corner_loads`
+    (c, 1). A corner that is not met adds a cut of no consequence. P0 and P1 are `mean_load` and
+    `load_amplitude`; `load_moves` is False for constant P.
     """
     cosine_at_corner = (corner_loads - ellipses.mean_load) / np.where(
         ellipses.load_moves, ellipses.load_amplitude, np.inf
@@ -340,23 +339,23 @@ def cut_angles_of_phases(ellipses: Ellipses, corner_loads: Array) -> dict[str, A
     stick_edge_angle_in_reverse_slip, stick_edge_angle_in_late_forward_slip = _stick_edge_angles(
         ellipses, corner_loads
     )
-    start_angle = ellipses.slip_start
+    begin_of_reverse_slip = ellipses.slip_start
     full_turn = 2 * math.pi
     inner_cuts = {
         "E-G": (
-            angle_at_corner - start_angle,
-            full_turn - angle_at_corner - start_angle,
+            angle_at_corner - begin_of_reverse_slip,
+            full_turn - angle_at_corner - begin_of_reverse_slip,
             ellipses.slip_angle - stick_edge_angle_in_reverse_slip,
         ),
         "I-J": (
-            angle_from_least_load - start_angle,
-            full_turn - angle_from_least_load - start_angle,
-            start_angle - angle_from_least_load,
-            start_angle + angle_from_least_load,
+            angle_from_least_load - begin_of_reverse_slip,
+            full_turn - angle_from_least_load - begin_of_reverse_slip,
+            begin_of_reverse_slip - angle_from_least_load,
+            begin_of_reverse_slip + angle_from_least_load,
         ),
         "J-M": (
-            start_angle - angle_at_corner,
-            start_angle + angle_at_corner,
+            begin_of_reverse_slip - angle_at_corner,
+            begin_of_reverse_slip + angle_at_corner,
             stick_edge_angle_in_late_forward_slip,
         ),
     }
@@ -369,7 +368,7 @@ def cut_angles_of_phases(ellipses: Ellipses, corner_loads: Array) -> dict[str, A
     cut_angles_by_phase = {}
     for name, length in length_of_phase.items():
         cut_angles = np.concatenate(
-            [np.zeros_like(start_angle)[None], *inner_cuts[name], length[None]]
+            [np.zeros_like(begin_of_reverse_slip)[None], *inner_cuts[name], length[None]]
         )
         cut_angles_by_phase[name] = np.sort(
             np.clip(cut_angles, cut_angles[0], cut_angles[-1]), axis=0
@@ -510,53 +509,64 @@ def _ranges_of_slip(ellipses: Ellipses, load_at_x: Array) -> tuple[tuple[int, Ar
     number of the slip phase, first and last angle s in the phase, (m, 1) each.
 
     The point slips while it is in contact and the stick edge is within it. A range whose last angle
-    is below the first is empty. `load_at_x` (m, 1) is P_x. `ellipses` holds P0 and P1 as
-    `mean_load` and `load_amplitude`, t_E as `slip_start`, D as `slip_angle`; `load_moves` is False
-    for constant P.
+    is below the first is empty. The phases are E-G, reverse slip (0), and I-J, J-M, forward slip
+    (1, 2). E-G comes twice, before and after the least load, at which the point may be open.
 
-    # notation: P1 amplitude of P; P_x load at which the edge of contact is at x, P_T least load at
-    #           the edge of stick, P_min least P; u, v forward and reverse amplitude, of (Q -+ f
-    #           P)/f; D angle from E to G; s angle from the begin of E-G and I-J, back from the end
-    #           of J-M; t_E time of E
+    The point is open for angles up to h on either side of the least load P_min, at t = pi: 2 P1
+    sin^2(h/2) = P_x - P_min. `load_at_x` (m, 1) is P_x, under which the edge of contact is at x.
+    The stick edge passes the point
 
-    The phases are E-G, reverse slip, and I-J, J-M, forward slip. E-G comes twice, before and after
-    the least load, at which the point may be open. The point is in contact for
-    pi + h < t < 3 pi - h; 2 h is the angle about the least load within which it is open,
-    2 P1 sin^2(h/2) = P_x - P_min. The stick edge passes it in E-G where sin^2((D - s)/2) = (P_x -
-    P_T)/v, in I-J at s = t_E - h, in J-M where sin^2(s/2) = (P_x - P_T)/u.
+        in E-G where  sin^2((D - s)/2) = (P_x - P_T)/v
+        in I-J at     s = t_E - h
+        in J-M where  sin^2(s/2) = (P_x - P_T)/u
+
+    # notation: P = P0 + P1 cos t, with `mean_load` P0 and `load_amplitude` P1 (`load_moves`: not
+    #           0); P_T least load at the stick edge; u, v amplitudes of (Q -+ f P)/f; t_E
+    #           (`slip_start`) time of E, D (`slip_angle`) angle from E to G; s counts from the
+    #           begin of E-G and I-J, and back from the end of J-M
     """
     share_of_load_range = (load_at_x - ellipses.mean_load + ellipses.load_amplitude) / np.where(
         ellipses.load_moves, 2 * ellipses.load_amplitude, 1.0
     )
     # At constant P the point is open throughout or never.
     share_at_constant_load = np.where(load_at_x > ellipses.mean_load, 1.0, 0.0)
-    # h, for which the point is open; 2 arcsin(sqrt(share))
+    # h = 2 arcsin(sqrt(share))
     open_angle = angle_of_squared_half_sine(
         np.where(ellipses.load_moves, share_of_load_range, share_at_constant_load)
     )
-    start_angle = ellipses.slip_start
-    slip_angle = ellipses.slip_angle
+    begin_of_reverse_slip = ellipses.slip_start
+    length_of_reverse_slip = ellipses.slip_angle
     # angles at which the stick edge is at x, counted back from the end: in E-G and in J-M
     stick_edge_angle_in_reverse_slip, stick_edge_angle_in_late_forward_slip = _stick_edge_angles(
         ellipses, load_at_x
     )
     # that of E-G, counted from the begin of E-G
-    begin_of_slip_at_x = np.maximum(slip_angle - stick_edge_angle_in_reverse_slip, 0.0)
+    begin_of_slip_at_x = np.maximum(length_of_reverse_slip - stick_edge_angle_in_reverse_slip, 0.0)
     # E-G (0) before and after the least load, I-J (1), J-M (2)
     return (
-        (0, begin_of_slip_at_x, np.minimum(slip_angle, math.pi - open_angle - start_angle)),
-        (0, np.maximum(begin_of_slip_at_x, math.pi + open_angle - start_angle), slip_angle),
+        (
+            0,
+            begin_of_slip_at_x,
+            np.minimum(length_of_reverse_slip, math.pi - open_angle - begin_of_reverse_slip),
+        ),
+        (
+            0,
+            np.maximum(begin_of_slip_at_x, math.pi + open_angle - begin_of_reverse_slip),
+            length_of_reverse_slip,
+        ),
         (
             1,
-            np.abs(start_angle - open_angle),
-            np.minimum(math.pi - slip_angle, 2 * math.pi - open_angle - start_angle),
+            np.abs(begin_of_reverse_slip - open_angle),
+            np.minimum(
+                math.pi - length_of_reverse_slip, 2 * math.pi - open_angle - begin_of_reverse_slip
+            ),
         ),
         (
             2,
-            np.maximum(0.0, start_angle - math.pi + open_angle),
+            np.maximum(0.0, begin_of_reverse_slip - math.pi + open_angle),
             np.minimum(
-                np.minimum(slip_angle, stick_edge_angle_in_late_forward_slip),
-                start_angle + math.pi - open_angle,
+                np.minimum(length_of_reverse_slip, stick_edge_angle_in_late_forward_slip),
+                begin_of_reverse_slip + math.pi - open_angle,
             ),
         ),
     )
@@ -617,7 +627,7 @@ def _graded_interval_rule() -> IntervalRule:
 def _legendre_interval_rule(n_nodes: int, n_crowded_ends: int) -> IntervalRule:
     """Gauss' rule of `n_nodes` nodes on [0, 1] for integrands with square roots at the ends: nodes
     as signed distances from an end, and weights. Its error checks are the last three Legendre
-    coefficients of the integrand.
+    coefficients of the integrand, which are small where it is resolved.
 
     A change of variable makes square roots smooth and crowds the nodes: t^2 to the lower end
     (`n_crowded_ends` = 1), 3 t^2 - 2 t^3 to both (2), none (0).
@@ -641,7 +651,7 @@ def _legendre_interval_rule(n_nodes: int, n_crowded_ends: int) -> IntervalRule:
         crowded_distance = (t * t * (3 - 2 * t))[:, None]
         starts_at_lower_end = nodes[:, None] < 0.5
         distance_from_end = np.where(starts_at_lower_end, crowded_distance, -crowded_distance)
-    # distances, the end from which they count, weights, weights of the error checks
+    # distances, whether they count from the lower end, weights, weights of the error checks
     return IntervalRule(
         distance_from_end, starts_at_lower_end, weights, weights * coefficients_of_values
     )
