@@ -132,8 +132,8 @@ class _Layout:
     ----------
     separator
         between cells; None for blanks
-    names
-        heading of each of the n columns; "column 1" and so on where the file has none
+    headings
+        of each of the n columns; "column 1" and so on where the file has none
     units
         (n,) as written in the file, empty where a column has none
     columns_read
@@ -149,7 +149,7 @@ class _Layout:
     """
 
     separator: str | None
-    names: tuple[str, ...]
+    headings: tuple[str, ...]
     units: tuple[str, ...]
     columns_read: tuple[int, ...]
     heading_line: int
@@ -320,7 +320,7 @@ def _table_in_lines(
     has_decimal_comma = layout.separator != "," and _has_decimal_comma(read_lines(), layout)
     rows = _read_rows(request, read_lines, layout, has_decimal_comma)
     # `columns_read`: indices (from 0) of the columns that are read.
-    headings = tuple(layout.names[k] for k in layout.columns_read)
+    headings = tuple(layout.headings[k] for k in layout.columns_read)
     if not layout.heading_line:
         headings = tuple(f"column {k + 1}" for k in layout.columns_read)
     # SEPARATORS_IN_WORDS: name of each separator
@@ -371,7 +371,7 @@ def _headings_of_unread_columns(layout: _Layout) -> tuple[str, ...]:
         return ()
     return tuple(
         name
-        for number, name in enumerate(layout.names)
+        for number, name in enumerate(layout.headings)
         if name and number not in layout.columns_read
     )
 
@@ -464,7 +464,7 @@ def _layout_of_bare_rows(lines: list[Line]) -> _Layout | None:
         if n_columns > 1 and _is_numeric(text, separator):
             return _Layout(
                 separator=separator,
-                names=tuple(f"column {k + 1}" for k in range(n_columns)),
+                headings=tuple(f"column {k + 1}" for k in range(n_columns)),
                 units=("",) * n_columns,
                 columns_read=tuple(range(n_columns)),
                 heading_line=0,
@@ -622,7 +622,7 @@ def _layouts_with_headings_at(
 class _NamedColumns(NamedTuple):
     """Headings of all columns of a table, and indices (from 0) of those that are read."""
 
-    names: list[str]
+    headings: list[str]
     columns_read: tuple[int, ...]
 
 
@@ -649,7 +649,7 @@ def _layout_with_headings(
     separator
         between cells; None for blanks
     columns
-        `names`: headings of all columns; `columns_read`: indices (from 0) of those that are read
+        `headings` of all columns; `columns_read`: indices (from 0) of those that are read
     may_skip_lines
         whether lines without numbers may stand between headings and rows
     """
@@ -659,7 +659,7 @@ def _layout_with_headings(
     lines_above = [line for line in lines[:index] if not line[1].startswith(_COMMENT_MARKS)]
     # Units of the columns by lines above and below, "" where none; `rows`: (line number, text) of
     # the lines from the first row on.
-    units_above = _labelled_units(lines_above, separator, len(columns.names))
+    units_above = _labelled_units(lines_above, separator, len(columns.headings))
     units_below, lines_between, rows = _lines_below_headings(
         lines_below, separator, columns, may_skip_lines
     )
@@ -668,7 +668,7 @@ def _layout_with_headings(
     units = [
         unit_below or unit_in(heading)[1] or unit_above
         for unit_below, heading, unit_above in zip(
-            units_below, columns.names, units_above, strict=True
+            units_below, columns.headings, units_above, strict=True
         )
     ]
 
@@ -678,14 +678,14 @@ def _layout_with_headings(
         first_row_line, text_of_first_row = rows[0]
     layout = _Layout(
         separator=separator,
-        names=tuple(columns.names),
+        headings=tuple(columns.headings),
         units=tuple(units),
         columns_read=columns.columns_read,
         heading_line=heading_line,
         first_row_line=first_row_line,
         n_lines_above=len(lines_above),
         lines_between=lines_between,
-        time_column=_time_column(request, columns.names, columns.columns_read),
+        time_column=_time_column(request, columns.headings, columns.columns_read),
     )
     return layout, text_of_first_row
 
@@ -721,7 +721,7 @@ def _lines_below_headings(
     separator
         between cells; None for blanks
     columns
-        `names`: headings of all columns; `columns_read`: indices (from 0) of those that are read,
+        `headings` of all columns; `columns_read`: indices (from 0) of those that are read,
         in one of which a row has a number
     may_skip_lines
         whether lines that hold neither units nor numbers may stand before the first row
@@ -732,7 +732,7 @@ def _lines_below_headings(
         Units of the columns, "" where none; numbers of the lines skipped; the lines from the first
         row on.
     """
-    n_columns = len(columns.names)
+    n_columns = len(columns.headings)
     units = [""] * n_columns
     numbers_of_skipped_lines: list[int] = []
     for index, (line_number, text) in enumerate(lines):
@@ -1017,7 +1017,7 @@ def _layout_of_rows(request: _Request, lines: list[Line], first_row: FirstRow) -
 
     # A column is named by its quantity; others "column 3" and so on.
     quantity_of_column = dict(zip(columns_read, request.quantities, strict=True))
-    names = [quantity_of_column.get(k, f"column {k + 1}") for k in range(n_columns)]
+    column_names = [quantity_of_column.get(k, f"column {k + 1}") for k in range(n_columns)]
 
     # Headings and units above the row: line number 0 and nothing where there are none.
     heading_line, headings, units_above = _headings_above_rows(
@@ -1035,13 +1035,13 @@ def _layout_of_rows(request: _Request, lines: list[Line], first_row: FirstRow) -
         n_lines_above = sum(line_number < heading_line for line_number, _ in lines)
     return _Layout(
         separator=separator,
-        names=headings or tuple(names),
+        headings=headings or tuple(column_names),
         units=units,
         columns_read=columns_read,
         heading_line=heading_line,
         first_row_line=first_row_line,
         n_lines_above=n_lines_above,
-        time_column=_time_column(request, names, columns_read),
+        time_column=_time_column(request, column_names, columns_read),
     )
 
 
@@ -1382,7 +1382,7 @@ class _RowReader:
         separator = self.layout.separator
         has_decimal_comma = self.has_decimal_comma
         # Between separators that are no blanks, cells behind the last column read may be left out.
-        most_separators = len(self.layout.names) - 1
+        most_separators = len(self.layout.headings) - 1
         fewest_separators = most_separators if separator is None else max(self.layout.columns_read)
         for _, text in self.lines():
             # Empty cells at the end of a line are none.
@@ -1410,7 +1410,7 @@ def _read_rows(
     read_lines
         yields number and text of the lines, from the first one on at each call
     layout
-        the separator, the headings `names`, and the indices (from 0) of the columns that are read
+        the separator, the `headings`, and the indices (from 0) of the columns that are read
     has_decimal_comma
         whether the decimal sign is a comma
 
@@ -1422,7 +1422,7 @@ def _read_rows(
     # Streams the rows: their number and text, or their text for numpy.
     reader = _RowReader(request, read_lines, layout, has_decimal_comma)
     if next(reader.lines(), None) is None:
-        headings = ", ".join(layout.names[k] for k in layout.columns_read[:6])
+        headings = ", ".join(layout.headings[k] for k in layout.columns_read[:6])
         rest_text = ", ..." if len(layout.columns_read) > 6 else ""
         raise InputError(f"{request.path}: no row of numbers below the names {headings}{rest_text}")
     try:
@@ -1459,7 +1459,7 @@ def _read_rows_cell_by_cell(
     rows
         number and text of the lines from the first row on
     layout
-        the headings `names`, the separator, and the indices (from 0) of the columns that are read
+        the `headings`, the separator, and the indices (from 0) of the columns that are read
     has_decimal_comma
         whether the decimal sign is a comma
 
@@ -1477,7 +1477,7 @@ def _read_rows_cell_by_cell(
     # Lines of text wait until a row follows: then they are at fault.
     for line_number, text in rows:
         cells = _cells_of_line(text, layout.separator)
-        if cells == [name.strip() for name in layout.names]:
+        if cells == [name.strip() for name in layout.headings]:
             numbers_of_heading_lines.append(line_number)
             continue
         if _is_line_of_text(cells, layout, has_decimal_comma):
@@ -1546,7 +1546,7 @@ def _values_of_row(
     line
         number and text of the row
     layout
-        the headings `names`, the separator (None for blanks), the indices (from 0) of the columns
+        the `headings`, the separator (None for blanks), the indices (from 0) of the columns
         that are read, and that of the column that may hold times of day
     has_decimal_comma
         whether the decimal sign is a comma
@@ -1559,21 +1559,23 @@ def _values_of_row(
         For more or fewer cells than headings, or a cell that is no number of at most 1e100 in size.
     """
     line_number, row_text = line
-    names = layout.names
+    headings = layout.headings
     cells = _cells_of_line(row_text, layout.separator)
 
     # A cell for each heading; between separators that are no blanks the last may be left out.
-    if not _has_cell_for_each_heading(row_text, layout.separator, layout.columns_read, len(names)):
-        list_of_names = ", ".join(names[:6]) + (", ..." if len(names) > 6 else "")
+    if not _has_cell_for_each_heading(
+        row_text, layout.separator, layout.columns_read, len(headings)
+    ):
+        list_of_headings = ", ".join(headings[:6]) + (", ..." if len(headings) > 6 else "")
         advice = ""
-        if layout.separator == "," and len(cells) > len(names):
+        if layout.separator == "," and len(cells) > len(headings):
             advice = (
                 "; commas between the columns leave points for the numbers, without marks between"
                 " thousands"
             )
         raise InputError(
-            f"{path}, line {line_number}: {len(names)} numbers ({list_of_names}) are needed, not"
-            f" {shortened_repr(row_text)}{advice}"
+            f"{path}, line {line_number}: {len(headings)} numbers ({list_of_headings}) are needed,"
+            f" not {shortened_repr(row_text)}{advice}"
         )
 
     # A number in each column that is read; a time of day counts in the column of time.
@@ -1589,22 +1591,35 @@ def _values_of_row(
                 reason_of_clock = f": {reason}"
         # LARGEST_NUMBER: 1e100, the largest number that is read
         if cell_value is None or not abs(cell_value) <= LARGEST_NUMBER:
-            advice = reason_of_clock
-            # _GROUPED_DIGITS: pattern of a number with marks between thousands
-            if _GROUPED_DIGITS.match(cell):
-                decimal_sign = "comma" if has_decimal_comma else "point"
-                advice = (
-                    f"; the decimal sign of this file is a {decimal_sign}: write no marks between"
-                    " thousands"
-                )
-            elif not cell:
-                advice = ": fill it in, or take out the line"
-            elif column == layout.time_column and not advice:
-                advice = f", nor a time such as {EXAMPLES_OF_CLOCK_TIMES}"
+            advice = _advice_on_cell(
+                cell, has_decimal_comma, column == layout.time_column, reason_of_clock
+            )
             raise InputError(
-                f"{path}, line {line_number}: {names[column]} = {shortened_repr(cell)} is not a"
+                f"{path}, line {line_number}: {headings[column]} = {shortened_repr(cell)} is not a"
                 " finite"
                 f" number of at most {LARGEST_NUMBER:g}{advice}"
             )
         row_values.append(cell_value)
     return row_values
+
+
+def _advice_on_cell(
+    cell: str, has_decimal_comma: bool, is_in_time_column: bool, reason_of_clock: str
+) -> str:
+    """End of the message on a `cell` of a text table that is no number: what to do about it, or why
+    it is no time either.
+
+    `reason_of_clock` is the reason why a time in it is refused, "" where none is recognised;
+    `has_decimal_comma`: the decimal sign of the file is a comma.
+    """
+    # _GROUPED_DIGITS: pattern of a number with marks between thousands
+    if _GROUPED_DIGITS.match(cell):
+        decimal_sign = "comma" if has_decimal_comma else "point"
+        return (
+            f"; the decimal sign of this file is a {decimal_sign}: write no marks between thousands"
+        )
+    if not cell:
+        return ": fill it in, or take out the line"
+    if is_in_time_column and not reason_of_clock:
+        return f", nor a time such as {EXAMPLES_OF_CLOCK_TIMES}"
+    return reason_of_clock
