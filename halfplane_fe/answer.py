@@ -1159,6 +1159,7 @@ def _checks_of_increments(run: PathRun) -> dict[str, Array]:
     increment.
     """
     reported_names = list(run.increment_records[0]) if run.increment_records else []
+    # _ENERGY_NAMES: names of the other energies and works
     names_of_works = (*_ENERGY_NAMES, "layer", "loop_work", "kink_work")
     return {
         name: run.values_of_increments(name)

@@ -1316,6 +1316,7 @@ def _steps_of_large_tension(solution: ContactSolution) -> list[int]:
     # Tension by nodal tractions at each step of the last cycle with three nodes in contact.
     steps_of_cycle = [int(step) for step in solution.last_cycle]
     nodal_tractions = {step: _nodal_tractions(solution, step) for step in steps_of_cycle}
+    # FEWEST_NODES: 3
     nodal_tension = {
         step: edge_tension_by_nodal_shear(tractions_of_step)
         for step, tractions_of_step in nodal_tractions.items()
@@ -1400,6 +1401,7 @@ def _interpolated_added_tension(
         index of a stored step -> pressure and shear at the nodes that touch then
     """
     steps = list(nodal_tractions)
+    # _N_SAMPLED_STEPS_OF_SEARCH: 6
     evenly_spread_positions = (
         np.linspace(0, len(steps) - 1, _N_SAMPLED_STEPS_OF_SEARCH).round().astype(int)
     )
@@ -1478,6 +1480,7 @@ def profile_kinks(scene: Scene) -> Array:
     """
     places_and_jumps = []
     for place in scene.profile.kinks:  # x > 0 of each jump of the curvature
+        # _STEP_AT_KINK: 1e-3
         spacing = _STEP_AT_KINK * place
         height_far_left, height_left, height_middle, height_right, height_far_right = (
             scene.profile.height(place + spacing * np.arange(-2, 3))
@@ -1688,6 +1691,7 @@ def _distance_of_fit(shape: Shape, half_width: float) -> float | None:
     It is three half-widths of contact, or 0.8 of the way to the nearest support or side where that
     is shorter; too near means below 1.5 half-widths. `half_width` is that of the contact [length].
     """
+    # _OUTER_DISTANCE: 3; _SHARE_OF_DISTANCE_TO_SUPPORT: 0.8; _LEAST_OUTER_DISTANCE: 1.5
     largest_distance = min(
         _OUTER_DISTANCE * half_width, _SHARE_OF_DISTANCE_TO_SUPPORT * nearest_end(shape)
     )

@@ -734,6 +734,7 @@ class ContactProblem:
             )
         # The cache is bounded in bytes: the oldest set of node states leaves first.
         n_sets = len(self._rates)
+        # _FEWEST_CACHED_SETS: 128; _MOST_RATE_BYTES: 20 MB
         if n_sets > _FEWEST_CACHED_SETS and n_sets * rates_by_load.nbytes > _MOST_RATE_BYTES:
             self._rates.pop(next(iter(self._rates)))
         return self._rates.setdefault(node_states.tobytes(), rates_by_load)

@@ -232,6 +232,7 @@ def _held_dofs(
     """
     held_dofs = [np.empty(0, dtype=np.int64)]
     for name, support in supports.items():
+        # _COMPONENTS_HELD: by the kind of support, 0 where it holds u_x, 1 where it holds u_y
         held_dofs += [boundary_dofs[name][component] for component in _COMPONENTS_HELD[support]]
         if support == "rollers" and "guided" not in supports.values():
             dofs_along_x = boundary_dofs[name][0]
@@ -985,6 +986,7 @@ def _weighted_outer_product(columns: sparse.csc_matrix, factor: Array) -> Array:
     n_rows = columns.shape[0]
     product = np.zeros((n_rows, n_rows))
     column_counts = np.diff(columns.indptr)  # number of entries in each column
+    # _SHARE_OF_DENSE_COLUMN: 1/12
     is_dense = column_counts > _SHARE_OF_DENSE_COLUMN * n_rows
     is_sparse = ~is_dense & (column_counts > 0)
     scaled_columns = columns.copy()
@@ -1118,6 +1120,7 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
             "condensation: a stiffness is lost in rounding, as of a block 1e6 times as high as wide"
         ) from reason
     largest_error = max(response.asymmetry, response.residual)
+    # _LARGEST_ERROR: 1e-6
     if not largest_error <= _LARGEST_ERROR:
         raise ConvergenceError(
             "condensation: rounding leaves a compliance that differs from that of the mesh by"

@@ -593,6 +593,7 @@ def tractions_with_uncertainty(nodal_tractions: NodalTractions) -> TractionsAndU
     fewer than three nodes touch. `nodal_tractions` also has the edges of contact and
     stick, friction and Q.
     """
+    # FEWEST_NODES: 3
     if len(nodal_tractions.x) < FEWEST_NODES:
         return TractionsAndUncertainty(None, np.zeros(2), np.zeros(2))
     usual_tractions = tractions(nodal_tractions)
@@ -685,11 +686,13 @@ def _uncertainty_by_other_fits(
     largest_coulomb_limit = nodal_tractions.friction * float(nodal_tractions.pressure.max())
     # _LEAST_TENSION_ERROR: fitted share of f p0 and the root of the relative spacing
     least_uncertainty = _LEAST_TENSION_ERROR * math.sqrt(spacing_ratio) * largest_coulomb_limit
+    # Fitted factors: 3.6 of a tabulated profile, else 1.9.
     factor_of_other_fits = (
         _FACTOR_OF_OTHER_FITS_OF_TABLE
         if nodal_tractions.has_tabulated_profile
         else _FACTOR_OF_OTHER_FITS
     )
+    # _OTHER_FITS: the four other fits
     changes = [
         sampled_tractions(nodal_tractions, fit).edge_tension() - tension for fit in _OTHER_FITS
     ]
@@ -754,6 +757,7 @@ def tension_change_by_unseen_slip(
         [x[inner_node] - smooth_tractions.edges[0], smooth_tractions.edges[1] - x[-1 - inner_node]]
     )
     inner_pressures = np.array([pressure[inner_node], pressure[-1 - inner_node]])
+    # _COUNTED_SHARE_OF_UNSEEN_SLIP: 0.7
     factor = _COUNTED_SHARE_OF_UNSEEN_SLIP * 8 / math.pi * nodal_tractions.friction
     return np.asarray(factor * inner_pressures * (may_slip_unseen & (distances_inside > 0)))
 
@@ -995,6 +999,7 @@ def _number_of_fitted_nodes(x: Array, fit: EdgeFit) -> int:
     # A node at the very end of the span counts.
     end_of_fit = x[min(fit.nodes_left_out, len(x) - 1)] + (_FITTED_SPAN / 2 + _ROUND_OFF) * width
     nodes_available = int(np.searchsorted(x, end_of_fit)) - fit.nodes_left_out
+    # _USUAL_FITTED_NODES: 16; _MOST_FITTED_NODES: 100
     n_nodes = round(
         fit.share_of_nodes * np.clip(nodes_available, _USUAL_FITTED_NODES, _MOST_FITTED_NODES)
     )

@@ -467,6 +467,7 @@ def _pairs_beyond_mesh_error(
         (n, n) distance of two nodes, in distances of neighbouring nodes; 8.5 is far enough
     """
     n_nodes = len(unit_x)
+    # _N_SAMPLES: 48
     chebyshev_places = np.cos(np.pi * (np.arange(_N_SAMPLES) + 0.5) / _N_SAMPLES)
     sample_nodes = np.searchsorted(unit_x, chebyshev_places).clip(0, n_nodes - 1)
     sample_nodes = np.union1d(sample_nodes, n_nodes - 1 - sample_nodes)
@@ -498,6 +499,7 @@ def _smooth_compliance(matrix: Array, x: Array, distances_in_spacings: Array) ->
 
     # Least-squares fit of products of Legendre polynomials; degree 8 at most in both together, one
     # degree for every 25 nodes.
+    # _LARGEST_DEGREE: 8; _NODES_PER_DEGREE: 25
     degree = min(_LARGEST_DEGREE, len(x) // _NODES_PER_DEGREE)
     legendre = np.polynomial.legendre.legvander(unit_x, degree)
     exponents = [(k, m) for k in range(degree + 1) for m in range(degree + 1 - k)]

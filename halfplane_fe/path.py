@@ -397,6 +397,7 @@ def check_admissible(path: LoadPath, friction: float, *, is_driven: bool = False
         is_after_start = times > path.start
         largest_load = float(np.abs(normal_load).max())
 
+        # _LEAST_LOAD_RATIO: 1e-12
         is_separated = is_after_start & (normal_load <= _LEAST_LOAD_RATIO * largest_load)
         if is_separated.any():
             worst_index = int(np.argmin(np.where(is_separated, normal_load, np.inf)))
@@ -408,6 +409,7 @@ def check_admissible(path: LoadPath, friction: float, *, is_driven: bool = False
             continue
 
         force_beyond_limit = np.abs(tangential_load) - friction * normal_load
+        # _ROUNDING_OF_LIMIT: 1e-14
         is_sliding = (
             is_after_start
             & (force_beyond_limit >= -_ROUNDING_OF_LIMIT * friction * largest_load)
@@ -444,6 +446,7 @@ def _separation_error(
     # _ADVICE_ON_LITTLE_LOAD, _ADVICE_ON_UNLOADING: sentences on what to change
     advice = _ADVICE_ON_LITTLE_LOAD if normal_load > 0 else ""
     largest_force = max(abs(normal_load), abs(worst_instant.tangential_load))
+    # _ROUNDING_OF_LIMIT: 1e-14
     if largest_force <= _ROUNDING_OF_LIMIT * largest_load:
         advice = _ADVICE_ON_UNLOADING
     return InadmissibleLoadError("separation", worst_instant, friction=friction, rule=advice)

@@ -90,6 +90,7 @@ def law_states(contact_states: Sequence[InterfaceState]) -> States:
         slip_along_sense = slip_sign(node_states[ends_of_block]) * _slip_of_increments(
             contact_states, block
         )
+        # _ROUNDING: 1e-9
         has_moved[ends_of_block] = slip_along_sense > _ROUNDING * largest_slip
     node_states[(slip_sign(node_states) != 0) & ~has_moved] = STICK
     return node_states
@@ -284,6 +285,7 @@ def _slip_limits(
             for number in range(len(cycle_starts) + 1)
         ]
     )
+    # _LEAST_SPEED_SHARE: 1e-2
     least_fast_slip = (
         _LEAST_SPEED_SHARE * largest_slip_per_load[revolution_of_increment] * load_changes
     )
@@ -348,6 +350,7 @@ def shear_grows_within_cone(
             nodes_at_edges = np.append(closed_nodes[_NODES_AT_EDGE], nodes_at_edges)
         rise_of_pressure = (state_after.pressure - state_before.pressure)[nodes_at_edges]
         change_of_shear = np.abs(state_after.shear - state_before.shear)[nodes_at_edges]
+        # _LESS_THAN_F: 0.9
         is_below_limit = change_of_shear < _LESS_THAN_F * friction * rise_of_pressure
         sticks_in_full[instant] = is_below_limit.all()
     return sticks_in_full

@@ -105,6 +105,7 @@ def tip_halvings(profile: Profile, size: float) -> int:
     """
     n_halvings = 0
     error_left = 1.0
+    # _MOST_HALVINGS: 16; _ERROR_LEFT_AT_TIP: 1/64; SMOOTH_TIP: 1.99; _HALVINGS_WITHIN_TIP: 2
     while n_halvings < _MOST_HALVINGS and error_left > _ERROR_LEFT_AT_TIP:
         exponent = exponent_at_tip(profile, size / 2**n_halvings)  # n at the present size
         if exponent >= SMOOTH_TIP:
@@ -364,7 +365,8 @@ def _slip_notes(revolution: Revolution, element_size: float, mesh: MeshSettings)
     # friction work of a mesh on which nothing should slip, over A f^2 P^2
     # _DISSIPATION_BY_MESH: times the square of the element size over the half-width
     dissipation_by_mesh = _DISSIPATION_BY_MESH * (element_size / largest_half_width) ** 2
-    # a slip zone of less than two elements, and an error of more than 5 %, are worth a note
+    # Worth a note: a slip zone of less than two elements (_FEW_ELEMENTS; four are enough), and an
+    # error of more than 5 % (_NOTED_ERROR).
     if not dissipation > 0:
         yield (
             f"no node slips: a slip zone narrower than an element, {element_size:.3g} at the edges,"

@@ -548,6 +548,7 @@ class _Iteration:
         increment: its tractions are the same in both, but later events (a node opens or slips) are
         found by the state that it had. The tolerance of a force is 1e-10 of the largest pressure.
         """
+        # _TOLERANCE: 1e-10
         tolerance = _TOLERANCE * float(np.abs(self._iterated_pressure).max())
         node_states = self._states_within_tolerance(tolerance)
         if self.problem.has_shear:

@@ -140,6 +140,7 @@ def trend(values: Sequence[float]) -> Trend:
         change_to_limit = last_difference * ratio / (1 - ratio)
         return Trend("geometric", change_to_limit, values[-1] + change_to_limit)
     decay_exponent = float(np.log(ratio) / np.log((k - 1.5) / (k - 0.5))) - 1
+    # _STEEPEST_EXPONENT: 3; _SLOWEST_EXPONENT: 0.5
     decay_exponent = min(decay_exponent, _STEEPEST_EXPONENT)
     if decay_exponent < _SLOWEST_EXPONENT:
         return unclear_trend
@@ -167,6 +168,7 @@ def is_ratcheting(drifts: Sequence[float], travel: float) -> bool:
     last_drift = abs(drifts[-1])
     # `change_to_limit` of a series: its limit minus its last value; _DRIFT_RATIO_OF_RATCHETING: 3
     largest_vanishing_drift = _DRIFT_RATIO_OF_RATCHETING * abs(trend(drifts).change_to_limit)
+    # _LEAST_DRIFT: 1e-3
     return last_drift > _LEAST_DRIFT * travel and last_drift > largest_vanishing_drift
 
 
@@ -709,6 +711,7 @@ def _repeats(run: PathRun, uncertainty: Callable[[PathRun], float]) -> bool:
         function from the run to the uncertainty of its friction work; where it is NaN, 5e-4 of the
         work takes its place
     """
+    # LARGEST_CHANGE_OF_REPEAT: 5e-4
     if run.force_change_by_cycle[-1] > LARGEST_CHANGE_OF_REPEAT:
         return False
     allowed_error = uncertainty(run)
@@ -949,6 +952,7 @@ def _reference_dissipation(run: PathRun, pace: Pace, friction: float) -> float:
     work_over_friction_squared = 2.0 ** np.floor(
         np.log2(max(expected_work / friction_squared, 1e-300))
     )
+    # _LEAST_DISSIPATION: 3e-3
     return float(max(work_over_friction_squared, _LEAST_DISSIPATION) * friction_squared)
 
 

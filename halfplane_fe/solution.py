@@ -421,6 +421,7 @@ def _with_error_of_kernels(
     """
     # by the difference of the kernels of two meshes; `scales.modulus` is E*
     relative_error = kernels.relative_work_error(answer.x, answer.scales.modulus)
+    # _NOTE_OF_KERNELS: a sentence on where the bodies' compliances come from
     record_with_note = replace(answer.record, notes=(*answer.record.notes, _NOTE_OF_KERNELS))
     return replace(
         answer,

@@ -304,6 +304,7 @@ def _instant_of_most_slip(
     index_of_largest = int(np.argmax([weighted_slip(time) for time in times.tolist()]))
     if index_of_largest == _N_INSTANTS_OF_STROKE - 1:
         return end
+    # _TOLERANCE_OF_STROKE: 1e-5
     minimum = scipy.optimize.minimize_scalar(
         lambda time: -weighted_slip(time),
         bounds=(times[max(index_of_largest - 1, 0)], times[index_of_largest + 1]),
@@ -377,6 +378,7 @@ def _end_of_lost_slip(
         directions != 0, start_state.pressure * np.abs(slip_by_loads[1]), 0.0
     )
     losing_share = weighted_slip_by_q[lost_work > 0].sum() / weighted_slip_by_q.sum()
+    # _LOST_WORK_ALLOWED: 0.03
     allowed_loss = _LOST_WORK_ALLOWED * tolerance.error_rate * (end - start_state.time)
     if not lost_work.sum() > losing_share * allowed_loss:
         return end
@@ -411,6 +413,7 @@ def _has_turned_at_end(
         (n_loads, n) derivatives of the slip by the loads, while the nodes keep their states from
         the start
     """
+    # _N_INSTANTS_OF_STROKE: 9
     shortly_before_end = end - (end - start_state.time) / (_N_INSTANTS_OF_STROKE - 1)
     slip_shortly_before_end = (
         np.subtract(loads_at(end), loads_at(shortly_before_end)) @ slip_by_loads
@@ -987,6 +990,7 @@ def _time_of_event(
     time_of_event = time_of_zero(
         distance_at, start_state.time, latest_end, share_of_increment, distance_at(start_state.time)
     )
+    # _LARGEST_MOVE: 1e-3 of the increment
     return (
         time_of_event
         if abs(time_of_event - solved_state.time) < _LARGEST_MOVE * duration
