@@ -100,6 +100,20 @@ class Question:
         return self.wants(*POINTWISE)
 
     @property
+    def is_default(self) -> bool:
+        """Whether the scene is the only thing stated: all fields of all cycles of its own load path
+        on half-planes are wanted, at the points and instants that theory chooses.
+        """
+        return (
+            self.fields.issuperset(FIELDS)
+            and self.x is None
+            and self.time is None
+            and self.cycles == "all"
+            and not self.straight_steps
+            and self.effects is None
+        )
+
+    @property
     def wants_last_cycle_alone(self) -> bool:
         """Whether no instants are stated and the steady cycle is enough."""
         return self.time is None and self.cycles == "steady"

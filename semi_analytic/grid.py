@@ -87,6 +87,8 @@ _ORDER_OF_SHEAR_BESIDE_EDGE = 1 / 3
 _ROUND_OFF_OF_TIME = 1e-12
 # Cycles that the fine grids follow where coarse ones followed those before: the last two.
 _CYCLES_RESUMED = 2
+# Instants whose fields on all grids are found together.
+_INSTANTS_AT_ONCE = 16
 # Instants, out of those asked for, at which coarse and fine grids are compared.
 _INSTANTS_COMPARED = 40
 # Share of the longest slip path of a cycle up to which a cell counts as permanently stuck.
@@ -1034,7 +1036,7 @@ class _BlockOfCells(NamedTuple):
         cells outside the block.
         """
         all_values = np.zeros((len(self.grids), n_cells_of_grid), dtype=values.dtype)
-        np.put_along_axis(all_values, self.columns, values, axis=1)
+        all_values[np.arange(len(self.grids))[:, None], self.columns] = values
         return all_values
 
 
@@ -1136,7 +1138,8 @@ def _slip_of_sliding_cells(
     # Numbers of the cells in each system, (g, n): sliding cells, then others that fill it up.
     n_cells = is_sliding.shape[1]
     cell_numbers = np.argsort(~is_sliding, axis=1, kind="stable")[:, :most_sliding_cells]
-    is_sliding_row = np.take_along_axis(is_sliding, cell_numbers, axis=1)
+    grid_numbers = np.arange(len(is_sliding))[:, None]
+    is_sliding_row = is_sliding[grid_numbers, cell_numbers]
     # Rows and columns of G of these cells, (g, n, n).
     stiffness = cell_stiffness.matrix.ravel().take(
         cell_numbers[:, :, None] * n_cells + cell_numbers[:, None, :]
@@ -1145,11 +1148,9 @@ def _slip_of_sliding_cells(
         stiffness *= is_sliding_row[:, :, None] & is_sliding_row[:, None, :]
         diagonal = np.arange(most_sliding_cells)
         stiffness[:, diagonal, diagonal] += ~is_sliding_row
-    right_side = np.where(
-        is_sliding_row, np.take_along_axis(shear_excess, cell_numbers, axis=1), 0.0
-    )
+    right_side = np.where(is_sliding_row, shear_excess[grid_numbers, cell_numbers], 0.0)
     slip_of_rows = np.linalg.solve(stiffness, right_side[..., None])[..., 0]
-    np.put_along_axis(increment_slip, cell_numbers, slip_of_rows, axis=1)
+    increment_slip[grid_numbers, cell_numbers] = slip_of_rows
     return increment_slip
 
 
@@ -1488,19 +1489,27 @@ class _GridSolution:
         self.shear_moment[instant_numbers] = np.mean(
             cell_fields.shear_moment[increment_numbers], axis=1
         )
-        for instant_number, increment_number in zip(
-            instant_numbers.tolist(), increment_numbers.tolist(), strict=True
-        ):
-            point_fields = _point_fields_at(grids, cell_fields, increment_number, x, compliance)
-            self.friction_ratio[instant_number] = np.mean(point_fields.friction_ratio, axis=0)
-            self.slip[instant_number] = np.mean(point_fields.slip, axis=0)
-            self.stick_edges[instant_number] = np.mean(point_fields.stick_edges, axis=0)
-            self.most_stick_zones = max(self.most_stick_zones, point_fields.most_stick_zones)
-            if instant_number % stride == 0:
-                self.friction_ratio_by_grid[:, instant_number // stride] = (
-                    point_fields.friction_ratio
-                )
-                self.slip_by_grid[:, instant_number // stride] = point_fields.slip
+        # some instants at a time: their fields on all grids take memory
+        for first_index in range(0, len(instant_numbers), _INSTANTS_AT_ONCE):
+            block = slice(first_index, first_index + _INSTANTS_AT_ONCE)
+            numbers = instant_numbers[block]
+            point_fields = _point_fields_at(
+                grids, cell_fields, increment_numbers[block], x, compliance
+            )
+            self.friction_ratio[numbers] = np.mean(point_fields.friction_ratio, axis=1)
+            self.slip[numbers] = np.mean(point_fields.slip, axis=1)
+            self.stick_edges[numbers] = np.mean(point_fields.stick_edges, axis=1)
+            self.most_stick_zones = max(
+                self.most_stick_zones, int(np.max(point_fields.n_stick_zones))
+            )
+            is_stored_by_grid = numbers % stride == 0
+            stored_numbers = numbers[is_stored_by_grid] // stride
+            self.friction_ratio_by_grid[:, stored_numbers] = np.swapaxes(
+                point_fields.friction_ratio[is_stored_by_grid], 0, 1
+            )
+            self.slip_by_grid[:, stored_numbers] = np.swapaxes(
+                point_fields.slip[is_stored_by_grid], 0, 1
+            )
 
     def store_last_cycle(
         self,
@@ -1530,101 +1539,144 @@ class _GridSolution:
 
 
 class _PointFields(NamedTuple):
-    """Fields at m points at one instant, by g grids.
+    """Fields at m points at n instants, by g grids.
 
     Attributes
     ----------
     friction_ratio, slip
-        (g, m) q/(f p) and slip s [length]
+        (n, g, m) q/(f p) and slip s [length]
     stick_edges
-        (g, 2) left and right outer edge of stick [length], NaN where nothing sticks
-    most_stick_zones
-        the largest number of stick zones of a grid
+        (n, g, 2) left and right outer edge of stick [length], NaN where nothing sticks
+    n_stick_zones
+        (n, g) number of stick zones
     """
 
     friction_ratio: Array
     slip: Array
     stick_edges: Array
-    most_stick_zones: int
+    n_stick_zones: NDArray[np.intp]
 
 
 def _point_fields_at(
-    grids: Grid, cell_fields: GridFields, increment_number: int, x: Array, compliance: Array
+    grids: Grid,
+    cell_fields: GridFields,
+    increment_numbers: NDArray[np.intp],
+    x: Array,
+    compliance: Array,
 ) -> _PointFields:
-    """Fields of g grids at points x (m,) at the end of one increment: q/(f p) and slip s, (g, m)
-    each, the outer edges of stick (g, 2), and the largest number of stick zones of a grid.
+    """Fields of g grids at points x (m,) at the ends of n increments: q/(f p) and slip s, the outer
+    edges of stick, and the number of stick zones.
 
-    q/(f p) is linear between the middles of the cells in contact. It is 0 without contact, and the
-    number of zones is then 1. Edges are NaN where nothing sticks.
+    q/(f p) is linear between the middles of the cells in contact, and 0 without contact. Edges are
+    NaN where nothing sticks.
 
     Parameters
     ----------
     grids
         the g grids; their `x` (g, k) are the middles of the k cells
     cell_fields
-        pressure, shear and state (open, stick or slip) of the cells, (n, g, k), at the ends of n
-        increments
-    increment_number
-        that of the increment, below n
+        pressure, shear and state (open, stick or slip) of the cells at the ends of all increments,
+        (g, k) at each
+    increment_numbers
+        (n,) those of the increments
     x, compliance
         (m,) points; (g, m, k) displacements there by unit tractions on the cells
     """
-    n_grids = len(grids.x)
-    friction_ratio = np.zeros((n_grids, len(x)))
-    stick_edges = np.full((n_grids, 2), np.nan)
-    most_stick_zones = 1
-    for grid_number, cell_states in enumerate(cell_fields.state[increment_number]):
-        touching_cells = np.flatnonzero(cell_states != OPEN)
-        if not len(touching_cells):
-            continue
-        cell_middles = grids.x[grid_number]
-        pressure = cell_fields.pressure[increment_number, grid_number, touching_cells]
-        shear = cell_fields.shear[increment_number, grid_number, touching_cells]
-        friction_ratio[grid_number] = np.interp(
-            x, cell_middles[touching_cells], shear / (grids.friction * pressure)
-        )
-        stick_edges[grid_number], n_stick_zones = _stick_edges_and_zones(
-            cell_states, cell_middles, grids.cell_width
-        )
-        most_stick_zones = max(most_stick_zones, n_stick_zones)
-    slip = _slip_at_points(grids, cell_fields, increment_number, x, compliance)
-    return _PointFields(friction_ratio, slip, stick_edges, most_stick_zones)
+    cell_states = cell_fields.state[increment_numbers]
+    is_touching = cell_states != OPEN
+    friction_ratio_of_cells = np.zeros(cell_states.shape)
+    np.divide(
+        cell_fields.shear[increment_numbers],
+        grids.friction * cell_fields.pressure[increment_numbers],
+        out=friction_ratio_of_cells,
+        where=is_touching,
+    )
+    stick_edges, n_stick_zones = _stick_edges_and_zones(cell_states, grids.x, grids.cell_width)
+    return _PointFields(
+        friction_ratio=_between_cells(friction_ratio_of_cells, is_touching, grids.x, x),
+        slip=_slip_at_points(grids, cell_fields, increment_numbers, x, compliance),
+        stick_edges=stick_edges,
+        n_stick_zones=n_stick_zones,
+    )
+
+
+def _between_cells(
+    values: Array, is_touching: NDArray[np.bool_], cell_middles: Array, x: Array
+) -> Array:
+    """Values at points x (m,), linear between the middles of the cells in contact and constant
+    beyond the outermost of them, (n, g, m) at n instants on g grids; 0 without contact.
+
+    Parameters
+    ----------
+    values
+        (n, g, k) of the cells
+    is_touching
+        (n, g, k) cells in contact, side by side on each grid
+    cell_middles
+        (g, k) middles x of the cells [length]
+    """
+    n_instants, n_grids, n_cells = values.shape
+    first_cell = np.argmax(is_touching, axis=-1)[..., None]
+    last_cell = n_cells - 1 - np.argmax(is_touching[..., ::-1], axis=-1)[..., None]
+    # (g, m) number of the last cell with its middle at or before each point, -1 without such a cell
+    cells_before = np.stack(
+        [np.searchsorted(middles, x, side="right") - 1 for middles in cell_middles]
+    )
+    is_between = (cells_before >= first_cell) & (cells_before < last_cell)
+    # (n, g, m) numbers of cells: on their own grid, among those of all grids, and of all instants
+    cell = np.clip(cells_before, first_cell, last_cell)
+    cell_of_grids = cell + n_cells * np.arange(n_grids)[:, None]
+    cell_of_instants = cell_of_grids + n_grids * n_cells * np.arange(n_instants)[:, None, None]
+    # slope from each cell to the next
+    slopes = np.zeros(values.shape)
+    slopes[..., :-1] = np.diff(values) / np.diff(cell_middles)
+    slope = np.where(is_between, slopes.ravel().take(cell_of_instants), 0.0)
+    distance = x - cell_middles.ravel().take(cell_of_grids)
+    values_at_points = slope * distance + values.ravel().take(cell_of_instants)
+    values_at_points[~is_touching.any(axis=-1)] = 0.0
+    return np.asarray(values_at_points)
 
 
 def _slip_at_points(
-    grids: Grid, cell_fields: GridFields, increment_number: int, x: Array, compliance: Array
+    grids: Grid,
+    cell_fields: GridFields,
+    increment_numbers: NDArray[np.intp],
+    x: Array,
+    compliance: Array,
 ) -> Array:
     """Slip s = U - eps x - (displacement by the shear of all cells) at points x (m,), by each of g
-    grids at the end of one increment, (g, m) [length].
+    grids at the ends of n increments, (n, g, m) [length].
 
     Parameters
     ----------
     grids
         the g grids of k cells
     cell_fields
-        at the ends of n increments: P, Q, bulk strain eps and tilt (`loads`, (n, 4)), displacement
-        U (n, g) with its datum at distance 1, and shear (n, g, k)
-    increment_number
-        that of the increment, below n
+        at the end of each increment: P, Q, bulk strain eps and tilt (`loads`, (4,)), displacement U
+        (g,) with its datum at distance 1, and shear (g, k)
+    increment_numbers
+        (n,) those of the increments
     x, compliance
         (m,) points; (g, m, k) displacements there by unit tractions on the cells, with their datum
         at the distance of the grid's length
     """
-    _, tangential_load, strain, _ = cell_fields.loads[increment_number]
+    _, tangential_load, strain, _ = cell_fields.loads[increment_numbers].T
     # `datum_compliance` Q: change of U as its datum moves to the distance of the grid's length
-    displacement = (
-        cell_fields.displacement[increment_number] + grids.datum_compliance * tangential_load
+    datum_shift = grids.datum_compliance * tangential_load
+    displacement = cell_fields.displacement[increment_numbers] + datum_shift[:, None]
+    shear = cell_fields.shear[increment_numbers]
+    displacement_by_shear = np.matmul(compliance, shear[..., None])[..., 0]
+    displacement_by_strain = strain[:, None] * x
+    return np.asarray(
+        displacement[..., None] - displacement_by_strain[:, None] - displacement_by_shear
     )
-    displacement_by_shear = np.matmul(compliance, cell_fields.shear[increment_number][..., None])[
-        ..., 0
-    ]
-    return np.asarray(displacement[:, None] - strain * x - displacement_by_shear)
 
 
 def _stick_edges_and_zones(
     cell_states: NDArray[np.int8], cell_middles: Array, cell_width: float
-) -> tuple[tuple[float, float], int]:
-    """Left and right outer edge of stick on one grid [length], and the number of stick zones.
+) -> tuple[Array, NDArray[np.intp]]:
+    """Left and right outer edge of stick [length], (n, g, 2) at n instants on g grids, and the
+    number of stick zones, (n, g).
 
     Where the outermost cell in contact sticks, stick reaches the edge of contact, wherever that
     lies in the cell: the edge of stick is -inf on the left, +inf on the right. Both edges are NaN
@@ -1633,25 +1685,28 @@ def _stick_edges_and_zones(
     Parameters
     ----------
     cell_states
-        (k,) open, stick or slip of the k cells; at least one is not open
+        (n, g, k) open, stick or slip of the k cells
     cell_middles, cell_width
-        (k,) middles x of the cells, and their width [length]
+        (g, k) middles x of the cells, and their width [length]
     """
-    # number of the first cell of each stick zone, then of the cell behind its last, in turn
-    sticks_in_padded_row = np.concatenate([[False], cell_states == STICK, [False]]).astype(int)
-    zone_boundaries = np.flatnonzero(np.diff(sticks_in_padded_row))
-    if not len(zone_boundaries):
-        return (math.nan, math.nan), 0
-    first_sticking_cell = zone_boundaries[0]
-    last_sticking_cell = zone_boundaries[-1] - 1
-    touching_cells = np.flatnonzero(cell_states != OPEN)
-    left_stick_edge = cell_middles[first_sticking_cell] - cell_width / 2
-    if first_sticking_cell == touching_cells[0]:
-        left_stick_edge = -math.inf
-    right_stick_edge = cell_middles[last_sticking_cell] + cell_width / 2
-    if last_sticking_cell == touching_cells[-1]:
-        right_stick_edge = math.inf
-    return (left_stick_edge, right_stick_edge), len(zone_boundaries) // 2
+    is_sticking = cell_states == STICK
+    is_touching = cell_states != OPEN
+    last_number = cell_states.shape[-1] - 1
+    grid_numbers = np.arange(len(cell_middles))
+    first_sticking_cell = np.argmax(is_sticking, axis=-1)
+    last_sticking_cell = last_number - np.argmax(is_sticking[..., ::-1], axis=-1)
+    left_stick_edge = cell_middles[grid_numbers, first_sticking_cell] - cell_width / 2
+    right_stick_edge = cell_middles[grid_numbers, last_sticking_cell] + cell_width / 2
+    # stick up to the first or to the last cell in contact
+    left_stick_edge[first_sticking_cell == np.argmax(is_touching, axis=-1)] = -math.inf
+    last_touching_cell = last_number - np.argmax(is_touching[..., ::-1], axis=-1)
+    right_stick_edge[last_sticking_cell == last_touching_cell] = math.inf
+    stick_edges = np.stack([left_stick_edge, right_stick_edge], axis=-1)
+    stick_edges[~is_sticking.any(axis=-1)] = math.nan
+    # a stick zone begins with each cell that sticks behind one that does not
+    begins_zone = is_sticking[..., 1:] & ~is_sticking[..., :-1]
+    n_stick_zones = np.sum(begins_zone, axis=-1) + is_sticking[..., 0]
+    return stick_edges, np.asarray(n_stick_zones)
 
 
 def _follow_cycles(

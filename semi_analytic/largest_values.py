@@ -32,7 +32,7 @@ from semi_analytic.bulk_and_tilt import one_curve
 from semi_analytic.history import histories_kept
 from semi_analytic.memory import slip_combination
 from semi_analytic.profiles import Contact, contact_of
-from semi_analytic.solution import solve
+from semi_analytic.solution import answers_at_default_points, solve
 from semi_analytic.subsurface import edge_tension
 
 # Places that are tried at first, over the whole contact together.
@@ -157,6 +157,8 @@ def _extremes(answer: ContactSolution, names: tuple[str, ...]) -> Extremes:
     # None where there is no one memory curve
     contact = _contact_of_one_curve(scene)
     if contact is None:
+        if answer in answers_at_default_points:  # it is not solved again
+            return _extremes_at_points_of(answer)
         return _extremes_at_default_points(scene)
     # instants of the last cycle; "whole_cycle" is skipped where the answer has none
     rows_of_cycle = answer.last_cycle
@@ -666,12 +668,18 @@ def _local_maxima(places: Array, values: Array) -> list[_LocalMaximum]:
 def _extremes_at_default_points(scene: Scene) -> Extremes:
     """The largest pressure, slip, friction work per area, half-width and edge tension of a scene at
     the points and instants that half-plane theory takes where none are given.
+    """
+    return _extremes_at_points_of(solve(scene))
+
+
+def _extremes_at_points_of(answer: ContactSolution) -> Extremes:
+    """The largest pressure, slip, friction work per area, half-width and edge tension of an answer
+    with all fields, at its own points and the instants of its last cycle.
 
     For scenes whose friction history is not one memory curve (tangential force, or bulk strain,
     locked in up to each load): without it no smooth function is there to be searched. Slip counts
     while a point is in contact.
     """
-    answer = solve(scene)
     # instants of the last cycle
     cycle_rows = answer.last_cycle
     largest_pressures = answer.pressure[cycle_rows].max(axis=0)

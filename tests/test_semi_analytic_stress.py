@@ -11,7 +11,7 @@ from random_theory import Tensions, _errors_of_tension, _tension_over_friction
 
 import semi_analytic
 from scenes import InputError, Scene, load_scene
-from semi_analytic import edge_tension, stress, subsurface
+from semi_analytic import edge_tension, grid, largest_values, stress, subsurface
 from semi_analytic.answer_by_memory import memory_at
 from semi_analytic.bulk_and_tilt import PathLoads, path_loads_and_contact
 from semi_analytic.quadrature import graded_nodes
@@ -340,6 +340,54 @@ def test_coarse_grids_follow_a_solution_once_and_the_contact_is_not_solved_for_i
     calls.clear()
     stress(scene, 0.0, -0.1, time)
     assert calls == ["solve"]
+
+
+def test_the_largest_values_of_an_answer_on_grids_are_found_without_a_second_solution(monkeypatch):
+    """The points of an answer that was asked for nothing are those of its largest values; another
+    answer of the scene has the same ones.
+    """
+    scene, answer = flat_pad_on_grids()
+    elsewhere = semi_analytic.solve(scene, x=[0.0, 0.1], time=[2.0])
+    solutions = []
+    monkeypatch.setattr(
+        largest_values,
+        "solve",
+        lambda *given, **options: solutions.append(given) or semi_analytic.solve(*given, **options),
+    )
+    largest_values._extremes_at_default_points.cache_clear()
+    largest = semi_analytic.extremes(answer)
+    assert not solutions
+    assert largest == semi_analytic.extremes(elsewhere)
+    assert solutions == [(scene,)]
+
+
+def test_ratio_and_stick_edges_of_grids_are_those_of_each_grid_by_itself():
+    """Linear between the cells in contact, constant beyond them, as `numpy.interp` has it; edges of
+    stick from cell to cell. Of three instants on two grids, the last without contact.
+    """
+    random = np.random.default_rng(3)
+    middles = np.array([[0.0, 1.0, 2.0, 3.0, 4.0], [-0.5, 0.5, 1.5, 2.5, 3.5]])
+    places = np.sort(np.append(random.uniform(-2, 6, 40), middles.ravel()))
+    states = np.full((3, 2, 5), grid.OPEN, dtype=np.int8)
+    states[0, 0, 1:4] = [grid.STICK, grid.SLIP_FORWARD, grid.STICK]
+    states[0, 1, 2:3] = grid.SLIP_REVERSE
+    states[1, :, :] = grid.SLIP_FORWARD
+    states[1, 0, 1:3] = grid.STICK
+    values = np.where(states == grid.OPEN, 0.0, random.normal(size=states.shape))
+    at_places = grid._between_cells(values, states != grid.OPEN, middles, places)
+    edges, n_zones = grid._stick_edges_and_zones(states, middles, 1.0)
+    for instant, number in np.ndindex(3, 2):
+        in_contact = np.flatnonzero(states[instant, number] != grid.OPEN)
+        expected = np.zeros(len(places))
+        if len(in_contact):
+            expected = np.interp(
+                places, middles[number, in_contact], values[instant, number, in_contact]
+            )
+        assert np.array_equal(at_places[instant, number], expected)
+    np.testing.assert_array_equal(edges[0], [[-np.inf, np.inf], [np.nan, np.nan]])
+    np.testing.assert_array_equal(edges[1], [[0.5, 2.5], [np.nan, np.nan]])
+    assert np.isnan(edges[2]).all()
+    assert n_zones.tolist() == [[2, 0], [1, 0], [0, 0]]
 
 
 def test_where_coarse_grids_do_not_follow_the_path_the_tension_has_no_uncertainty(monkeypatch):
