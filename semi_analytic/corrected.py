@@ -855,10 +855,10 @@ class PathSeries:
         """Sign of the shear q of the memory curve at each instant, (n,), where |q| exceeds the
         Coulomb limit f p most; 0 if it does nowhere inside the contact. There points slip further.
 
-        The memory curve is the locked-in tangential force over the half-width of the flat punches.
-        Only curvatures of finite bodies make an excess possible. A few places are checked first,
-        more at suspect instants and at two instants on either side of them. An excess below 3e-7 of
-        f times the pressure at x = 0 under the largest P counts as 0.
+        The memory curve is the locked-in tangential force of the flat punches up to each
+        half-width. Only curvatures of finite bodies make an excess possible. A few places are
+        checked first, more at suspect instants and at two instants on either side of them. An
+        excess below 3e-7 of f times the pressure at x = 0 under the largest P counts as 0.
         """
         # followed_path: friction memory, loads, edges of contact and stick at all instants.
         followed_path = self.followed_path
@@ -892,9 +892,9 @@ class PathSeries:
         """Largest excess of the shear of the memory curve over the Coulomb limit, max(|q| - f p)
         [stress], and the sign of q there, at instants `row_numbers`, (n,) each.
 
-        The memory curve is the locked-in tangential force over the half-width of the flat punches.
-        The maximum is over `n_places` places from the middle to the edge of the path's largest
-        contact. It is 0 at the least: outside the contact q and p are 0.
+        The memory curve is the locked-in tangential force of the flat punches up to each
+        half-width. The maximum is over `n_places` places from the middle to the edge of the path's
+        largest contact. It is 0 at the least: outside the contact q and p are 0.
         """
         fractions_of_half_width = np.sin(np.linspace(0.0, math.pi / 2, n_places))
         fields_of_places = PointFields(
@@ -929,8 +929,8 @@ class PathSeries:
         exists at those of these instants at which the shear |q| of the memory curve exceeds the
         Coulomb limit f p.
 
-        The memory curve is the locked-in tangential force over the half-width of the flat punches.
-        Extra slip that was computed before is taken from a cache.
+        The memory curve is the locked-in tangential force of the flat punches up to each
+        half-width. Extra slip that was computed before is taken from a cache.
         """
         # _shear_signs_beyond_limit: sign of q where it exceeds the limit, else 0, by instant.
         for index in np.flatnonzero(self._shear_signs_beyond_limit[row_numbers]).tolist():
@@ -943,10 +943,10 @@ class PathSeries:
         """Extra slip inside the contact at instant number `row`, where the shear of the memory
         curve exceeds the Coulomb limit, |q| > f p.
 
-        The memory curve is the locked-in tangential force over the half-width of the flat punches.
-        The extra slip is the least that brings |q| down to f p. It follows from q and f p over x,
-        from the half-widths of contact and stick, and from those at which slip zones of the memory
-        curve end. The returned record gives the slip and its shear at any points.
+        The memory curve is the locked-in tangential force of the flat punches up to each
+        half-width. The extra slip is the least that brings |q| down to f p. It follows from q and f
+        p over x, from the half-widths of contact and stick, and from those at which slip zones of
+        the memory curve end. The returned record gives the slip and its shear at any points.
         """
         # followed_path: friction memory, loads, edges of contact and stick at all instants.
         followed_path = self.followed_path
@@ -1057,8 +1057,8 @@ class PointFields:
         """Shear traction q at instants number `row_numbers` (n,), at the k points, (n, k) [stress],
         without the extra slip inside the contact.
 
-        It is the shear of the memory curve (locked-in tangential force over the half-width of the
-        flat punches), plus that by the curvature which the loads give to the faces.
+        It is the shear of the memory curve (locked-in tangential force of the flat punches up to
+        each half-width), plus that by the curvature which the loads give to the faces.
         """
         # followed_path: friction memory, loads, edges of contact and stick at all instants.
         followed_path = self._followed_path
@@ -1075,11 +1075,11 @@ class PointFields:
         """Shear traction q at the k points at the single instant number `row`, (k,) [stress],
         without the extra slip inside the contact.
 
-        The memory curve is the locked-in tangential force F over the half-width of the flat
-        punches. It is a chain of pieces from the middle outwards. On each piece F is linear in the
-        loads eta, G and G_4 that the punches carry of the profile, of x^2/2 and of x^4/24. Each
-        piece adds its slopes times the pressure of its punches. The curvature that the loads give
-        to the faces adds the rest.
+        The memory curve is the locked-in tangential force F of the flat punches up to each
+        half-width. It is a chain of pieces from the middle outwards. On each piece F is linear in
+        eta, G and G_4, the loads that press the profile, x^2/2 and x^4/24 into contact up to that
+        half-width. Each piece adds its slopes times the pressure of its punches. The curvature that
+        the loads give to the faces adds the rest.
         """
         # followed_path: friction memory, loads, edges of contact and stick at all instants.
         followed_path = self._followed_path
@@ -1140,7 +1140,7 @@ class PointFields:
         - sliding as a whole, and movement while the bodies are apart;
         - the extra slip inside the contact.
 
-        A memory curve is the locked-in tangential force over the half-width of the flat punches.
+        A memory curve is the locked-in tangential force of the flat punches up to each half-width.
         """
         # followed_path: friction memory, loads, edges of contact and stick at all instants.
         followed_path = self._followed_path
@@ -1169,8 +1169,8 @@ class PointFields:
         instant in `row_numbers`. It exists at those of these instants at which |q| of the memory
         curve exceeds f p.
 
-        The memory curve is the locked-in tangential force over the half-width of the flat punches.
-        What was computed before for an instant is taken from a cache.
+        The memory curve is the locked-in tangential force of the flat punches up to each
+        half-width. What was computed before for an instant is taken from a cache.
         """
         for index, inner_slip_of_row in self.series.inner_slips(row_numbers):
             row = int(row_numbers[index])
@@ -1212,12 +1212,13 @@ class PointFields:
         """Shear traction that the memory curves carry at n instants `row_numbers`, at the k points,
         (n, k) [stress].
 
-        A memory curve is the locked-in tangential force F over the half-width of the flat punches.
-        On each of its pieces dF = profile_slope d eta + parabola_slope dG + fourth_slope dG_4. The
-        shear is the integral of dF times the pressure that a punch makes per unit load.
+        A memory curve is the locked-in tangential force F of the flat punches up to each
+        half-width. On each of its pieces dF = profile_slope d eta + parabola_slope dG +
+        fourth_slope dG_4. The shear is the integral of dF times the pressure that a punch makes per
+        unit load.
 
-        # notation: eta, G, G_4 loads that the punches up to a half-width carry: of the profile, of
-        #           x^2/2 and of x^4/24, profile_slope etc. dF per unit of each
+        # notation: eta, G, G_4 loads that press the profile, x^2/2 and x^4/24 into contact up to
+        #           that half-width; profile_slope etc. dF per unit of each
         """
         # followed_path: friction memory, loads, edges of contact and stick at all instants.
         followed_path = self._followed_path
@@ -1247,13 +1248,13 @@ class PointFields:
     def _slip_of_memory_curves(self, row_numbers: Indices) -> Array:
         """Slip by the memory curves at n instants `row_numbers`, at the k points, (n, k) [length].
 
-        A memory curve is the locked-in tangential force F over the half-width of the flat punches.
-        The slip is the integral of dF times the slip that a punch under unit force makes outside of
-        itself. On each piece of the curve dF = profile_slope d eta + parabola_slope dG +
-        fourth_slope dG_4.
+        A memory curve is the locked-in tangential force F of the flat punches up to each
+        half-width. The slip is the integral of dF times the slip that a punch under unit force
+        makes outside of itself. On each piece of the curve dF = profile_slope d eta +
+        parabola_slope dG + fourth_slope dG_4.
 
-        # notation: eta, G, G_4 loads that the punches up to a half-width carry: of the profile, of
-        #           x^2/2 and of x^4/24
+        # notation: eta, G, G_4 loads that press the profile, x^2/2 and x^4/24 into contact up to
+        #           that half-width
         """
         # followed_path: friction memory, loads, edges of contact and stick at all instants.
         followed_path = self._followed_path
@@ -1326,7 +1327,7 @@ class PointFields:
             int c arccosh(|x|/c) dc,    int (c^3/4) arccosh(|x|/c) dc
 
         Slip is such an integral times a slope of the memory curve, the locked-in tangential force
-        over the half-width of the punches.
+        of the flat punches up to each half-width.
         """
         # |x| of the k points.
         x = self._x
@@ -1628,8 +1629,9 @@ def punch_table_of(
     load path, with the curvatures of finite bodies and without.
 
     A negative curvature of the gap widens the contact. The table is widened until its punches carry
-    P at every instant: eta + kn G + n4 G_4 >= P at its end. eta, G and G_4 are their loads for the
-    profile, x^2/2 and x^4/24; kn and n4 are factors of the latter two in the gap.
+    P at every instant: eta + kn G + n4 G_4 >= P at its end. eta, G and G_4 are the loads that press
+    the profile, x^2/2 and x^4/24 into contact up to there; kn and n4 are factors of the latter two
+    in the gap.
 
     Parameters
     ----------
@@ -1710,8 +1712,9 @@ def _require_one_contact(
     gap_fourth_coefficient
         n4 (n,)
 
-    # notation: eta, G, G_4 normal loads of the punches up to c; kn, n4 factors of x^2/2 and x^4/24
-    #           that the bodies add to the gap at each of n instants
+    # notation: eta, G, G_4 loads that press the profile, x^2/2 and x^4/24 into contact up to the
+    #           half-width c; kn, n4 factors of x^2/2 and x^4/24 that the bodies add to the gap at
+    #           each of n instants
     """
     # s: coordinate of the punches in the table; the punches within the flat carry no load.
     first_s = 1.0 if contact.least_half_width else 0.0
@@ -1902,7 +1905,7 @@ def _states(point_fields: PointFields, distance: Array, row_numbers: Indices) ->
     """State of contact of each point at each instant, (n, k): open, stick, forward or reverse slip.
 
     A point slips in the zone at the edge of contact, or in an inner zone of the memory curve. That
-    curve is the locked-in tangential force over the half-width of the flat punches. An inner zone
+    curve is the locked-in tangential force of the flat punches up to each half-width. An inner zone
     may slip the other way, or while the edge sticks. At instants at which |q| of that curve would
     exceed f p, the inner zone is that of the extra slip instead.
 
@@ -2318,9 +2321,9 @@ def _work_of_halved_steps(paths: _Paths) -> float:
     """Friction work of the last cycle with finite bodies [energy per thickness], with some of the
     straight steps halved: the long ones in which the contact grows in stick.
 
-    In such a step the memory curve (locked-in tangential force over the half-width of punches)
-    grows by a straight chord, which is an approximation. All other steps are exact however long
-    they are. Long is a step in which P grows by more than 1 % of its largest value.
+    In such a step the memory curve (locked-in tangential force of the flat punches up to each
+    half-width) grows by a straight chord, which is an approximation. All other steps are exact
+    however long they are. Long is a step in which P grows by more than 1 % of its largest value.
 
     Parameters
     ----------

@@ -106,8 +106,8 @@ LoadTriple = tuple[float, float, float]
 
 
 class PunchLoads(NamedTuple):
-    """Loads eta, G and G_4 that flat punches up to one of coordinate s carry, and their derivatives
-    with respect to s; eta of the profile, G of x^2/2, G_4 of x^4/24.
+    """Loads eta, G and G_4 that press the profile, x^2/2 and x^4/24 into contact up to the
+    half-width at one coordinate s, and their derivatives with respect to s.
     """
 
     profile_load: float
@@ -369,12 +369,12 @@ class PunchTable:
         )
 
     def punch_loads_at(self, s: float) -> PunchLoads:
-        """Normal loads that flat punches of half-width up to c(s) carry, and their derivatives with
-        respect to s, at one s.
+        """Normal loads that press the profile, x^2/2 and x^4/24 into contact up to the half-width
+        c(s), and their derivatives with respect to s, at one s.
 
-        They are eta of the profile [force per thickness]; G of the gap x^2/2 [force per thickness *
-        length]; and G_4 of x^4/24 [force per thickness * length^3]. Floats are faster than arrays
-        here. eta is at least 0, whatever its round-off.
+        They are eta for the profile [force per thickness]; G for the gap x^2/2 [force per thickness
+        * length]; and G_4 for x^4/24 [force per thickness * length^3]. The flat punches up to c
+        carry them. Floats are faster than arrays here. eta is at least 0, whatever its round-off.
 
         s is a coordinate of the half-width c: it counts the kinks of the profile that are passed,
         and runs from one whole number to the next between two of them.
@@ -497,8 +497,8 @@ class PunchTable:
         of the punches of the profile, of x^2/2 and of x^4/24, (k,) each.
 
         s is a coordinate of the half-width c of a punch, a whole number at each kink of the
-        profile. A punch has the moment c^2/2 per unit load. eta, G and G_4 are the loads that
-        punches up to c carry, of the profile, of x^2/2 and of x^4/24: G = (pi E*/4) c^2, and G_4
+        profile. A punch has the moment c^2/2 per unit load. eta, G and G_4 are the loads that press
+        the profile, x^2/2 and x^4/24 into contact up to half-width c: G = (pi E*/4) c^2, and G_4
         grows as c^4. The integral of eta G dc/c is tabulated.
         """
         # By parts: int c^2/2 d eta = c^2 eta/2 - int eta c dc, with c dc = (G dc/c)/(pi E*/4), and
@@ -541,8 +541,8 @@ class PunchTable:
         """Integrals of ln(2 L/c) over d eta, dG and dG_4 of the flat punches of half-width up to
         c(s), (k,) each; times A/pi, A = 2/E*, displacements of half-planes under these punches.
 
-        L is the datum length, `datum_length`. eta, G and G_4 are the loads that punches up to c
-        carry: of the profile, of x^2/2 and of x^4/24.
+        L is the datum length, `datum_length`. eta, G and G_4 are the loads that press the profile,
+        x^2/2 and x^4/24 into contact up to half-width c.
 
         s is the coordinate of the half-width in the table.
         """
@@ -568,8 +568,8 @@ class PunchTable:
         """Table coordinates s (n,) of the edges of contact a under normal loads P (n,), from P =
         eta(a) + kn G(a) + n4 G_4(a), by bisection and Newton's method.
 
-        eta, G and G_4 are the loads that flat punches of half-width up to a carry: of the profile,
-        of x^2/2 and of x^4/24. s is 0 where P = 0, and at most that of the widest punch.
+        eta, G and G_4 are the loads that press the profile, x^2/2 and x^4/24 into contact up to
+        half-width a. s is 0 where P = 0, and at most that of the widest punch.
 
         Parameters
         ----------
@@ -727,9 +727,9 @@ class Pieces(list[Piece]):
         stored.
 
         A memory curve is F(s), the locked-in tangential force of the flat punches up to the
-        coordinate s of their half-width. It is a chain of pieces; on each F is linear in the loads
-        eta, G and G_4 that these punches carry of the profile, of x^2/2 and of x^4/24. The pieces
-        are stacked: "above" and "top" are outwards, to wider punches and larger s.
+        coordinate s of their half-width. It is a chain of pieces; on each F is linear in eta, G and
+        G_4, the loads that press the profile, x^2/2 and x^4/24 into contact up to that half-width.
+        The pieces are stacked: "above" and "top" are outwards, to wider punches and larger s.
 
         Parameters
         ----------
@@ -920,10 +920,10 @@ class FollowedPath:
         0 where the bodies are apart.
 
         With w(c) the integral for a flat punch of half-width c under unit tangential force, it is
-        int w dM = int w dF + kt int w dG + t4 int w dG_4. M is the tangential force that punches
-        up to c carry. F is the memory curve: the locked-in tangential force over c. kt and t4 are
-        curvatures that the loads give to the faces. eta, G and G_4 are the loads of the punches: of
-        the profile, of x^2/2 and of x^4/24.
+        int w dM = int w dF + kt int w dG + t4 int w dG_4. M is the tangential force that punches up
+        to c carry. F(c) is the memory curve, the locked-in part of M. kt and t4 are
+        curvatures that the loads give to the faces. eta, G and G_4 are the loads that press the
+        profile, x^2/2 and x^4/24 into contact up to the half-width of a punch.
 
         Parameters
         ----------
@@ -1086,11 +1086,10 @@ class FollowedPath:
         """Tangential force F that flat punches keep while they stick, (m, k) for m rows of k
         punches [force per thickness].
 
-        The memory curve is F over the half-width of the punches. It consists of pieces on which F
-        is linear in eta, G and G_4, the loads that the punches carry of the profile, x^2/2 and
-        x^4/24.
-        `piece_number` (m,) is that of the piece on which row m of `punches` (m, k) lies; F is 0 on
-        number 0, the empty curve.
+        The memory curve is F as a function of the half-width. It consists of pieces on which F
+        is linear in eta, G and G_4, the loads that press the profile, x^2/2 and x^4/24 into contact
+        up to that half-width. `piece_number` (m,) is that of the piece on which row m of `punches`
+        (m, k) lies; F is 0 on number 0, the empty curve.
         """
         pieces = self.pieces
         # F at the top of the piece below, plus the rise on the piece itself.
@@ -1116,9 +1115,9 @@ class FollowedPath:
         the flat punches.
 
         They are cut at kinks of the profile, which are at whole numbers of s. They are also cut
-        where pieces of the memory curve before the step meet: the locked-in tangential force over
-        s. Each interval has the number of the piece on which it lies, 0 if it was outside the
-        contact before.
+        where pieces of the memory curve before the step meet: the locked-in tangential force of the
+        flat punches up to each s. Each interval has the number of the piece on which it lies, 0 if
+        it was outside the contact before.
 
         Parameters
         ----------
@@ -1154,9 +1153,9 @@ class FollowedPath:
         inner and outer end, and the number of the piece of the memory curve on which each lies.
 
         The zone is that of the step that ends at the instant number `row`. The memory curve, the
-        locked-in tangential force over s, is that before the step. The number is 0 where that was
-        outside the contact. Intervals end where two pieces meet, and at whole numbers of s, the
-        kinks of the profile.
+        locked-in tangential force of the flat punches up to each s, is that before the step. The
+        number is 0 where that was outside the contact. Intervals end where two pieces meet, and at
+        whole numbers of s, the kinks of the profile.
         """
         # top_s: outer end of each piece; numbers_below: number of the piece below it;
         # uppermost_pieces: number of the outermost piece of the memory curve at each instant
@@ -1313,7 +1312,7 @@ class PieceTable:
         """Table of only those pieces of which the memory curves at some instants consist, and the
         numbers in that table of their uppermost pieces, (n,).
 
-        A memory curve is the locked-in tangential force over the half-width of the flat punches.
+        A memory curve is the locked-in tangential force of the flat punches up to each half-width.
         It is a chain of pieces from the middle of the contact outwards. `uppermost_pieces` (n,) are
         the numbers of their outermost pieces in this table. `number_below` of a piece is the number
         of the one that it continues.
@@ -1338,7 +1337,7 @@ class PieceTable:
         """Numbers of the pieces, grouped by the number of pieces below each in its memory curve:
         first those on the empty curve, piece 0; then those on the first group; and so on.
 
-        A memory curve is the locked-in tangential force over the half-width of the flat punches.
+        A memory curve is the locked-in tangential force of the flat punches up to each half-width.
         """
         # number_below: number of the piece that each continues; smaller than its own number.
         depth_list = [0]
@@ -1354,9 +1353,10 @@ class PieceTable:
         """Integrals int w dF along the memory curves, from the middle of the contact to the top of
         each of the k pieces, (k, ...).
 
-        A memory curve is F, the locked-in tangential force over the half-width of the flat punches.
-        On a piece dF = profile_slope d eta + parabola_slope dG + fourth_slope dG_4, with the loads
-        eta, G and G_4 that the punches carry of the profile, of x^2/2 and of x^4/24.
+        A memory curve is F, the locked-in tangential force of the flat punches up to each
+        half-width. On a piece dF = profile_slope d eta + parabola_slope dG + fourth_slope dG_4,
+        with eta, G and G_4, the loads that press the profile, x^2/2 and x^4/24 into contact up to
+        that half-width.
 
         Parameters
         ----------
@@ -1392,8 +1392,8 @@ def follow(
     """Stick edges, slip zones and memory curves at the n ends of the straight steps of a load path
     from the unloaded state. Finite bodies add curvatures to half-planes.
 
-    The memory curve is the locked-in tangential force over the half-width of the flat punches that
-    make up the contact. It does not change in stick; slip clips it at the Coulomb limit.
+    The memory curve is the locked-in tangential force of the flat punches that make up the contact,
+    up to each half-width. It does not change in stick; slip clips it at the Coulomb limit.
 
     Parameters
     ----------
@@ -1576,7 +1576,8 @@ def _followed_rows(table: PunchTable, friction: float, columns: Array) -> Follow
         (10, n) at each instant: P and Q; the curvatures kn, kt, n4, t4 of gap and faces under them;
         s of the edge of contact; the loads eta, G and G_4 of the punches up to it
 
-    # notation: eta, G, G_4 loads that the punches carry: of the profile, of x^2/2 and of x^4/24
+    # notation: eta, G, G_4 loads that press the profile, x^2/2 and x^4/24 into contact up to the
+    #           half-width of a punch
     """
     # Step by step from the unloaded state; a step gives the new state of the memory.
     # Pieces(): list of the pieces of memory curves, with the empty curve alone at first.
@@ -1600,8 +1601,8 @@ def path_of_steps(
     Parameters
     ----------
     memory
-        holds the pieces of the memory curves of all steps: locked-in tangential force over the
-        half-width of the flat punches
+        holds the pieces of the memory curves of all steps: locked-in tangential force of the flat
+        punches up to each half-width
     columns
         (10, n) at each instant: P and Q; the curvatures kn, kt, n4, t4 of gap and faces under them;
         s of the edge of contact; the loads eta, G and G_4 of the punches up to it
@@ -1609,7 +1610,8 @@ def path_of_steps(
         n steps: at the end of each the number of the outermost piece of the memory curve, the stick
         edge and the slip zones
 
-    # notation: eta, G, G_4 loads that the punches carry: of the profile, of x^2/2 and of x^4/24
+    # notation: eta, G, G_4 loads that press the profile, x^2/2 and x^4/24 into contact up to the
+    #           half-width of a punch
     """
     pieces = memory.pieces
     # The fields of all pieces, one piece after another.
@@ -1654,8 +1656,8 @@ class Row(NamedTuple):
     edge_s
         s of the edge of contact in the table of flat punches
     edge_load, edge_parabola_load, edge_fourth_load
-        eta, G and G_4 of the punches up to the edge: their loads of the profile, of x^2/2 and of
-        x^4/24
+        eta, G and G_4 at the edge: loads that press the profile, x^2/2 and x^4/24 into contact up
+        to there
     """
 
     normal_load: float
@@ -1750,11 +1752,11 @@ class FrictionMemory:
     def step(self, state: MemoryState, row: Row) -> MemoryStep:
         """Memory curve, stick edge and slip zones at the end of a straight step of the loads.
 
-        The memory curve is the locked-in tangential force F over the half-width of the flat
-        punches. First it is cut at the new edge of contact, or extended to it in stick. Then, from
-        the edge inwards, F is set to the Coulomb bound as far as F is beyond that bound. When the
-        edge of contact stops slipping, or slips the other way, points further in may still slip as
-        before: an inner slip zone. Where the bodies are apart, P = 0, nothing is remembered.
+        The memory curve is the locked-in tangential force F of the flat punches up to each
+        half-width. First it is cut at the new edge of contact, or extended to it in stick. Then,
+        from the edge inwards, F is set to the Coulomb bound as far as F is beyond that bound. When
+        the edge of contact stops slipping, or slips the other way, points further in may still slip
+        as before: an inner slip zone. Where the bodies are apart, P = 0, nothing is remembered.
 
         Parameters
         ----------
@@ -1825,10 +1827,10 @@ class FrictionMemory:
         """Outermost piece of the memory curve after it is cut at the new edge of contact, or
         extended to it in stick; and its number, None if it is new and not stored yet.
 
-        The memory curve is the locked-in tangential force F over the half-width of the flat
-        punches. Extended, it gets a piece on which F is linear in the load eta of the punches; on a
-        flat, which has none, in G, their load for x^2/2. At the new edge F = Q - kt G - t4 G_4: all
-        of Q is carried within it, kt G + t4 G_4 by the curvatures of the faces.
+        The memory curve is the locked-in tangential force F of the flat punches up to each
+        half-width. Extended, it gets a piece on which F is linear in eta; on a flat, where eta is
+        0, in G. At the new edge F = Q - kt G - t4 G_4: all of Q is carried within it, of which the
+        curvatures of the faces carry kt G + t4 G_4.
 
         Parameters
         ----------
@@ -1837,8 +1839,8 @@ class FrictionMemory:
         row
             loads, curvatures and edge of contact at the end of the step
 
-        # notation: eta, G, G_4 loads that the punches carry: of the profile, of x^2/2 and of
-        #           x^4/24; kt, t4 curvatures of the faces under the loads
+        # notation: eta, G, G_4 loads that press the profile, x^2/2 and x^4/24 into contact up to
+        #           the half-width of a punch; kt, t4 curvatures of the faces under the loads
         """
         # row.edge_s: coordinate s of the new edge of contact; edge_load, edge_parabola_load and
         # edge_fourth_load: eta, G and G_4 of the punches up to it; row.tangential_curvature and
@@ -1891,7 +1893,8 @@ class FrictionMemory:
         `row` holds loads, curvatures and edge of contact at the end of the step. The curve is one
         piece from the middle (piece 0 is the empty curve) to the edge.
 
-        # notation: eta, G, G_4 loads that the punches carry: of the profile, of x^2/2 and of x^4/24
+        # notation: eta, G, G_4 loads that press the profile, x^2/2 and x^4/24 into contact up to
+        #           the half-width of a punch
         """
         bound = _coulomb_bound_of(direction, self.friction, row)
         # slopes: dB per d eta, dG and dG_4, which the new piece of F has.
@@ -1907,8 +1910,9 @@ def _coulomb_bound_of(direction: int, friction: float, row: Row) -> _Bound:
 
         B = (Q - s f P) + s f eta + (s f kn - kt) G + (s f n4 - t4) G_4,    s direction
 
-    eta, G and G_4 are the loads that punches carry: of the profile, of x^2/2 and of x^4/24. `row`
-    holds P, Q and the curvatures kn, n4 of the gap and kt, t4 of the faces.
+    eta, G and G_4 are the loads that press the profile, x^2/2 and x^4/24 into contact up to the
+    half-width of a punch. `row` holds P, Q and the curvatures kn, n4 of the gap and kt, t4 of the
+    faces.
     """
     # row: normal_curvature, normal_fourth are kn and n4; tangential_curvature, tangential_fourth kt
     # and t4.
@@ -1931,8 +1935,8 @@ def _slip_direction_at_edge(
 
     The edge slips if this holds at one end of the outermost piece of the memory curve F, the force
     that flat punches lock in: more tangential force is then carried outside of that point than f
-    times the normal load there. eta, G and G_4 are the loads that punches up to there carry, of the
-    profile, of x^2/2 and of x^4/24.
+    times the normal load there. eta, G and G_4 are the loads that press the profile, x^2/2 and
+    x^4/24 into contact up to there.
 
     Parameters
     ----------
@@ -1971,9 +1975,9 @@ def _cut_at_end_of_slip(
     """Cut the slip zone next to the edge of contact off a memory curve: number of the outermost
     piece that is left, which still sticks. The outer end of that piece is the stick edge.
 
-    The curve is the locked-in tangential force F over the half-width of the flat punches. The zone
-    ends where F meets its Coulomb bound. If that is within a piece, its inner part becomes a new
-    piece.
+    The curve is the locked-in tangential force F of the flat punches up to each half-width. The
+    zone ends where F meets its Coulomb bound. If that is within a piece, its inner part becomes a
+    new piece.
 
     Parameters
     ----------
@@ -2030,8 +2034,8 @@ def _add_inner_slip_zone(
     outermost piece of the curve then, and s of the inner and outer end of the zone (equal if there
     is none).
 
-    The memory curve is the locked-in tangential force F over the half-width of the flat punches. A
-    slip zone inside the contact forms when points further in still slip as before, while the edge
+    The memory curve is the locked-in tangential force F of the flat punches up to each half-width.
+    A slip zone inside the contact forms when points further in still slip as before, while the edge
     of contact already sticks or slips the other way.
 
     Parameters
@@ -2094,10 +2098,10 @@ def _crossing_of_bound(
     """Coordinate s at which a piece of the memory curve crosses the Coulomb bound of slip, and the
     loads of the flat punches up to there.
 
-    The memory curve is the locked-in tangential force F over the half-width of the punches. On a
-    piece F and the bound are linear in eta, G and G_4, the loads that the punches carry of the
-    profile, of x^2/2 and of x^4/24. The zero of their difference over s is found by Newton's
-    method, bracketed by the ends of the piece.
+    The memory curve is the locked-in tangential force F of the flat punches up to each half-width.
+    On a piece F and the bound are linear in eta, G and G_4, the loads that press the profile, x^2/2
+    and x^4/24 into contact up to that half-width. The zero of their difference over s is found by
+    Newton's method, bracketed by the ends of the piece.
 
     Parameters
     ----------
@@ -2156,8 +2160,8 @@ def _crossing_of_bound(
 
 class _ExcessOnPiece(NamedTuple):
     """Excess of the locked-in tangential force F over the Coulomb bound of slip, along one piece of
-    a memory curve: linear in eta, G and G_4, the loads that the flat punches carry of the profile,
-    of x^2/2 and of x^4/24.
+    a memory curve: linear in eta, G and G_4, the loads that press the profile, x^2/2 and x^4/24
+    into contact up to the half-width of a punch.
 
     Attributes
     ----------

@@ -1094,8 +1094,8 @@ class _StepSolver:
         T and N_Q are curvatures of the bodies per Q, c_t is their compliance.
 
         # notation: F locked-in tangential force of the punches up to half-width c, kt curvature of
-        #           the faces under the loads, eta and G loads of the punches: of the profile and of
-        #           x^2/2, L datum length, A = 2/E*
+        #           the faces under the loads, eta and G loads that press the profile and x^2/2 into
+        #           contact up to c, L datum length, A = 2/E*
         """
         self._integrate_new_pieces()
         compliance = self._compliance
@@ -1164,9 +1164,9 @@ class _StepSolver:
         """Store int ln(2 L/c) dF and int (c^2/2) dF up to the top of each new piece of memory
         curve, for the displacement U and the second moment of the shear traction.
 
-        F is the locked-in tangential force over the half-width c of the flat punches. On a piece dF
-        = profile_slope d eta + parabola_slope dG, with the loads eta and G of the punches of the
-        profile and of x^2/2. L is the datum length.
+        F(c) is the locked-in tangential force of the flat punches up to half-width c. On a piece dF
+        = profile_slope d eta + parabola_slope dG, with eta and G the loads that press the profile
+        and x^2/2 into contact up to c. L is the datum length.
         """
         # Three lists with one entry for each piece of memory curve; number_below: of the piece that
         # it continues; top_s: coordinate s of its outer end.
