@@ -467,10 +467,10 @@ class BodyKernels:
         self, x: Array, s: Array, pressing_force: Array, force_along_x: Array
     ) -> tuple[Array, Array]:
         """Strain e_xx (n,) that the finite size of the body adds to that of a half-plane, at places
-        x (n,) of a flat face, and its absolute difference between the fine and the coarse mesh
-        (n,).
+        x (n,) of a flat face; and the estimate of its error (n,).
 
-        The forces (m,) act at s (m,) into the body and along +x [force per thickness].
+        The error is the difference of the strains by the fine and by the coarse mesh. Both are
+        caused by forces (m,) at s (m,), into the body and along +x [force per thickness].
         """
         strain = self.fine.strain(x, s, pressing_force, force_along_x)
         coarse_strain = self.coarse.strain(x, s, pressing_force, force_along_x)
@@ -711,10 +711,11 @@ def _degree_of_kernels(name: str, shape: Solid, reach: float) -> int:
 
         rho = u + sqrt(u^2 + 1),  u = 2 d/reach,    and  rho = v + sqrt(v^2 - 1),  v = w/reach
 
-    The degree is the least at which this is 1e-8, but 12 at least and 60 at most, and even. Next to
-    a free corner a kernel is smooth but for powers above 2.7 of the distance, so that the largest
-    degree serves where the second rho is close to 1. `name` is that of the body, for the message;
-    `shape` has d as its least depth, and w as the half-width of its face.
+    The degree is the least at which this is 1e-8, but 12 at least and 60 at most, and even. Where
+    the second rho is close to 1, the face ends next to the contact, and the largest degree is
+    enough: at a free corner a kernel has powers above 2.7 of the distance alone. `name` is that of
+    the body, for the message; `shape` has d as its least depth, and w as the half-width of its
+    face.
 
     Source: Trefethen, Approximation Theory and Approximation Practice (2013), theorem 8.1.
 

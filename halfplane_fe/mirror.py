@@ -147,9 +147,9 @@ def _images(faces: Interface) -> _Images:
 def _folded(matrix: Array, parity_of_rows: float, parity_of_columns: float) -> Array:
     """Reduce a matrix over n nodes, symmetric about x = 0, to the m nodes at x >= 0: (m, m).
 
-    It is S^T M S, M the matrix, where S continues values on the right half to the left one, as an
-    even function (parity 1) or an odd one (parity -1), halved. Rows and columns each have their
-    parity.
+    With M the matrix it is S^T M S. S continues values on the right half to the left one, as an
+    even function (parity 1) or an odd one (parity -1), and halves them. Rows and columns each have
+    their parity.
     """
     middle = len(matrix) // 2  # of the node at x = 0, which is its own image
     folded_rows = (matrix[middle:] + parity_of_rows * matrix[middle::-1]) / 2
@@ -165,9 +165,11 @@ def _states_at_all_nodes(
     without forces and gap where a long run has dropped them.
 
     The values of a state are approach, tangential displacement and tilt, then slip, p, q and gap of
-    the nodes. `images` holds for each of the n nodes: the index of it or its image among the solved
-    ones (`node_of_half`), its share of the force there (`force_share`, 1/2, or 1 at x = 0), and the
-    sign of its slip and q (`shear_sign`).
+    the nodes. `images` holds for each of the n nodes:
+
+    - `node_of_half`: the index of it or its image among the solved nodes
+    - `force_share`: its share of the force there, 1/2, or 1 at x = 0
+    - `shear_sign`: the sign of its slip and q
     """
     # For each value at all nodes, its index among the values at the solved nodes.
     n_nodes_of_half = int(images.node_of_half.max()) + 1
@@ -221,8 +223,8 @@ def run_at_all_nodes(run: PathRun, faces: Interface) -> PathRun:
     Parameters
     ----------
     run
-        contact states, friction work of the nodes in each cycle, error of that work with the
-        permanent stick zone (`edge_excess_by_cycle`), and edges that the loads locate between nodes
+        contact states; friction work of the nodes in each cycle; error of that work, with the
+        permanent stick zone (`edge_excess_by_cycle`); edges that the loads locate between nodes
     faces
         contact compliance of all n nodes
     """

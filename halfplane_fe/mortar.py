@@ -225,8 +225,9 @@ class _DualFunctions(NamedTuple):
     def of_face(
         cls, face: Face, face_at_points: _FaceAtPoints, weights_along_line: Array
     ) -> _DualFunctions:
-        """Dual functions of the nodes of a face, by its shape functions at the points and the
-        weights (s, m) of these in integrals along the line half-way between the faces.
+        """Dual functions of the nodes of a face, from its shape functions at the points.
+        `weights_along_line` (s, m) are the weights of the points in integrals along the line
+        half-way between the faces.
         """
         weighted_values = _weighted_dual_functions(face, face_at_points, weights_along_line)
         return cls(weighted_values, face_at_points.nodes, len(face.x))
@@ -288,8 +289,8 @@ def _weighted_dual_functions(
     Parameters
     ----------
     face, face_at_points
-        the face with its elements of order 1 or 2, and at the points of each segment the shape
-        functions and node numbers of the element that it lies in
+        the face with its elements of order 1 or 2; and for each segment the element that it lies
+        in: its node numbers, and its shape functions at the points
     weights_along_line
         (s, m) Gauss weight of each point, along the line half-way between the faces [length]
     """

@@ -237,8 +237,8 @@ class _SurfaceForces(NamedTuple):
 def _half_plane_field(
     field: Callable[[Array, Array, Array], Array], x: Array, y: Array, forces: _SurfaceForces
 ) -> Array:
-    """Displacement or traction of half-planes at n points by m unit forces, each on a half-plane of
-    its own whose flat surface goes through the place of the force: (2, n, 2, m).
+    """Displacement or traction (2, n, 2, m) of a half-plane at n points by m unit forces, one at a
+    time; the flat surface of the half-plane goes through the place of the force.
 
     The axes are component, point, component of the force, force. `field` returns such an array from
     x, y of the points and x of the forces, where all forces are on the surface y = 0. `x` and `y`
@@ -311,9 +311,8 @@ class KernelsOfSlope(NamedTuple):
 
 
 def kernels_of_slope(slope: Array, material: Elastic) -> KernelsOfSlope:
-    """Displacements of a half-plane by unit forces (Flamant) at the end of a sloping chord from the
-    force, minus those at the same x on the flat surface [1 / stress]. The slope of the chord is m,
-    dy/dx.
+    """Displacements of a half-plane by unit forces (Flamant) at the end of a chord of slope m =
+    dy/dx from the force, minus those at the same x on its flat surface [1 / stress].
 
     The four terms of Flamant's displacement differ by
 

@@ -314,9 +314,9 @@ def _scales_at(scene: Scene, load_unit: float, work_counts: Counter[str]) -> Sca
     """Length and load scales of a contact, read off a run along its load path on a coarse mesh.
 
     Where the contact touches an end of the finely meshed part of the face, that part is enlarged by
-    a factor of 1.3 (`_ENLARGEMENT`) and the run repeated, ten times at most. The run after the last
-    enlargement is accepted even if the contact touches an end: the scales may then be too small. A
-    later solution raises ConvergenceError if its contact touches an end of the mesh they give.
+    a factor of 1.3 (`_ENLARGEMENT`), and the run is repeated, ten times at most. The last run is
+    accepted even if the contact touches an end: the scales may then be too small. A later solution
+    raises ConvergenceError if its contact touches an end of the mesh that they give.
 
     Parameters
     ----------
@@ -330,8 +330,8 @@ def _scales_at(scene: Scene, load_unit: float, work_counts: Counter[str]) -> Sca
     Raises
     ------
     InputError
-        Where the contact reaches past the end of the narrower face, or in the last run the line of
-        action of the loads misses the meshed faces.
+        Where the contact reaches past the end of the narrower face; where the line of action of the
+        loads misses the meshed faces in the last run.
     """
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
     # The bodies on a coarse mesh; `pair.largest_face_half_width`: most of the half-width of the
@@ -532,8 +532,8 @@ def estimate_room(scene: Scene, work_counts: Counter[str]) -> RoomForContact:
 
 
 def _zone_half_width(pair: _CoarsePair) -> float:
-    """Half-width [length] of the zone, the part of the face whose nodes may touch, so that the
-    contact at the largest load reaches to 0.3 of it or more, but not to its end.
+    """Half-width [length] of the zone, the part of the face whose nodes may touch. At the largest
+    load the contact reaches to 0.3 of it or more, but not to its end.
 
     The first trial is the half-width that suits half-planes. Each next one is twice the farthest
     |x| of the contact in the trial before. After ten trials the eleventh half-width is taken

@@ -682,8 +682,8 @@ class Systems:
         equation_numbers: Indices | None,
         changes: Array | None,
     ) -> Array:
-        """Change of the contact by a unit of each load while its nodes keep their states, for any
-        states, from cached responses for similar states (the base).
+        """Change of the contact by a unit of each load while its nodes keep their states; for any
+        states, from cached responses of similar ones (the base).
 
         Each node has two equations, i normal and n + i tangential. An equation of the base
         prescribes a displacement or the force in its direction; the other of the two is its
@@ -875,7 +875,7 @@ class Systems:
         return left_sides
 
     def newton_correction(self, node_states: States, n_loads: int, changes: Array) -> Array:
-        """Change of the contact by a unit of each load while its nodes keep their states, and by
+        """Change of the contact by a unit of each load while its nodes keep their states; also by
         given changes of what the states prescribe (a Newton step).
 
         A node's states prescribe two quantities: p (open) or the gap; the slip (stick) or
@@ -1236,7 +1236,7 @@ class Systems:
 
     def _responses_by_origin(self, base: _Base, origin: _Base, cases: Indices) -> Array:
         """Responses (c, 2 n + 3) of the contact in one set of node states, the base, to c unit
-        cases, from the responses of another set, its origin, by an update of low rank.
+        cases. They are an update of low rank of the responses of another set, its origin.
 
         In a unit case one equation prescribes 1, or one load is 1. An equation prescribes a
         displacement or a force; the other of the two is its response. The update adds the origin's

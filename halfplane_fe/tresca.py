@@ -323,9 +323,9 @@ def _forces_by_active_set(
     """Forces and node states (n,) at the end of an active-set iteration: a step is repeated until
     it changes no state.
 
-    When a set of states comes back, only the node of the largest violation changes in that step, so
-    that the iteration does not cycle for ever. States are whether each node touches, or open, stick
-    and slip.
+    When a set of states comes back, only the node of the largest violation changes in that step:
+    the iteration then does not cycle for ever. A state is whether the node touches; or open, stick
+    or slip.
 
     Parameters
     ----------

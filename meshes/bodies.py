@@ -228,8 +228,8 @@ def number_of_body_nodes(grading: SurfaceGrading, growth: float, order: int) -> 
 
         triangles = (4/sqrt 3) int_0^R (pi d + L) / (h + g d)^2 dd
 
-    # notation: L length of surface with elements of one size h, g growth of the size per distance
-    d from the surface, dA area at that distance, R radius of the half-disc, r = g R/h
+    # notation: L length of surface with elements of one size h; g growth of the size per distance
+    d from the surface, dA area at that distance; R radius of the half-disc, r = g R/h
 
     The zones at the contact edges and between them are summed. A mesh has half as many corners as
     triangles.
@@ -352,7 +352,7 @@ def size_formula(
     """Formula in x and y for the element size inside a body (half x >= 0), as text for gmsh's field
     MathEval.
 
-    The size is that of the nearest surface elements plus `growth` times the distance to them, and
+    The size is that of the nearest surface elements plus `growth` times the distance to them. It is
     smaller around a tip of the profile and around sharp corners. gmsh evaluates a text four times
     faster than it calls Python.
 

@@ -371,8 +371,8 @@ class _Outline:
         return lines, points[0], points[-1]
 
     def _draw_sides(self, face_end_point: int) -> tuple[list[int], int]:
-        """Draw the side of the body, with the corners of a step, into gmsh's current model, from
-        the point at the end of the face down to the base.
+        """Draw the side of the body into gmsh's current model: from the point at the end of the
+        face down to the base, by the corners of a step, if there is one.
 
         Returned are gmsh's tags of the lines, and of the last point. A half-cylinder has no sides:
         its face goes down to the base.

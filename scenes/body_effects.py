@@ -87,8 +87,8 @@ class BodyEffects:
     factorisations: int = 0
 
     def __repr__(self) -> str:
-        """Six lines of text on what the finite size of two bodies adds to half-planes, each value
-        under its symbol in the class docstring, without uncertainties.
+        """Six lines of text on what the finite size of two bodies adds to half-planes: each value
+        by its symbol, without its uncertainty.
 
         Values are per load: approach and tangential displacement (c_n, c_t), curvature of gap and
         slip (N, T; N_Q by Q, T_P by P), coefficients of x^4 and x^2 s^2 of the kernels (next

@@ -410,8 +410,8 @@ def _is_table(value: Any) -> bool:
 
 @cache
 def source_digest(*names: str) -> str:
-    """SHA-256 hash of the source code of modules, or of packages with all files in them, by which a
-    cached result is tied to the code that made it.
+    """SHA-256 hash of the source code of modules, or of packages with all files in them. It ties a
+    cached result to the code that made it.
 
     It is computed once in each process. `names` are dotted module names, such as "scenes.files".
 

@@ -496,7 +496,7 @@ def _polynomial_of_lowest_exponent(
     height_roundoff: float,
 ) -> _InnerPolynomial | None:
     """Least-squares fit of a profile's heights near x = 0 by a polynomial in x^2 that begins with a
-    given power, and the errors of load and stiffness that round-off in the heights causes.
+    given power; and the errors of load and stiffness by round-off in the heights.
 
     With s = (x/end)^2 the fit is h = s^m g(s). Its slope is h' = (2 x/end^2) s^(m-1) B(s), where
     B = m g + s g'. The load is an integral of h', so its relative error is in proportion to that

@@ -1487,7 +1487,7 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
         """Load segments of P and Q, given as functions of time, by Chebyshev series on successive
         intervals of time.
 
-        The intervals are short enough also for bulk stresses and tilt that are functions, and end
+        The intervals are short enough also for bulk stresses and tilt that are functions. They end
         where any of the functions has a corner, a jump of its rate.
 
         Raises

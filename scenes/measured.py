@@ -233,9 +233,9 @@ def layout_in_words(path: Path, table: TextTable) -> list[tuple[str, str]]:
     """Describe for the user how numbers were found in a text file, as (what, how): rows, separator,
     decimal sign, encoding, lines that were left out.
 
-    The file lies at `path`. Of the `table` are taken the number of each row's line, separator,
-    decimal sign and encoding in words, the number of lines above the headings, and the lines that
-    are no rows, in words.
+    The file lies at `path`. `table` holds the number of each row's line; separator, decimal sign
+    and encoding in words; the number of lines above the headings; and the lines that are no rows,
+    in words.
     """
     layout = [
         (
@@ -359,8 +359,8 @@ class FromFile(Frozen):
         """Convert each column of a text file's table into the scene's units, in place, and return
         what the user gets to know about it: pairs of what, and how it was read.
 
-        After the columns these are quantities that the scene states in place of columns, headings
-        that were not read, and the units of the scene, if a column other than time has a unit.
+        After the columns come quantities that the scene states in place of columns; headings that
+        were not read; and the units of the scene, if a column other than time has a unit.
 
         Parameters
         ----------
@@ -523,8 +523,8 @@ class FromFile(Frozen):
         unit_kind: Kind,
         scene_units: str,
     ) -> ColumnUnit:
-        """Unit of one column of a text file, as the user states it or as the file does, with its
-        factor to the units of the scene.
+        """Unit of one column of a text file, stated by the user or by the file; with the factor
+        to the units of the scene.
 
         Parameters
         ----------
@@ -621,9 +621,9 @@ class FromFile(Frozen):
         with the line of the file that they come from. Refuse, too, keys on how a file is read where
         no file is named.
 
-        `self.table` is the name of the key that holds the rows, and `file` that of the text file,
-        None where the scene states the rows itself. `validation` holds the folder of the scene
-        file.
+        `self.table` is the name of the key that holds the rows. `file` is the name of the text
+        file, None where the scene states the rows itself. `validation` holds the folder of the
+        scene file.
         """
         try:
             self.check_rows()
@@ -740,7 +740,7 @@ def reduced_record(
         how many neighbouring rows are replaced by their mean first; 1 for none
     reduction
         "turning_points": rows at which P or Q reverses after a swing above its threshold.
-        "tolerance": ends of straight lines, each as long as it can be, that pass the other rows, in
+        "tolerance": ends of straight lines, each as long as it can be. They pass the other rows, in
         their order, at distances of at most the thresholds. None: all rows
     normal_threshold, tangential_threshold
         of P and of Q [force per unit thickness]
@@ -840,8 +840,8 @@ def rows_within_tolerance(loads: Array, tolerance: Array) -> Rows:
     tolerance_and_roundoff = tolerance + _ROUND_OFF_SHARE * np.max(np.abs(loads), initial=0.0)
 
     def line_fits(first_row: int, last_row: int) -> bool:
-        """Whether the straight line in the P-Q plane from row `first_row` to `last_row` of `loads`
-        (P, Q) passes all rows between them in order, within the tolerance of each load.
+        """Whether a straight line in the P-Q plane, from row `first_row` to `last_row` of `loads`
+        (P, Q), passes all rows between in order, within the tolerance of each load.
 
         Positions on the line go from 0 at its begin to 1 at its end. Those within the tolerance of
         a row are an interval; a position in each of these intervals must be possible so that they

@@ -1065,7 +1065,7 @@ def _slopes_at_rows(interval_lengths: Array, secant_slopes: Array) -> Array:
 
 def rising_spline(x: Array, h: Array) -> Spline:
     """Schumaker's quadratic spline through rows of one side of a profile, x (n,) from 0 up and h
-    (n,) [length], that rises wherever the rows rise, and is convex where they are.
+    (n,) [length]. It rises wherever the rows rise, and is convex where they are.
 
     Between neighbouring rows it consists of one parabola, or of two with a knot between them: one
     parabola meets the slopes at both its ends only if their mean is the slope of the secant, the

@@ -200,8 +200,9 @@ class _BracketedSearch:
         self.is_converged |= (self.least_error == 0) | has_stalled | is_round_off
 
     def take_step(self, signed_error: Array, error_rate: Array) -> None:
-        """Shrink the brackets and go to the next iterates: by Newton's step where it stays in the
-        bracket and is at most half as long as the last step, else to the middle of the bracket.
+        """Shrink the brackets and go to the next iterates, by Newton's step or to the middle of the
+        bracket. Newton's step is taken where it stays in the bracket and is at most half as long as
+        the last step.
 
         The bracket of each of n times goes from `earliest_time` to `latest_time`. `signed_error`
         (n,) are the errors of the iterates `time`, positive where a time is too late, and
@@ -978,9 +979,9 @@ class HarmonicSegment(LoadSegment):
     def mirrored_time(
         self, combination: Combination, time: ArrayLike, near_time: float
     ) -> Array | None:
-        """Time [rad] next to `near_time` at which a combination c_P P + c_Q Q of the loads of an
-        ellipse has the value that it has at `time`, on the other side of an extreme; None for loads
-        of several harmonics.
+        """Time [rad] at which a combination c_P P + c_Q Q of the loads of an ellipse has the same
+        value as at `time`, on the other side of an extreme: of all such times the one next to
+        `near_time`. None for loads of several harmonics.
 
         The combination is amplitude cos(t + lead) plus a constant, which is symmetric about its
         extremes.

@@ -279,9 +279,9 @@ class Uncertainty(Frozen):
 
     @model_validator(mode="after")
     def _require_possible_correlations(self) -> Uncertainty:
-        """Return this table; refuse (ValueError) correlations of inputs that have no standard
-        uncertainty, of one input with itself, that are stated twice, or that no random numbers can
-        have together.
+        """Return this table; refuse (ValueError) correlations that are not possible: of inputs
+        without standard uncertainty, of one input with itself, of a pair that is stated twice, or
+        such that no random numbers can have them together.
 
         `correlations` holds (key, key, coefficient) of pairs of inputs; the correlation matrix of
         all inputs must have no negative eigenvalue.
