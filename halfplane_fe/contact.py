@@ -397,7 +397,8 @@ class ContactProblem:
             Where the moment is given and no node lies on one side of `x_of_load`.
         """
         stresses_and_tilt = self._stresses_and_tilt_at_rest(loads, x_of_load)
-        # Gap and slip (n,) by bulk stresses and tilt, then by the approach with a least gap of 0.
+        # Gap and slip (n,) by bulk stresses and tilt, then by the rigid motion (approach and shift)
+        # of the upper body with a least gap of 0. `face_normals[1]`: y of the unit normals.
         gap_offset, slip_offset = self.gap_and_slip_by(stresses_and_tilt)
         undeformed_gap = self.initial_gap + gap_offset
         approach = float((undeformed_gap / self.interface.face_normals[1]).min())
@@ -858,7 +859,8 @@ class ContactProblem:
         shear = start_state.shear
         shift = start_state.shift  # tangential displacement of the upper body
         is_closed = start_state.is_closed
-        resultants = start_state.resultants or loads[:2]  # P and Q
+        # P and Q: given, or where actuators prescribe movements the resultants of the nodal forces
+        resultants = start_state.resultants or loads[:2]
         n_changing = 0
         for turn_number in range(1, self.max_iterations + 1):
             # Pressure at known shear, then shear at known pressure. The gap by shear is minus the

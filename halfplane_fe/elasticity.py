@@ -122,7 +122,7 @@ def cells_of(mesh: skfem.Mesh, order: int) -> Indices:
     """
     # scikit-fem numbers the facets 01, 12, 02 of a triangle and 01, 12, 23, 03 of a quadrilateral,
     # as VTK does its mid-side nodes.
-    n_corners = mesh.refdom.nfacets
+    n_corners = mesh.refdom.nfacets  # as many as sides
     rows = [mesh.t[:n_corners]]  # (nodes, n_elements)
     if order == 2:
         rows.append(mesh.nvertices + mesh.t2f)  # a node in the middle of each element side
@@ -1119,6 +1119,7 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
         raise ConvergenceError(
             "condensation: a stiffness is lost in rounding, as of a block 1e6 times as high as wide"
         ) from reason
+    # both relative: skew part of the compliance, and what the mesh's equations leave
     largest_error = max(response.asymmetry, response.residual)
     # _LARGEST_ERROR: 1e-6
     if not largest_error <= _LARGEST_ERROR:

@@ -597,6 +597,7 @@ class _Iteration:
         shear_of_slip = (
             projected_tractions.trial_shear - self._iterated_shear
         )  # slip over compliance
+        # `shear_scale`: size of a nodal shear over that of a nodal pressure, f of uncoupled bodies
         shear_tolerance = tolerance * self.problem.shear_scale
         shear_beyond_limit = np.abs(self._iterated_shear) - friction * self._iterated_pressure
         is_at_coulomb_limit = np.abs(shear_beyond_limit) <= shear_tolerance

@@ -579,7 +579,7 @@ def _pace_of_path(task: Task, compliances: _FaceCompliances) -> Pace:
     task
         the scene, its solver settings, the unit of friction work (`work_unit`), and its scales:
         half-width, largest load P, modulus E*, and friction work of a cycle on a coarse mesh (NaN
-        where unknown)
+        where unknown); whether kinks of pressure and slip bound the step error (records of loads)
     compliances
         compliance of both faces; its `coupling` is None of like bodies
     """
