@@ -585,23 +585,27 @@ class _Search:
         return fit
 
     def interval_end(
-        self, fits: _FitsOfBothKinds, direction: float, excess: float, first_step: float
+        self,
+        fits: _FitsOfBothKinds,
+        direction: float,
+        admitted_rise_of_better_kind: float,
+        first_step: float,
     ) -> Array | None:
         """One end of the 95 % interval of the coefficient of friction f of a measured loop: the
         seven parameters (7,) of the fitted loop at the f where the least sum of squares exceeds
-        that of the better fit by `excess`. None where it never does. The squares are distances of
-        the rows from a loop.
+        that of the better fit by `admitted_rise_of_better_kind`. None where it never does. The
+        squares are distances of the rows from a loop.
 
         Parameters
         ----------
         fits
             the best partial loop, and the best gross one (the contact slides as a whole at its
-            turning points). Loops of the worse kind are admitted with more excess, since the rows
-            chose between the two kinds
+            turning points). Loops of the worse kind are admitted with a larger rise, since the
+            rows chose between the two kinds
         direction
             1 for the upper end, -1 for the lower one
-        excess
-            admitted rise of the sum of squares
+        admitted_rise_of_better_kind
+            rise of the least sum of squares up to which loops of the better kind are admitted
         first_step
             first step in ln f
 
@@ -618,8 +622,9 @@ class _Search:
             The loop is of that kind, partial or gross, for which it is less.
 
             The squares are distances of measured rows from a loop. `fits` are the best fit of
-            either kind, `excess` is the admitted rise for the better kind. `parameters_by_kind`
-            holds the latest parameters (7,) of each kind: gross (True), or partial.
+            either kind, `admitted_rise_of_better_kind` is the admitted rise for the better kind.
+            `parameters_by_kind` holds the latest parameters (7,) of each kind: gross (True), or
+            partial.
 
             # notation: f coefficient of friction
             """
@@ -631,10 +636,10 @@ class _Search:
                 )
                 if math.isfinite(fit.sum_of_squares):
                     parameters_by_kind[is_gross] = fit.parameters
-                admitted_rise = excess
+                admitted_rise = admitted_rise_of_better_kind
                 if is_gross != is_gross_better:
                     # chi squared of three degrees over that of one: 2.03
-                    admitted_rise = _EXCESS_OF_OTHER_KIND * excess
+                    admitted_rise = _EXCESS_OF_OTHER_KIND * admitted_rise_of_better_kind
                 rise = max(fit.sum_of_squares - fits.better_fit.sum_of_squares, 0.0)
                 relative_rise = rise / admitted_rise
                 if relative_rise < least_relative_rise:
@@ -875,13 +880,13 @@ class BestLoop:
         # a rise of R over the whole slide; RANGE: index of R
         rise_of_load = self.parameters[RANGE] * sign_of_branch * share_of_slide
         # component in Q of the unit normal of the loop, in sigma
-        load_normal = self.distances.unit_normal[:, 1]
-        added_derivative = -load_normal * rise_of_load / self.search.sigma.of_load
+        unit_normal_in_load = self.distances.unit_normal[:, 1]
+        derivative_by_rise = -unit_normal_in_load * rise_of_load / self.search.sigma.of_load
         # added_values of this change: the rise over R
         change = explained_change(
             self.distances.signed_distance,
             self._derivatives_by_parameters,
-            added_derivative[:, None],
+            derivative_by_rise[:, None],
         )
         return float(change.added_values[0]), change
 

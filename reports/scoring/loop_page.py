@@ -138,12 +138,11 @@ def _figures(score: LoopScore) -> tuple[Plate, ...]:
             score.share_of_cycle, score.share_of_cycle, score.displacement, score.load, residuals
         )
     )
-    # fewest and most rows of a mean, number of means; n_columns: figures beside each other
+    # fewest and most rows of a mean, and number of means
     caption_numbers: dict[str, Any] = {
         "fewest": f"{means.row_counts.min():.0f}",
         "most": f"{means.row_counts.max():.0f}",
         "parts": len(means.row_counts),
-        "n_columns": 1,
     }
     return (
         _figure_of_loop(score, means, caption_numbers),
@@ -205,7 +204,7 @@ def _figure_of_loop(score: LoopScore, means: _Means, caption_numbers: dict[str, 
     legend_keys = [Key(curve.css, curve.label) for curve in curves]
     # with caption and texts from templates, the CSV columns and a legend
     return figure_with_texts(
-        "loop", [panel], columns, legend_keys, slope=f"{slope:.4g}", **caption_numbers
+        "loop", [panel], columns, legend_keys, n_columns=1, slope=f"{slope:.4g}", **caption_numbers
     )
 
 
@@ -246,6 +245,7 @@ def _figure_of_residuals(
         [panel],
         # columns of the CSV file
         {"tau": score.share_of_cycle, f"U - fit [{unit_of_length}]": residuals},
+        n_columns=1,
         noise=f"{score.noise:.3g}",
         length=unit_of_length,
         **caption_numbers,
