@@ -25,7 +25,7 @@ _SECONDS_OF_SLOW_START = 60.0
 
 
 class Console(_RichConsole):
-    """Rich's console. If the reader of the output has gone away, BrokenPipeError is raised, for the
+    """Rich's console. If the reader of the output has ended, BrokenPipeError is raised, for the
     command line to choose the exit code.
     """
 

@@ -544,7 +544,7 @@ def _move_results(
 
     A manifest in the folder lists the files that this program wrote. The manifest that is moved
     before any file lists old and new files; the one that is moved last lists the new ones. So, if a
-    run is killed between two moves, the next run still knows every file as this program's own.
+    run is killed between two moves, the next run still recognises every file as this program's own.
 
     Parameters
     ----------

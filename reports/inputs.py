@@ -798,7 +798,7 @@ def _reason_without_values(scene: Scene) -> str:
     where it can.
 
     It cannot where a displacement is prescribed (`load.is_driven`) and a face is modelled with its
-    curve (`bodies.faces_are_true`): theory knows the elastic responses of bodies with flat faces
+    curve (`bodies.faces_are_true`): theory has the elastic responses of bodies with flat faces
     only.
     """
     if not (scene.load.is_driven and scene.bodies.faces_are_true):

@@ -699,15 +699,15 @@ def _last_whole_cycle(rows: Array, time: Array, work_so_far: Array) -> LoadCycle
     turning_rows = rows_of_turns(rows[:, _TANGENTIAL])[-3:]
     if len(turning_rows) < 3:
         return None
-    times_of_turns, _, loads_at_turns = rows[turning_rows].T.tolist()
+    times_of_turns, _, tangential_loads_at_turns = rows[turning_rows].T.tolist()
     start_time, _, end_time = times_of_turns
     work_at_start, work_at_end = np.interp([start_time, end_time], time, work_so_far).tolist()
-    largest_load = max(loads_at_turns)
-    least_load = min(loads_at_turns)
+    largest_tangential_load = max(tangential_loads_at_turns)
+    least_tangential_load = min(tangential_loads_at_turns)
     return LoadCycle(
         count=1.0,
-        range=largest_load - least_load,
-        mean=(largest_load + least_load) / 2,
+        range=largest_tangential_load - least_tangential_load,
+        mean=(largest_tangential_load + least_tangential_load) / 2,
         start=start_time,
         end=end_time,
         dissipation=work_at_end - work_at_start,

@@ -72,13 +72,13 @@ class Report:
     budget
         where the error of every metric comes from, where that was measured
     guesses
-        what was assumed of somebody else's result, to be read before anything else
+        what was assumed of an external result, to be read before anything else
     evidence
-        what the rows of somebody else's result show, in the order in which it is looked at
+        what the rows of an external result show, in the order in which it is looked at
     diagnoses
-        the likely causes of somebody else's difference, the strongest first
+        the likely causes of the difference of an external result, the strongest first
     study
-        what the result's own coarser meshes say, where it came as a folder of them
+        what the result's own coarser meshes show, where it came as a folder of them
     third
         the answer of another code to the same scene
     unscored
@@ -110,7 +110,7 @@ class Report:
 
     @property
     def read_as(self) -> ReadAs:
-        """How the file of somebody else's result was read, where it is a text table: its layout,
+        """How the file of an external result was read, where it is a text table: its layout,
         then what became of each column.
         """
         pairs = self.comparison.result.settings.get("read_as", ())

@@ -2,7 +2,8 @@
 stand alone.
 
 A figure is a `Plate` of `Panel`s, and a panel is two axes and marks in the units of what it shows.
-What they look like stands once, in templates/charts.css. Nothing here knows a metric or an engine.
+What they look like stands once, in templates/charts.css. Nothing here depends on a metric or an
+engine.
 
 Offered to the rest of reports:
 

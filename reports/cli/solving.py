@@ -85,7 +85,7 @@ def solving_command(solve_job: Callable[[Job], Answer]) -> Callable[[str, Option
 
     What was solved before a failure or an interruption is kept in the folder; an interruption
     before two instants were solved ends as KeyboardInterrupt, and keeps nothing. Where the folder
-    holds a file of somebody else that the command would write over, it is refused before anything
+    holds a file of another program that the command would write over, it is refused before anything
     is solved.
 
     An answer has the exit code (130 after an interruption, 3 without convergence), what the

@@ -176,7 +176,7 @@ def _stresses_by_engine(
     places relative to the contact of each. Each array is (n_instants, n_points, 4): s_xx, s_yy,
     s_xy, s_zz [stress].
 
-    `times` are those of `theory`. Instants at which finite elements know no stress are left out of
+    `times` are those of `theory`. Instants at which finite elements give no stress are left out of
     both. Where the places have weights, the stress is averaged over depth, and n_points is the
     number of values of x.
     """

@@ -7,7 +7,7 @@ fault. It explains the difference where
 - it leaves less than a third of it, noise from point to point set aside;
 - the gain is more than chance would give (F test);
 - the sum of the pressures does not contradict it;
-- no other cause does as well: of two that the file does not tell apart neither is named.
+- no other cause does as well: of two that the file does not distinguish neither is named.
 
 Pairs of causes are tried where no single one leaves noise alone.
 
@@ -88,7 +88,7 @@ class Attribution:
     fit
         the causes that are named; None if none is
     rivals
-        other explanations that the file does not tell apart from it
+        other explanations that the file does not distinguish from it
     is_shear_unexplained
         whether the causes explain the pressure alone, and the shear differs for another reason
     """
@@ -135,7 +135,7 @@ class Judgement:
 
         Of several explanations the one that leaves least of the difference is named; of those that
         leave as little but for chance, the one with the fewest causes. Those that the file does not
-        tell apart from it are its rivals. An explanation is a fit: causes (with `keys`), their
+        distinguish from it are its rivals. An explanation is a fit: causes (with `keys`), their
         fitted sizes (`n_parameters` in number), and the mean square of the difference that it
         leaves.
 

@@ -6,7 +6,7 @@ where P varies with Q as in the scene.
 #           cycle, U0 origin of U, sigma standard deviation of the noise of a row
 
 Least squares over f, Q_max, Q_min, C and U0. The turning points lie between rows: they are
-parameters of the fit, beside what the rows of Q near them say. The loop is the closed curve
+parameters of the fit, beside what the rows of Q near them show. The loop is the closed curve
 
     U = r U(tau; f/r) + C Q + U0,   Q = r Q(tau) + Q0,
 
@@ -449,7 +449,7 @@ class LoopsOverFriction:
         ----------
         rows
             the measured rows: `displacement` U and `load` Q, (n,) each; `branches.is_rising` (n,)
-            tells whether each lies on the branch of rising Q
+            states whether each lies on the branch of rising Q
         friction
             f of the loop
         terms

@@ -271,7 +271,7 @@ class _Search:
         sign_of_turn
             1 for the highest turning point, -1 for the lowest
         mean_time
-            mean time of such turning points over that of the record, from -1/2 to 1/2, which tells
+            mean time of such turning points over that of the record, from -1/2 to 1/2, which gives
             the drift there
 
         # notation: f coefficient of friction, Q tangential load, U relative tangential displacement

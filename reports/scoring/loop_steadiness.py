@@ -1,9 +1,9 @@
 """Whether the rows of a loop are of one steady loop of theory: drift of U, run-in, and cycles that
 differ.
 
-The distances of rows from the loop that fits them are scatter if the model holds: neighbours do
-not know of each other. Where the model does not hold, neighbours lie on the same side of it, and
-the correlation of neighbours says how much of the distances is no scatter.
+The distances of rows from the loop that fits them are scatter if the model holds: neighbours are
+not correlated. Where the model does not hold, neighbours lie on the same side of it, and their
+correlation shows how much of the distances is no scatter.
 """
 
 from __future__ import annotations

@@ -733,7 +733,7 @@ def _rows_without_drift(loop: MeasuredLoop, drift: float) -> MeasuredLoop:
 
 def _sentences_on_rows(candidate: _Candidate, fit: MasingFit) -> list[str]:
     """A sentence for the reader of a fit at constant normal load P: how many cycles the rows cover,
-    and between which values of the tangential load Q. It says "that are left" where rows of a
+    and between which values of the tangential load Q. It states "that are left" where rows of a
     run-in were left out.
     """
     which_rows = " that are left" if candidate.run_in_sentence else ""

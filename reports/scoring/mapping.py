@@ -1,4 +1,4 @@
-"""How somebody else's file is to be read: names of columns, factors of units, signs, sides. A TOML
+"""How an external file is read: names of columns, factors of units, signs, sides. A TOML
 file whose keys are optional.
 """
 

@@ -114,7 +114,7 @@ def surface_result(
     Raises
     ------
     InputError
-        One sentence: a shape that does not fit, a number that is none, a point that stands there
+        One sentence: a shape that does not fit, a number that is none, a point that is given
         twice.
     """
     field_arrays = {
@@ -243,7 +243,7 @@ def _mean_x_of_points(source: str, x: Array) -> tuple[Array, str]:
 
 
 def _require_distinct_points(source: str, x: Array) -> None:
-    """InputError, naming `source`, for fewer than three points, or a point that stands there twice
+    """InputError, naming `source`, for fewer than three points, or a point that is given twice
     in one instant; `x` of the points is (n_points,) or (n_steps, n_points).
     """
     for x_of_instant in np.atleast_2d(np.sort(x)):

@@ -2,7 +2,7 @@
 the words of paper.toml name.
 
 `right` and `printed` are the errors of the mended and of the printed reading, as shares of what the
-engine says.
+engine gives.
 """
 
 from __future__ import annotations

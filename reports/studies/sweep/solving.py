@@ -246,7 +246,7 @@ def check_figures(figures: Sequence[str], engines: Sequence[str], uncertainty: s
     Raises
     ------
     ValueError
-        Where a name is no quantity, stands there twice, or needs one of the `engines` that does not
+        Where a name is no quantity, is given twice, or needs one of the `engines` that does not
         run; where the kind of uncertainty does not fit the quantities or the engines.
     """
     # each name
@@ -272,7 +272,7 @@ def check_figures(figures: Sequence[str], engines: Sequence[str], uncertainty: s
 
     # all of them, and the kind of uncertainty
     if len(set(figures)) < len(figures):
-        raise ValueError("figures: one stands there twice")
+        raise ValueError("figures: one is given twice")
     if uncertainty != "none" and "fe" not in engines:
         raise ValueError(
             "uncertainty: half-plane theory is exact to rounding; with it alone take uncertainty ="

@@ -143,7 +143,7 @@ class DeckBody:
 
 @dataclass(frozen=True, eq=False)
 class Deck:
-    """Everything that an input deck says.
+    """Everything that an input deck states.
 
     Attributes
     ----------
