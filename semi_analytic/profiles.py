@@ -396,38 +396,46 @@ def edge_advance_function(
         """Advance d [length] of the contact edge beyond the half-width without load, under each of
         the `loads` P, 0 where a load is not positive.
 
-        Newton's rule in logarithms of load and d, from a first guess and its bounds by a table.
-        Where a step leaves the bracket [least_d, largest_d] the bracket is halved instead.
+        The advance is solved for by Newton's method in the logarithms of load and advance, from a
+        first guess by a table. Where a step leaves the bounds [least_advance, largest_advance],
+        which close in, their geometric mean is taken instead.
         """
         positive_loads = np.where(loads > 0, loads, 1.0)
-        d, least_d, largest_d = table().first_guess(np.log(positive_loads))
+        advance, least_advance, largest_advance = table().first_guess(np.log(positive_loads))
         for _ in range(60):
-            # P(d); `stiffness` is dP/dd
-            load_at_d = load(d)
-            least_d = np.where(load_at_d < positive_loads, d, least_d)
-            largest_d = np.where(load_at_d < positive_loads, largest_d, d)
+            load_at_advance = load(advance)
+            is_below = load_at_advance < positive_loads
+            least_advance = np.where(is_below, advance, least_advance)
+            largest_advance = np.where(is_below, largest_advance, advance)
             with np.errstate(divide="ignore", invalid="ignore"):
-                log_step = np.log(positive_loads / load_at_d) * load_at_d / (d * stiffness(d))
-            newton_d = d * np.exp(np.clip(log_step, -1.0, 1.0))
-            is_in_bracket = (newton_d >= least_d) & (newton_d <= largest_d)
-            d = np.where(is_in_bracket, newton_d, np.sqrt(least_d * largest_d))
-            # _CONVERGED_LOG_STEP: 3e-9
-            if np.all(
-                (np.abs(log_step) < _CONVERGED_LOG_STEP) | (largest_d <= least_d * (1 + 1e-15))
-            ):
+                log_step = (
+                    np.log(positive_loads / load_at_advance)
+                    * load_at_advance
+                    / (advance * stiffness(advance))
+                )
+            newton_advance = advance * np.exp(np.clip(log_step, -1.0, 1.0))
+            is_within_bounds = (newton_advance >= least_advance) & (
+                newton_advance <= largest_advance
+            )
+            geometric_mean = np.sqrt(least_advance * largest_advance)
+            advance = np.where(is_within_bounds, newton_advance, geometric_mean)
+            has_converged = (np.abs(log_step) < _CONVERGED_LOG_STEP) | (
+                largest_advance <= least_advance * (1 + 1e-15)
+            )
+            if np.all(has_converged):
                 break
-        return np.where(loads > 0, d, 0.0)
+        return np.where(loads > 0, advance, 0.0)
 
     return edge_advance
 
 
 class _LogTable(NamedTuple):
-    """Table of the inverse d(P) of a contact law, n rows, ascending.
+    """Table of the advance d(P) of the contact edge under a load P, n rows, ascending.
 
     Attributes
     ----------
     log_load, edge_advance
-        (n,) ln P, and the advance d of the contact edge [length]
+        (n,) ln P, and d [length]
     cubic
         cubic of ln d over ln P through the rows
     slope
@@ -440,73 +448,76 @@ class _LogTable(NamedTuple):
     slope: Array
 
     def first_guess(self, log_load: Array) -> tuple[Array, Array, Array]:
-        """First guess of d(P), the inverse of the contact law, at loads P given by their logarithm,
-        and bounds of d from below and above; (n,) each [length].
+        """First guess of the advance d(P) of the contact edge under loads P, given by their
+        logarithm, and bounds of d from below and above; (n,) each [length].
 
-        Inside the table, whose rows are `log_load` ln P and `edge_advance` d, the guess is a cubic
-        of ln d over ln P, and the bounds are the d of the rows beside it. Beyond its ends d is a
-        power of the load, by the slope of the first or last row; the bounds are half and twice the
-        guess.
+        Inside the table the guess is a cubic of ln d over ln P, and the bounds are the d of the
+        rows beside it. Beyond its ends d is a power of the load, by the slope d ln d/d ln P of the
+        first or last row; the bounds are half and twice the guess.
         """
         # ln P minus that of the first row or the last row of the table, 0 between them
         log_below_table = np.minimum(log_load - self.log_load[0], 0.0)
         log_above_table = np.maximum(log_load - self.log_load[-1], 0.0)
-        log_d_in_table = self.cubic(log_load - log_below_table - log_above_table)
-        d = np.exp(
-            log_d_in_table + self.slope[0] * log_below_table + self.slope[-1] * log_above_table
+        log_advance_in_table = self.cubic(log_load - log_below_table - log_above_table)
+        advance = np.exp(
+            log_advance_in_table
+            + self.slope[0] * log_below_table
+            + self.slope[-1] * log_above_table
         )
         row_below = np.searchsorted(self.log_load[1:-1], log_load)
         is_in_table = log_below_table == log_above_table
-        least_d = np.where(is_in_table, self.edge_advance[row_below], d / 2)
-        largest_d = np.where(is_in_table, self.edge_advance[row_below + 1], d * 2)
-        return d, least_d, largest_d
+        least_advance = np.where(is_in_table, self.edge_advance[row_below], advance / 2)
+        largest_advance = np.where(is_in_table, self.edge_advance[row_below + 1], advance * 2)
+        return advance, least_advance, largest_advance
 
 
 def _log_table(
     load: Function, stiffness: Function, unit: float, corner: float, extent: float
 ) -> _LogTable:
-    """Table of the inverse d(P) of a rising contact law P = load(d), dP/dd = stiffness(d): a cubic
-    of ln d over ln P.
+    """Table of the advance d(P) of the contact edge, the inverse of a rising contact law P(d): a
+    cubic of ln d over ln P, which rises everywhere.
 
-    The slopes of the cubic are limited so that it rises everywhere. Rows whose load would overflow
-    or vanish are left out, and those up to where the round-off of the loads ends: below its first
+    d is how far the edge is beyond the half-width without load. Rows with a load that would
+    overflow or vanish are left out, and the first ones, where loads are round-off. Below its first
     row the table goes on as a power of the load.
 
     Parameters
     ----------
+    load, stiffness
+        P and dP/dd as functions of d
     unit
-        a d of the expected size; the table covers 22 decades below and 15 above it [length]
+        a length of the profile; the table covers 22 decades of d below and 15 above it [length]
     corner
-        a d at which the law is not smooth; it is a row of the table [length]
+        a value of d at which the law is not smooth; it is a row of the table [length]
     extent
-        largest d [length]
+        largest d that the profile allows [length]
     """
-    least_d = _LEAST_RATIO_TO_UNIT * unit
-    largest_d = min(_LARGEST_RATIO_TO_UNIT * unit, extent)
-    # twenty values of d to each factor e
-    log_d = np.arange(math.log(least_d), math.log(largest_d), _LOG_STEP_OF_TABLE)
-    d = np.append(np.exp(log_d), [corner, extent])
-    d = np.unique(d[(d > 0) & np.isfinite(d)])
+    first_advance = _LEAST_RATIO_TO_UNIT * unit
+    last_advance = min(_LARGEST_RATIO_TO_UNIT * unit, extent)
+    # twenty rows to each factor e
+    log_advances = np.arange(math.log(first_advance), math.log(last_advance), _LOG_STEP_OF_TABLE)
+    advances = np.append(np.exp(log_advances), [corner, extent])
+    advances = np.unique(advances[(advances > 0) & np.isfinite(advances)])
     with np.errstate(all="ignore"):
-        loads = load(d)
-        # rows whose load neither vanishes nor overflows, each load once
+        loads = load(advances)
+        # Rows with a load that neither vanishes nor overflows, and each load once.
         usable_rows = np.flatnonzero((loads > 1e-290) & (loads < 1e290))
         log_loads, first_row_of_each_load = np.unique(np.log(loads[usable_rows]), return_index=True)
-        d = d[usable_rows[first_row_of_each_load]]
+        advances = advances[usable_rows[first_row_of_each_load]]
         # Where the loads of neighbouring rows differ by round-off, d may fall as the load rises.
-        first_rising_row = int(np.max(np.flatnonzero(np.diff(d) <= 0), initial=-1)) + 1
-        d = d[first_rising_row:]
+        first_rising_row = int(np.max(np.flatnonzero(np.diff(advances) <= 0), initial=-1)) + 1
+        advances = advances[first_rising_row:]
         log_loads = log_loads[first_rising_row:]
-        # d ln d/d ln P of the law, and between neighbouring rows
-        slopes_of_log_d = np.exp(log_loads) / (d * stiffness(d))
-        chord_slopes = np.diff(np.log(d)) / np.diff(log_loads)
+        # d ln d/d ln P by dP/dd, and by the chord between neighbouring rows
+        slopes = np.exp(log_loads) / (advances * stiffness(advances))
+        chord_slopes = np.diff(np.log(advances)) / np.diff(log_loads)
     # As long as no slope is more than three times that of a chord beside it the cubic rises.
     least_chord_slopes = np.minimum(
         np.append(chord_slopes, np.inf), np.append(np.inf, chord_slopes)
     )
-    slopes_of_log_d = np.fmin(slopes_of_log_d, 3 * least_chord_slopes)
-    cubic = scipy.interpolate.CubicHermiteSpline(log_loads, np.log(d), slopes_of_log_d)
-    return _LogTable(log_loads, d, cubic, slopes_of_log_d)
+    slopes = np.fmin(slopes, 3 * least_chord_slopes)
+    cubic = scipy.interpolate.CubicHermiteSpline(log_loads, np.log(advances), slopes)
+    return _LogTable(log_loads, advances, cubic, slopes)
 
 
 # --- power laws and their sums
@@ -584,7 +595,6 @@ def law_of_even_polynomial(modulus: float, length: float, rises: tuple[float, ..
             f"profile: the contact would split near a half-width of {half_width:.6g}; half-plane"
             " theory here needs one contact"
         )
-    first_positive_term = int(np.flatnonzero(loads_of_terms > 0)[0])
 
     def load(a: Array) -> Array:
         squared_ratio = np.square(a / length)
@@ -596,14 +606,17 @@ def law_of_even_polynomial(modulus: float, length: float, rises: tuple[float, ..
             2 * ratio / length * polynomial.polyval(ratio * ratio, loads_of_terms * k)
         )
 
-    # then P may hardly grow somewhere
+    # The lowest term leads for small a: P goes as a^exponent there.
+    index_of_lowest_term = int(np.flatnonzero(loads_of_terms > 0)[0])
+    exponent = 2.0 * (index_of_lowest_term + 1)
+    # With several terms dP/da may be small somewhere, so that a(P) is steep.
     has_several_terms = sum(rise != 0 for rise in rises) > 1
-    # `edge_advance_function` inverts P(a); P goes as a^power for small a
+    # d of the law is a itself: the half-width without load is 0.
     return ContactLaw(
         load,
         edge_advance_function(load, stiffness, length),
         stiffness,
-        exponent=2.0 * (first_positive_term + 1),
+        exponent=exponent,
         half_width_may_be_steep=has_several_terms,
     )
 
@@ -782,8 +795,7 @@ def law_of_table(modulus: float, profile: Tabulated) -> ContactLaw:
     constant between knots b_j, so that P is a sum over flat punches with rounded ends.
 
     `modulus` is E*, a the contact half-width, kappa_j the curvature behind b_j. The functions of
-    the law take the advance of a beyond the half-width without load. `has_series`: there are more
-    than two knots.
+    the law take the advance of a beyond the half-width without load.
 
         dP/da = E* a [kappa_0 pi/2 + sum over b_j < a of (kappa_j - kappa_(j-1)) arccos(b_j/a)]
 
@@ -804,12 +816,13 @@ def law_of_table(modulus: float, profile: Tabulated) -> ContactLaw:
     ... )  # 25 a^2
     9.0
     """
-    # heights, slopes and curvatures behind each row, for x >= 0
+    # x of the rows, x >= 0, and the curvature behind each
     spline = profile.spline()
-    # a flat before it, if any, is the half-width without load
+    # Where the table begins with a flat, its end is the first knot, and the half-width without
+    # load.
     first_knot = int(np.flatnonzero(spline.curvature > 0)[0])
     knots = spline.x[first_knot:]
-    scaled_curvatures = modulus * spline.curvature[first_knot:]  # E* h'' behind each knot
+    scaled_curvatures = modulus * spline.curvature[first_knot:]  # E* kappa behind each knot
     least_half_width = float(knots[0])
     extent = float(knots[-1])
     # Up to the second knot it is Hertz, or flat and rounded, with E*/R the first of these scaled
@@ -820,18 +833,17 @@ def law_of_table(modulus: float, profile: Tabulated) -> ContactLaw:
         else law_of_power(scaled_curvatures[0], 2.0, 1.0, 0.5)
     )
 
-    # P and dP/da as functions of the advance d = a - a_0 of the edge, a_0 the half-width without
-    # load
-    law = _TableLaw(
+    # P and dP/da as functions of the advance d of the edge beyond the half-width without load
+    table_law = _TableLaw(
         law_to_second_knot, _series_of_table(knots, scaled_curvatures), least_half_width
     )
-    largest_load = float(law.load(np.array(extent - least_half_width)))
-    # d as a function of the load
+    largest_load = float(table_law.load(np.array(extent - least_half_width)))
+    # the inverse, d as a function of P
     advance_under_load = law_to_second_knot.edge_advance
-    if law.has_series:
+    if table_law.has_series:  # more than two knots
         corner_advance = float(knots[1]) - least_half_width
         advance_under_load = edge_advance_function(
-            law.load, law.stiffness, extent, corner_advance, extent - least_half_width
+            table_law.load, table_law.stiffness, extent, corner_advance, extent - least_half_width
         )
 
     def edge_advance(loads: Array) -> Array:
@@ -846,12 +858,17 @@ def law_of_table(modulus: float, profile: Tabulated) -> ContactLaw:
             )
         return np.asarray(advance_under_load(loads))
 
-    if law.has_series:
-        law.require_no_split(profile)
-    inner_knots = tuple(knots[1:-1].tolist())
-    # inner knots: corners of the law, at which dP/da is not smooth
+    if table_law.has_series:
+        table_law.require_no_split(profile)
+    # dP/da is not smooth at the inner knots
+    corner_half_widths = tuple(knots[1:-1].tolist())
     return ContactLaw(
-        law.load, edge_advance, law.stiffness, least_half_width, inner_knots, extent=extent
+        table_law.load,
+        edge_advance,
+        table_law.stiffness,
+        least_half_width,
+        corner_half_widths,
+        extent=extent,
     )
 
 
@@ -907,23 +924,24 @@ class _TableLaw(NamedTuple):
         closed_form_before_knot: Callable[[Array], Array],
     ) -> Array:
         """P or dP/da at advances d of the edge of contact beyond `least_half_width`, the half-width
-        without load. A knot is a half-width at which the curvature of the profile jumps.
+        without load: in closed form up to the second knot, by Chebyshev series behind it.
+
+        A knot is a half-width at which the curvature of the profile jumps. The range behind each
+        knot is divided into intervals, each with its own series in u = sqrt(a - knot), a the
+        half-width.
 
         Parameters
         ----------
         series_behind_knot
-            the series of P or of dP/da, for half-widths behind the second knot; without a third
-            knot `has_series` is False
+            the series of P or of dP/da; there are none without a third knot
         closed_form_before_knot
-            closed form of it in d, for half-widths before that knot
+            P or dP/da as a function of d, for half-widths before the second knot
         """
-        # P and dP/da by Chebyshev series on intervals of half-width behind the knots
         table_series = self.table_series
         if not self.has_series:
             return closed_form_before_knot(d)
         half_widths = d + self.least_half_width
-        # intervals of half-width behind the knots, each with a series in u = sqrt(a - knot); -1
-        # before the second knot
+        # number of the interval of each half-width, -1 before the second knot
         interval_number = (
             np.searchsorted(table_series.begin_half_widths, half_widths, side="right") - 1
         )
@@ -971,6 +989,16 @@ class _IntervalGroup(NamedTuple):
     n_far_knots: int
     half_width_range: tuple[float, float]
     far_series: Array
+
+    def far_sums_at(self, half_widths: Array) -> Array:
+        """Sums of P and of dP/da/a over the far knots at half-widths (...) within the range of the
+        series, (..., 2).
+        """
+        least_half_width, largest_half_width = self.half_width_range
+        range_length = largest_half_width - least_half_width
+        place_in_range = (half_widths - least_half_width) * 2 / range_length - 1
+        far_sums: Array = chebyshev.chebval(place_in_range, self.far_series)
+        return np.moveaxis(far_sums, 0, -1)
 
 
 def _intervals_of_u(knots: Array) -> list[_IntervalOfU]:
@@ -1093,33 +1121,33 @@ class _KnotSums(NamedTuple):
 
 def _series_of_table(knots: Array, scaled_curvatures: Array) -> _TableSeries:
     """Chebyshev series of P(a) and dP/da behind every knot b of a table of heights, from the second
-    knot on; none where there are no more than two. An interval is a range of u = sqrt(a - b) from
-    `begin_u` to `end_u`.
+    knot on, a the contact half-width; none where there are no more than two knots.
+
+    P is smooth in u = sqrt(a - b). The range behind a knot is divided into intervals of u, each
+    with its own series.
 
     Parameters
     ----------
     knots
-        (k,) half-widths at which h'' jumps, ascending
+        (k,) half-widths at which the curvature h'' of the profile jumps, ascending
     scaled_curvatures
         (k,) E* h'' behind each knot [stress/length]
     """
-    # ranges of u = sqrt(a - knot)
     intervals = _intervals_of_u(knots)
     knot_of_interval = np.array([interval.knot for interval in intervals])
     begin_u = np.array([interval.begin_u for interval in intervals])
     end_u = np.array([interval.end_u for interval in intervals])
-    # Chebyshev nodes and both ends of every interval, as values of u.
+    # Chebyshev nodes and both ends of every interval, as values of u and of a - b
     nodes_and_ends = np.concatenate([[-1.0], CHEBYSHEV_NODES, [1.0]])
     u_at_nodes = begin_u[:, None] + (end_u - begin_u)[:, None] * (1 + nodes_and_ends) / 2
-    distances = np.square(u_at_nodes)
-    # P and dP/da/a as sums over the knots, each a flat punch with rounded ends
+    distances_from_knot = np.square(u_at_nodes)
+    # P and dP/da/a as sums over the knots, (intervals, nodes and ends) each
     knot_sums = _KnotSums(knots, np.diff(scaled_curvatures, prepend=0.0))
-    # at all half-widths knot + u^2, (intervals, nodes and ends) each
     load, stiffness_over_width = np.moveaxis(
-        _sums_over_all_knots(knot_sums, knot_of_interval, distances), -1, 0
+        _sums_over_all_knots(knot_sums, knot_of_interval, distances_from_knot), -1, 0
     )
-    stiffness = stiffness_over_width * (knot_of_interval[:, None] + distances)
-    # series without the ends
+    stiffness = stiffness_over_width * (knot_of_interval[:, None] + distances_from_knot)
+    # The series are through the nodes alone.
     return _TableSeries(
         knot_of_interval,
         begin_u,
@@ -1134,25 +1162,24 @@ def _sums_over_all_knots(knot_sums: _KnotSums, knot_of_interval: Array, distance
     """P and dP/da/a of a profile given by a table of heights, as sums over all knots below a, at
     half-widths a in n intervals that ascend; (n, j, 2) at j half-widths of each interval.
 
-    A knot is a half-width at which the curvature of the profile jumps. Over knots that are farther
-    below a range of half-widths than it is long the sums are smooth: one Chebyshev series serves
-    for the range. It is halved, and each half adds knots farther below than it is long itself. So
-    the time grows about as m log m with the number m of knots, not as its square. Near knots of the
-    last, short ranges are summed one by one. A group is a row of neighbouring intervals, from index
-    `first` to before `stop`, with the series of its far knots.
+    A knot is a half-width at which the curvature of the profile jumps. Sums over the far knots of a
+    range of half-widths, farther below it than it is long, are smooth: one Chebyshev series serves
+    for the range. Ranges are halved, and each half adds the knots that are now far. So the time
+    grows about as m log m with the number m of knots, not as its square. Over the near knots of the
+    last, short ranges the sums are taken one by one.
 
     Parameters
     ----------
     knot_sums
-        P and dP/da/a of the table as sums over any of its knots
+        sums over any of the knots
     knot_of_interval
         (n,) knot from which the half-widths of each interval are counted, ascending [length]
     distances
-        (n, j) of the half-widths from the knot of their interval, ascending: of the Chebyshev nodes
-        and the ends of the interval [length]
+        (n, j) of the half-widths from the knot of their interval, ascending [length]
     """
     half_widths = knot_of_interval[:, None] + distances
     sums_at_half_widths = np.zeros((*half_widths.shape, 2))
+    # A group is a row of neighbouring intervals, with the series of its far knots.
     groups: list[_IntervalGroup] = []
     if len(knot_of_interval):
         groups.append(
@@ -1165,36 +1192,27 @@ def _sums_over_all_knots(knot_sums: _KnotSums, knot_of_interval: Array, distance
             )
         )
     while groups:
-        # its series is that of the wider group of which it was a half: add the knots that are far
-        # from it
-        group_to_refine = groups.pop()
-        half_width_range = (
-            half_widths[group_to_refine.first, 0],
-            half_widths[group_to_refine.stop - 1, -1],
-        )
-        # with a series on its own range of half-widths, over the knots that are now far, too
-        group = knot_sums.with_far_knots(group_to_refine, half_width_range)
-        # _MOST_INTERVALS_OF_GROUP: 32
+        group = groups.pop()
+        half_width_range = (half_widths[group.first, 0], half_widths[group.stop - 1, -1])
+        # It still has the series of the wider group of which it was a half.
+        group = knot_sums.with_far_knots(group, half_width_range)
         if group.stop - group.first > _MOST_INTERVALS_OF_GROUP:
             middle_interval = (group.first + group.stop) // 2
             groups.append(group._replace(stop=middle_interval))
             groups.append(group._replace(first=middle_interval))
             continue
-        # a group of 32 intervals at most: far knots by their series, near ones one by one
         intervals = slice(group.first, group.stop)
-        least_half_width, largest_half_width = half_width_range
-        range_length = largest_half_width - least_half_width
-        place_in_range = (half_widths[intervals] - least_half_width) * 2 / range_length - 1
-        # of the `n_far_knots` lowest knots
-        far_sums = chebyshev.chebval(place_in_range, group.far_series)
-        sums_at_half_widths[intervals] = np.moveaxis(far_sums, 0, -1)
+        far_sums = group.far_sums_at(half_widths[intervals])
+        largest_half_width = half_width_range[1]
         n_knots_reached = int(np.searchsorted(knot_sums.knots[:-1], largest_half_width))
-        sums_at_half_widths[intervals] += knot_sums.sums_over_knots(
+        near_sums = knot_sums.sums_over_knots(
             half_widths[intervals, :, None],
             knot_of_interval[intervals, None, None],
             distances[intervals, :, None],
             slice(group.n_far_knots, n_knots_reached),
         )
+        sums_at_half_widths[intervals] = far_sums
+        sums_at_half_widths[intervals] += near_sums
     return sums_at_half_widths
 
 
@@ -1306,31 +1324,31 @@ def law_of_function(modulus: float, profile: CallableProfile) -> ContactLaw:
     >>> round(float(law.edge_advance(np.array(25 * np.pi))), 12)
     1.0
     """
-    # distances at which h'' jumps, and the half-length of a flat
+    # distances from the middle at which h'' jumps, ascending
     jump_distances = _corners(profile)
+    # the half-length of a flat, 0 without one: it is the half-width without load
     least_half_width = _flat_half_length(profile, jump_distances)
     corners_beyond_flat = [b for b in jump_distances if least_half_width < b < profile.extent]
+    # P and dP/da are smooth between two of these half-widths
     first_half_widths = [least_half_width, *corners_beyond_flat]
     half_width_ranges = list(pairwise([*first_half_widths, profile.extent]))
     descending_corners = tuple(
         reversed(first_half_widths if least_half_width else corners_beyond_flat)
     )
-
-    # P and dP/da by series, between two jumps of h'' each
     series_of_ranges = [
-        _series_behind_corner(modulus, profile, begin, end, descending_corners)
-        for begin, end in half_width_ranges
+        _series_behind_corner(
+            modulus, profile, first_half_width, last_half_width, descending_corners
+        )
+        for first_half_width, last_half_width in half_width_ranges
     ]
-    last_load = series_of_ranges[-1].load
-    # at the end of the last series of P
-    largest_load = float(last_load(last_load.interval_ends[-1]))
+    last_load_series = series_of_ranges[-1].load
+    largest_load = float(last_load_series(last_load_series.interval_ends[-1]))
 
-    # P and dP/da as functions of the advance d = a - a_0 of the edge, a_0 the half-width without
-    # load
+    # P and dP/da as functions of the advance d of the edge beyond the half-width without load, and
+    # d as a function of the load
     load_or_stiffness = partial(_load_or_stiffness, series_of_ranges, least_half_width)
     load = partial(load_or_stiffness, derivative_order=0)
     stiffness = partial(load_or_stiffness, derivative_order=1)
-    # d as a function of the load
     advance_under_load = edge_advance_function(
         load, stiffness, profile.extent, extent=profile.extent - least_half_width
     )
@@ -1357,7 +1375,7 @@ def law_of_function(modulus: float, profile: CallableProfile) -> ContactLaw:
         exponent=series_of_ranges[0].exponent_of_load if not least_half_width else 2.0,
         extent=profile.extent,
         half_width_may_be_steep=True,
-        # A derivative was taken of h', and two of h: the rounding of dP/da.
+        # dP/da takes one derivative of a given h', two of a given h: it is rounded most.
         relative_roundoff=max(1e-11, profile.relative_load_errors.stiffness),
     )
 
@@ -1392,41 +1410,45 @@ def _load_or_stiffness(
     """P (`derivative_order` 0) or dP/da (1) of a contact whose edge is d beyond the half-width
     without load, `least_half_width`; an array like d.
 
-    Each range of half-widths between two corners of the profile has series of both in u, the
-    distance from its begin or, if `is_in_square_root`, its square root. Ranges ascend.
+    `series_of_ranges` has series of both for each range of half-widths between two corners of the
+    profile, ascending. They are series in u: the distance of the half-width from the begin of its
+    range or, if `is_in_square_root`, the square root of that distance.
     """
     half_width = least_half_width + d
     load_or_stiffness = np.zeros(d.shape)
     first_half_widths = [range_series.begin_half_width for range_series in series_of_ranges]
-    range_number = np.maximum(np.searchsorted(first_half_widths, half_width, side="right") - 1, 0)
-    for series_number, range_series in enumerate(series_of_ranges):
-        is_in_range = range_number == series_number
+    range_of_value = np.maximum(np.searchsorted(first_half_widths, half_width, side="right") - 1, 0)
+    for range_number, range_series in enumerate(series_of_ranges):
+        is_in_range = range_of_value == range_number
         if np.any(is_in_range):
             # d itself has more digits beside a flat.
-            distance = (d if series_number == 0 else half_width - range_series.begin_half_width)[
-                is_in_range
-            ]
-            u = np.sqrt(distance) if range_series.is_in_square_root else distance
+            distances = d if range_number == 0 else half_width - range_series.begin_half_width
+            distance_in_range = distances[is_in_range]
+            u = np.sqrt(distance_in_range) if range_series.is_in_square_root else distance_in_range
             load_or_stiffness[is_in_range] = range_series.load_or_stiffness_at(u, derivative_order)
     return load_or_stiffness
 
 
 def _series_behind_corner(
-    modulus: float, profile: CallableProfile, begin: float, end: float, corners: tuple[float, ...]
+    modulus: float,
+    profile: CallableProfile,
+    first_half_width: float,
+    last_half_width: float,
+    corners: tuple[float, ...],
 ) -> _SeriesBehindCorner:
-    """Chebyshev series of P and dP/da for contact half-widths between two corners of a profile,
-    begin < a < end, by quadrature of its slope.
+    """Chebyshev series of P and dP/da for contact half-widths a between two corners of a profile,
+    by quadrature of its slope.
 
-    a is the contact half-width. The series run in u = a - begin, or in u = sqrt(a - begin) behind a
-    corner, where P is smooth in the square root only. u is first cut into octaves, 54 at most,
-    which are then halved until the series are resolved.
+    The series run in u = a - first_half_width, or in its square root behind a corner, where P is
+    smooth in the square root only. The range of u is first cut into octaves, 54 at most. These are
+    halved until the series are resolved.
 
     Parameters
     ----------
     modulus
         E* [stress]
-    begin, end
-        half-widths [length]
+    first_half_width, last_half_width
+        half-widths at the two corners; 0 at the middle of the profile [length]
     corners
         places where the slope has corners, descending [length]
 
@@ -1435,39 +1457,41 @@ def _series_behind_corner(
     InputError
         Where the function of the profile is too rough.
     """
-    is_in_square_root = begin > 0
-    largest_u = np.sqrt(end - begin) if is_in_square_root else end - begin
-    # each twice the one before
+    is_in_square_root = first_half_width > 0
+    range_length = last_half_width - first_half_width
+    largest_u = np.sqrt(range_length) if is_in_square_root else range_length
+    # octaves: each end is twice the one before
     interval_ends = largest_u * 0.5 ** np.arange(_OCTAVE_COUNT - 1, -1.0, -1.0)
-    if is_in_square_root and profile.slope(np.array(begin)) > 0:
+    if is_in_square_root and profile.slope(np.array(first_half_width)) > 0:
         # P and dP/da are positive at a corner inside the contact: a few octaves resolve them.
         interval_ends = np.concatenate([[0.0], interval_ends[-4:]])
     elif is_in_square_root:
-        interval_ends = interval_ends[interval_ends > 1e-5 * np.sqrt(begin)]
+        interval_ends = interval_ends[interval_ends > 1e-5 * np.sqrt(first_half_width)]
 
     def load_or_stiffness(u: Array, derivative_order: int) -> Array:
+        """P (`derivative_order` 0) or dP/da (1) by quadrature."""
         distance = u**2 if is_in_square_root else u
-        return _abel_integral(modulus, profile, begin, distance, corners, derivative_order)
+        return _abel_integral(
+            modulus, profile, first_half_width, distance, corners, derivative_order
+        )
 
-    # Beside a flat, or behind a corner, the slope is known to round-off of its largest value, and
-    # its derivative jumps within round-off of the corner. So errors are compared with the values at
-    # the end. From the middle on each octave is compared with its own. What round-off of a height
-    # function leaves uncertain is no more than noise either.
-    places_of_scale = interval_ends[-1:] if is_in_square_root else interval_ends[1:]
-    # relative errors of P and dP/da that are negligible, 4e-15 and 1e-12; `relative_load_errors`
-    # come from the round-off of a height function
+    # Values that errors are compared with. Beside a flat, or behind a corner, the slope is known to
+    # round-off of its largest value, and its derivative jumps within round-off of the corner: there
+    # it is the value at the end. From the middle on it is each octave's own.
+    u_of_scale = interval_ends[-1:] if is_in_square_root else interval_ends[1:]
+    # Errors that are negligible, of P and of dP/da. Those that the round-off of a height function
+    # leaves, `relative_load_errors`, are no more than noise.
     negligible_shares = (
         max(_NEGLIGIBLE_LOAD_SHARE, profile.relative_load_errors.load),
         max(_NEGLIGIBLE_STIFFNESS_SHARE, profile.relative_load_errors.stiffness),
     )
     try:
         # `piecewise_series_by_halving` resolves to 4e-15 of the scale that it is given.
-        # UnresolvedError where halving does not resolve the function, near x = `high`
         load, stiffness = (
             piecewise_series_by_halving(
                 partial(load_or_stiffness, derivative_order=order),
                 interval_ends,
-                negligible_shares[order] / 4e-15 * load_or_stiffness(places_of_scale, order),
+                negligible_shares[order] / 4e-15 * load_or_stiffness(u_of_scale, order),
             )
             for order in (0, 1)
         )
@@ -1477,7 +1501,7 @@ def _series_behind_corner(
             " of this half-width carries is no smooth function; give `breaks`, or a smoother"
             " function"
         ) from fault
-    return _SeriesBehindCorner(begin, is_in_square_root, load, stiffness)
+    return _SeriesBehindCorner(first_half_width, is_in_square_root, load, stiffness)
 
 
 def _abel_integral(
@@ -1505,15 +1529,15 @@ def _abel_integral(
     """
     half_width = begin + distance
     # cos(angle) = b/a; angle 0 for a corner outside of the contact
-    angles_of_corners = []
+    corner_angles = []
     for b in corners:
-        distance_to_corner = np.maximum(distance + (begin - b), 0.0)
-        sqrt_of_square_difference = np.sqrt(distance_to_corner * (half_width + b))
-        angles_of_corners.append(np.arctan2(sqrt_of_square_difference, b))
-    # quadrature over the angle, cut at the corners into panels, (..., panels, nodes)
-    nodes = panel_nodes(np.zeros(half_width.shape), np.pi / 2, angles_of_corners)
-    # cos(angle) as the sine of pi/2 - angle, which keeps its digits near pi/2; `place` is the angle
-    # of each node
+        edge_distance_from_corner = np.maximum(distance + (begin - b), 0.0)
+        sqrt_of_square_difference = np.sqrt(edge_distance_from_corner * (half_width + b))
+        corner_angles.append(np.arctan2(sqrt_of_square_difference, b))
+    # Quadrature over the angle, cut at the corners into panels, (..., panels, nodes): `place` is
+    # the angle of a node, `distance_from_end` its distance from pi/2.
+    nodes = panel_nodes(np.zeros(half_width.shape), np.pi / 2, corner_angles)
+    # cos(angle) as the sine of pi/2 - angle, which keeps its digits near pi/2
     complement_of_angle = np.where(
         nodes.place < 0.7, np.pi / 2 - nodes.place, nodes.distance_from_end
     )
@@ -1521,28 +1545,31 @@ def _abel_integral(
     half_width_column = half_width[..., None, None]
     x = half_width_column * cosine
     if derivative_order:
-        kernel = profile.slope(x) + profile.curvature_times_x(
-            x
-        )  # (x h')', `curvature_times_x` is x h''
+        # (x h')' = h' + x h''
+        slope_factor = profile.slope(x) + profile.curvature_times_x(x)
     else:
-        kernel = profile.slope(x) * half_width_column
-    return np.asarray(modulus * np.sum(nodes.weight * cosine * kernel, axis=(-2, -1)))
+        slope_factor = profile.slope(x) * half_width_column
+    return np.asarray(modulus * np.sum(nodes.weight * cosine * slope_factor, axis=(-2, -1)))
 
 
 def _flat_half_length(profile: CallableProfile, corners: tuple[float, ...]) -> float:
     """Half-length of the flat in the middle of a profile given by a function [length]; 0 if there
     is none.
 
-    A flat ends at one of the `corners` of the slope, ascending, within which the slope is 0. Slopes
-    that fall towards 0 without a corner are not flat. `profile.corners` are the places at which
-    pieces of its slope meet, `extent` is where it ends.
+    A flat ends at a corner of the slope, within which the slope is 0. A slope that falls towards 0
+    without a corner is not flat.
+
+    Parameters
+    ----------
+    profile
+        slope h'(x); places x at which pieces of it meet (`corners`), and its end (`extent`)
+    corners
+        those of these places where h'' jumps, ascending [length]
     """
-    corner_places_and_end = np.array([*profile.corners, profile.extent])
-    largest_slope = np.max(profile.slope(corner_places_and_end))
-    is_slope_zero_inside = profile.slope(corner_places_and_end * 0.999) <= 1e-15 * float(
-        largest_slope
-    )
-    places_behind_flat = corner_places_and_end[is_slope_zero_inside]
+    places = np.array([*profile.corners, profile.extent])
+    largest_slope = np.max(profile.slope(places))
+    is_slope_zero_inside = profile.slope(places * 0.999) <= 1e-15 * float(largest_slope)
+    places_behind_flat = places[is_slope_zero_inside]
     corners_of_flat = [
         b for b in corners if len(places_behind_flat) and b <= places_behind_flat[-1] * (1 + 1e-9)
     ]
@@ -1554,9 +1581,11 @@ def _flat_half_length(profile: CallableProfile, corners: tuple[float, ...]) -> f
 
 
 def _corners(profile: CallableProfile) -> tuple[float, ...]:
-    """Distances b at which the curvature h'' of a profile jumps, ascending [length]: x h'' a little
-    on either side differs by more than a millionth. `profile.corners` are the places at which
-    pieces of its slope meet.
+    """Distances b from the middle at which the curvature h'' of a profile jumps, ascending
+    [length].
+
+    They are among `profile.corners`, the places at which pieces of its slope meet: those where x
+    h'' differs on both sides, at a distance of 1e-9 b, by more than a millionth of its size there.
     """
     jump_distances = []
     for b in profile.corners:
@@ -1564,10 +1593,10 @@ def _corners(profile: CallableProfile) -> tuple[float, ...]:
         x_curvature_before, x_curvature_behind = profile.curvature_times_x(
             np.array([b * (1 - 1e-9), b * (1 + 1e-9)])
         )
-        size_of_x_curvature = (
+        x_curvature_size = (
             abs(x_curvature_before) + abs(x_curvature_behind) + float(profile.slope(np.array(b)))
         )
-        if abs(x_curvature_before - x_curvature_behind) > 1e-6 * size_of_x_curvature + 1e-300:
+        if abs(x_curvature_before - x_curvature_behind) > 1e-6 * x_curvature_size + 1e-300:
             jump_distances.append(b)
     return tuple(jump_distances)
 
