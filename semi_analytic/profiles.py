@@ -997,7 +997,7 @@ class _IntervalGroup(NamedTuple):
         least_half_width, largest_half_width = self.half_width_range
         range_length = largest_half_width - least_half_width
         place_in_range = (half_widths - least_half_width) * 2 / range_length - 1
-        far_sums: Array = chebyshev.chebval(place_in_range, self.far_series)
+        far_sums = np.asarray(chebyshev.chebval(place_in_range, self.far_series), dtype=float)
         return np.moveaxis(far_sums, 0, -1)
 
 
