@@ -85,32 +85,28 @@ class OneCurve:
 
         `load` (n,) is P there. Either the tilt or the moment is prescribed; the other follows from
         the contact. Bulk stress and tilt are 0 if not prescribed.
-
-        # notation: m, c centre and half-length of the contact
         """
         # An instant may be before the start by round-off.
         path_time = np.maximum(time, self.path.start)
         contact = self.contact
-        # `bulk` and `tilt_and_moment` are paths of two values over time: stresses of the lower and
-        # the upper body; tilt and moment.
         stress_of_lower_body, stress_of_upper_body = np.zeros((2, len(time)))
         if self.bulk is not None:
             stress_of_lower_body, stress_of_upper_body = self.bulk.at(path_time)
-        # moment_is_given: whether the moment is prescribed, in the place of the tilt.
         tilt, moment = np.zeros((2, len(time)))
         if self.tilt_and_moment is not None:
             tilt, moment = self.tilt_and_moment.at(path_time)
         if self.moment_is_given:
             tilt = contact.tilt_under(load, moment)
-        # Centre and half-length of the contact under P and the tilt.
-        m, c = contact.centre_and_half_width_under(load, tilt)
+        middle, half_width = contact.centre_and_half_width_under(load, tilt)
+        if not self.moment_is_given:
+            moment = contact.moment(middle, half_width, load, tilt)
         return {
             "bulk_stress_lower": stress_of_lower_body,
             "bulk_stress_upper": stress_of_upper_body,
             "tilt": tilt,
-            "moment": moment if self.moment_is_given else contact.moment(m, c, load, tilt),
-            "contact_edges": np.stack([m - c, m + c], axis=-1),
-            "normal_approach": contact.approach(m, c, load, tilt),
+            "moment": moment,
+            "contact_edges": np.stack([middle - half_width, middle + half_width], axis=-1),
+            "normal_approach": contact.approach(middle, half_width, load, tilt),
         }
 
 
@@ -163,49 +159,49 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
     path = path or scene.load.path()
     gap = convex_profile(scene.profile)
     friction_coefficient = scene.friction.coefficient
-    # P, Q, eps and alpha along the path from where it first shears the contact
+    # (4, n) P, Q, eps and alpha along the path from where it first shears the contact
     sampled_path = _SampledPath.of_path(path, scene)
     samples = sampled_path.samples
-    shear = _ShearOfCurve.of_samples(samples, gap, friction_coefficient, sampled_path.load_sizes)
+    # Q shears the contact; or bulk strain alone, for which a load in proportion to it stands
+    shearing = _ShearOfCurve.of_samples(samples, gap, friction_coefficient, sampled_path.load_sizes)
 
-    # Do alpha = alpha_0 + kappa P and eps = eps_0 + kappa Q hold? `slope` is kappa.
-    relation = _AffineRelation.fitted_to_samples(
-        samples, shear.load_in_curve, sampled_path.load_sizes
+    # alpha = alpha_0 + kappa P and eps = eps_0 + kappa Q, and whether they hold
+    affine_relation = _AffineRelation.fitted_to_samples(
+        samples, shearing.load_in_curve, sampled_path.load_sizes
     )
-    if not relation.holds:
+    if not affine_relation.holds:
         return None
 
-    # Contact intervals under tilts alpha_0 + kappa P up to the largest P of the samples.
+    largest_load = float(np.max(samples[0]))
     intervals = NestedIntervals(
         gap,
         2 / composite_modulus(scene.material),  # A = 2/E*
-        relation.tilt_without_load,
-        relation.slope,
-        float(np.max(samples[0])),
+        affine_relation.tilt_without_load,
+        affine_relation.kappa,
+        largest_load,
     )
     contact = _contact_with_one_curve(
-        intervals, scene.profile.datum_length, friction_coefficient, shear
+        intervals, scene.profile.datum_length, friction_coefficient, shearing
     )
     if contact is None:
         return None
-    # The path of the curve has P and Q only; if strain alone shears, a load stands for Q once P is
-    # applied.
     path_of_curve = _path_of_curve(
         path,
-        sampled_path.first_shearing_segment if shear.is_strain_alone else None,
+        sampled_path.first_shearing_segment if shearing.is_strain_alone else None,
         strain_per_stress_of(scene.material),
-        shear.first_strain,
-        relation.slope,
+        shearing.first_strain,
+        affine_relation.kappa,
     )
     if path_of_curve is None:
         return None
+    # `companion`: bulk stresses, or tilt and moment, over the time of the path
     return OneCurve(
         contact=contact,
         path=path_of_curve,
         bulk=path.companion("bulk"),
         tilt_and_moment=path.companion("tilt_and_moment"),
         moment_is_given=path.moment_is_given,
-        neglected_loads=shear.neglected_loads | relation.neglected_loads,
+        neglected_loads=shearing.neglected_loads | affine_relation.neglected_loads,
     )
 
 
@@ -286,21 +282,26 @@ class _ShearOfCurve(NamedTuple):
     def of_samples(
         cls, samples: Array, profile: ConvexProfile, friction: float, load_sizes: LoadSizes
     ) -> _ShearOfCurve:
-        """What shears a contact, from samples (4, n) of P, Q, bulk strain eps and tilt along its
-        load path.
+        """What shears a contact along its load path: Q, or bulk strain alone at constant P.
 
-        `profile` has the radius of a parabola, None for another one. `friction` is f. `load_sizes`
-        has the sizes up to which a change of strain or shear is round-off, and counts as none.
+        Parameters
+        ----------
+        samples
+            (4, n) P, Q, bulk strain eps and tilt along the path
+        profile
+            the gap; `radius` of a parabola, None of another one
+        friction
+            f
+        load_sizes
+            round-off of Q and of eps: a change up to it counts as none
 
         # notation: p, q, eps samples (n,) of P, Q and bulk strain
         """
         p, q, eps, _ = samples
         largest_load = float(np.max(p))
         is_parabola = profile.radius is not None
-        # _ROUND_OFF_SHARE: 1e-11 of the largest P
-        may_slip_opposite_ways = bool(
-            is_parabola and friction > 0 and np.ptp(p) <= _ROUND_OFF_SHARE * largest_load
-        )
+        has_constant_load = np.ptp(p) <= _ROUND_OFF_SHARE * largest_load
+        may_slip_opposite_ways = bool(is_parabola and friction > 0 and has_constant_load)
         strain_changes = np.ptp(eps) > load_sizes.strain_roundoff
         has_shear_force = np.max(np.abs(q)) > load_sizes.shear_roundoff
         is_strain_alone = bool(may_slip_opposite_ways and strain_changes and not has_shear_force)
@@ -312,6 +313,7 @@ class _ShearOfCurve(NamedTuple):
                 neglected_loads["tangential load"] = float(np.max(np.abs(q))) / (
                     friction * largest_load
                 )
+            # a load in proportion to the change of strain, of half f P at most
             largest_change = float(np.max(np.abs(eps - first_strain)))
             load_in_curve = (eps - first_strain) * (friction * largest_load / 2 / largest_change)
         return cls(
@@ -382,7 +384,7 @@ def _contact_under_moment(scene: Scene, path: LoadPath) -> TiltedProfile | None:
 
 
 def _contact_with_one_curve(
-    intervals: NestedIntervals, datum_length: float, friction: float, shear: _ShearOfCurve
+    intervals: NestedIntervals, datum_length: float, friction: float, shearing: _ShearOfCurve
 ) -> TiltedProfile | None:
     """The contact whose frictional state is one memory curve: that of nested contact intervals, or
     a parabola whose two ends slip in opposite senses; None where neither exists.
@@ -398,17 +400,18 @@ def _contact_with_one_curve(
         distance at which displacements count as 0 [length]
     friction
         f, coefficient of friction
-    shear
-        what shears the contact, Q or bulk strain alone; whether its ends may slip opposite ways
+    shearing
+        what shears the contact, Q or bulk strain alone (`is_strain_alone`); whether its ends may
+        slip opposite ways; Q along the path, or the load that stands for it (`load_in_curve`)
     """
     contact = TiltedProfile(intervals, datum_length)
-    if not shear.is_strain_alone and contact.is_nested(intervals.largest_load):
+    if not shearing.is_strain_alone and contact.is_nested(intervals.largest_load):
         return contact
-    if not shear.may_slip_opposite_ways:
+    if not shearing.may_slip_opposite_ways:
         return None
-    largest_shear = float(np.max(np.abs(shear.load_in_curve)))
+    largest_shear = float(np.max(np.abs(shearing.load_in_curve)))
     return _opposite_slip_contact(
-        intervals, datum_length, friction, largest_shear, shear.is_strain_alone
+        intervals, datum_length, friction, largest_shear, shearing.is_strain_alone
     )
 
 
@@ -431,8 +434,8 @@ class _AffineRelation(NamedTuple):
 
     Attributes
     ----------
-    slope, tilt_without_load
-        kappa [1/(force per thickness)] of both lines, alpha_0 [rad]
+    kappa, tilt_without_load
+        slope [1/(force per thickness)] of both lines, alpha_0 [rad]
     holds
         whether strain and tilt of all samples are on the lines to round-off
     neglected_loads
@@ -441,7 +444,7 @@ class _AffineRelation(NamedTuple):
         itself has no entry
     """
 
-    slope: float
+    kappa: float
     tilt_without_load: float
     holds: bool
     neglected_loads: dict[str, float]
@@ -450,13 +453,12 @@ class _AffineRelation(NamedTuple):
     def fitted_to_samples(
         cls, samples: Array, load_in_curve: Array, load_sizes: LoadSizes
     ) -> _AffineRelation:
-        """The slope kappa of alpha = alpha_0 + kappa P and eps = eps_0 + kappa Q [1/(force per
-        thickness)], fitted to n samples of a load path. Also whether both relations hold to
-        round-off.
+        """The lines alpha = alpha_0 + kappa P and eps = eps_0 + kappa Q with one kappa, fitted to n
+        samples of a load path, and whether both hold to round-off.
 
         kappa is that of eps over Q where Q changes, else of alpha over P. A deviation from the
-        lines that is round-off beside what moves an edge of contact, but above the round-off of the
-        strain or tilt itself, is stated as neglected.
+        lines may be round-off beside the strain or tilt that moves an edge of contact, and yet be
+        above the round-off of the strain or tilt itself: then it is stated as neglected.
 
         Parameters
         ----------
@@ -466,47 +468,44 @@ class _AffineRelation(NamedTuple):
         load_in_curve
             (n,) Q, or the load that stands for it [force per thickness]
         load_sizes
-            sizes below which a change of shear, strain or tilt is round-off; `slipping_strain`
-            makes an edge of contact slip, `lifting_tilt` makes it lift
-
-        # notation: p, q values of P and of the load in place of Q
+            `..._roundoff`: size below which a change of shear, strain or tilt is round-off;
+            `slipping_strain` makes an edge of contact slip, `lifting_tilt` makes it lift
         """
-        p, _, eps, alpha = samples
-        q = load_in_curve
+        normal_load, _, eps, alpha = samples
         is_tilt_known = np.isfinite(alpha)
-        p_with_tilt = p[is_tilt_known]
+        load_of_tilt = normal_load[is_tilt_known]
         known_tilt = alpha[is_tilt_known]
-        if np.ptp(q) > load_sizes.shear_roundoff:
-            # Changes of strain or tilt below their round-off count as none.
-            slope = _least_squares_slope(q, eps, load_sizes.strain_roundoff)
+        # Changes of strain or tilt below their round-off count as none.
+        if np.ptp(load_in_curve) > load_sizes.shear_roundoff:
+            kappa = _least_squares_slope(load_in_curve, eps, load_sizes.strain_roundoff)
         else:
-            slope = _least_squares_slope(p_with_tilt, known_tilt, load_sizes.tilt_roundoff)
+            kappa = _least_squares_slope(load_of_tilt, known_tilt, load_sizes.tilt_roundoff)
         tilt_without_load = 0.0
         if np.any(is_tilt_known):
-            tilt_without_load = float(np.mean(known_tilt - slope * p_with_tilt))
+            tilt_without_load = float(np.mean(known_tilt - kappa * load_of_tilt))
 
         # Largest deviations from both lines, and what round-off allows.
-        strain_deviation = float(np.ptp(eps - slope * q))
-        tilt_deviations = np.abs(known_tilt - tilt_without_load - slope * p_with_tilt)
+        strain_deviation = float(np.ptp(eps - kappa * load_in_curve))
+        tilt_deviations = np.abs(known_tilt - tilt_without_load - kappa * load_of_tilt)
         tilt_deviation = float(np.max(tilt_deviations, initial=0.0))
-        # _ROUND_OFF_SHARE: 1e-11.
-        allowed_strain_deviation = load_sizes.strain_roundoff + _ROUND_OFF_SHARE * abs(
-            slope
-        ) * np.max(np.abs(q))
-        allowed_tilt_deviation = load_sizes.tilt_roundoff + _ROUND_OFF_SHARE * abs(slope) * np.max(
-            p
+        largest_shear = np.max(np.abs(load_in_curve))
+        largest_load = np.max(normal_load)
+        allowed_strain_deviation = (
+            load_sizes.strain_roundoff + _ROUND_OFF_SHARE * abs(kappa) * largest_shear
+        )
+        allowed_tilt_deviation = (
+            load_sizes.tilt_roundoff + _ROUND_OFF_SHARE * abs(kappa) * largest_load
         )
         holds = not (
             strain_deviation > allowed_strain_deviation or tilt_deviation > allowed_tilt_deviation
         )
         neglected_loads = {}
         if holds:
-            # A deviation within the last digits of strain or tilt is no neglected load.
             if strain_deviation > _ROUND_OFF_SHARE * np.max(np.abs(eps)):
                 neglected_loads["bulk stress"] = strain_deviation / load_sizes.slipping_strain
             if tilt_deviation > _ROUND_OFF_SHARE * np.max(np.abs(known_tilt)):
                 neglected_loads["tilt"] = tilt_deviation / load_sizes.lifting_tilt
-        return cls(slope, tilt_without_load, holds, neglected_loads)
+        return cls(kappa, tilt_without_load, holds, neglected_loads)
 
 
 def _opposite_slip_contact(
@@ -580,14 +579,20 @@ class LoadSizes:
     def of_samples(
         cls, samples: Array, profile: ConvexProfile, compliance: float, friction: float
     ) -> LoadSizes:
-        """Sizes of bulk strain, tilt and Q along a load path. They are the bulk strain that makes
-        an edge of contact slip and the tilt that lifts one, at the largest P, and the round-off of
-        each.
+        """Bulk strain that makes an edge of contact slip and tilt that lifts it, at the largest P
+        of a load path, and the round-off of strain, tilt and Q.
 
-        `samples` (4, n) are P, Q, bulk strain and tilt along the path, NaN where the tilt is not
-        known. `profile` is the gap h(x), `compliance` A = 2/E*, `friction` f. Round-off is 1e-11 of
-        the largest value of each, or of what makes an edge slip or lift (of f P for Q) if that is
-        larger.
+        Round-off is 1e-11 of the largest value of each, or of what makes an edge slip or lift (of
+        f P for Q) if that is larger.
+
+        Parameters
+        ----------
+        samples
+            (4, n) P, Q, bulk strain and tilt along the path, NaN where the tilt is not known
+        profile
+            the gap h(x)
+        compliance, friction
+            A = 2/E*; f
 
         # notation: p, q, eps, alpha samples (n,) of P, Q, bulk strain and tilt
         """
@@ -598,23 +603,24 @@ class LoadSizes:
         tilt_at_largest_load = (
             alpha[sample_of_largest_load] if is_tilt_known[sample_of_largest_load] else 0.0
         )
-        # Half-width a at the largest P; A P/(pi a) lifts an edge, f times it makes it slip.
         _, contact_half_width = profile.contact_centre_and_half_width(
             compliance * largest_load, tilt_at_largest_load
         )
         half_width = float(contact_half_width)
+        # A P/(pi a) lifts an edge, f times it makes it slip.
         lifting_tilt = 0.0
         if half_width > 0:
             lifting_tilt = compliance * largest_load / (math.pi * half_width)
         slipping_strain = friction * lifting_tilt
+        largest_strain = float(np.max(np.abs(eps)))
         largest_tilt = float(np.max(np.abs(alpha), where=is_tilt_known, initial=0.0))
+        largest_shear = float(np.max(np.abs(q)))
         return cls(
             slipping_strain=slipping_strain,
             lifting_tilt=lifting_tilt,
-            strain_roundoff=_ROUND_OFF_SHARE * max(float(np.max(np.abs(eps))), slipping_strain),
+            strain_roundoff=_ROUND_OFF_SHARE * max(largest_strain, slipping_strain),
             tilt_roundoff=_ROUND_OFF_SHARE * max(largest_tilt, lifting_tilt),
-            shear_roundoff=_ROUND_OFF_SHARE
-            * max(float(np.max(np.abs(q))), friction * largest_load),
+            shear_roundoff=_ROUND_OFF_SHARE * max(largest_shear, friction * largest_load),
         )
 
 
@@ -666,7 +672,7 @@ def _pressing_then_shearing(
     Parameters
     ----------
     path
-        load path; bulk stresses, tilt and moment are those where its cycle begins
+        load path, with bulk stresses (`bulk`), tilt and moment of its segments, None without any
     strain_per_load
         slope of the line of bulk strain over Q in the cycle [1/(force per thickness)]
     strain_per_lower_stress
@@ -675,16 +681,16 @@ def _pressing_then_shearing(
     path_start = path.start
     cycle_start = path.cycle_start
     middle_time = (path_start + cycle_start) / 2
-    first_segment = path.cycle[0]
-    normal_load, tangential_load = map(float, first_segment.loads(cycle_start))
+    first_of_cycle = path.cycle[0]
+    normal_load, tangential_load = map(float, first_of_cycle.loads(cycle_start))
     pressing_segment = StraightSegment(path_start, middle_time, (0.0, 0.0), (normal_load, 0.0))
     shearing_segment = StraightSegment(
         middle_time, cycle_start, (normal_load, 0.0), (normal_load, tangential_load)
     )
-    if first_segment.bulk is not None:
+    if first_of_cycle.bulk is not None:
         # While P alone grows, bulk strain has the value of Q = 0 on its line over Q in the cycle.
         # The bulk stress of the lower body is set for that; that of the upper body is constant.
-        lower_stress, upper_stress = map(float, first_segment.bulk.loads(cycle_start))
+        lower_stress, upper_stress = map(float, first_of_cycle.bulk.loads(cycle_start))
         lower_stress_before = (
             lower_stress - strain_per_load * tangential_load / strain_per_lower_stress
         )
@@ -699,8 +705,8 @@ def _pressing_then_shearing(
                 middle_time, cycle_start, stresses_before, (lower_stress, upper_stress)
             ),
         )
-    if first_segment.tilt_and_moment is not None:
-        tilt, moment = map(float, first_segment.tilt_and_moment.loads(cycle_start))
+    if first_of_cycle.tilt_and_moment is not None:
+        tilt, moment = map(float, first_of_cycle.tilt_and_moment.loads(cycle_start))
         pressing_segment = replace(
             pressing_segment,
             tilt_and_moment=StraightSegment(path_start, middle_time, (0.0, 0.0), (tilt, moment)),
@@ -944,8 +950,7 @@ class PathLoads:
         eps is by how much the bulk stresses stretch the lower surface more than the upper one. A
         tilt that is not prescribed follows from the moment.
         """
-        # The segment, and the duration of the cycles before: times go back by it to the first
-        # cycle.
+        # All cycles are like the first: times go back to it by the duration of those before.
         segment, duration_of_earlier_cycles = self._segment_at(float(np.mean(time)))
         time_in_path = time - duration_of_earlier_cycles
         p, q = segment.loads(time_in_path)
@@ -957,7 +962,7 @@ class PathLoads:
             + upper_strain_per_stress * stress_of_upper_body
         )
         p, q, eps, tilt, moment, _ = np.broadcast_arrays(p, q, eps, tilt, moment, time)
-        if self.path.moment_is_given:  # in the place of the tilt
+        if self.path.moment_is_given:
             tilt = self.contact.tilt_under(p, moment)
         return np.stack([p, q, eps, tilt])
 
@@ -1002,14 +1007,13 @@ class PathLoads:
         """Times in a segment of the load path at which P, Q, bulk strain, tilt or moment turn, and
         the end of the segment. Of times within 1e-6 of the duration of the segment one is given.
         """
-        # turning_points(c): times at which the weighted sum c of the two loads of a segment has a
-        # maximum or minimum; NORMAL_LOAD, TANGENTIAL_LOAD: its first and its second load alone.
-        # strain_per_stress: bulk strain by a unit of bulk stress in the lower and the upper body.
+        # `turning_points`: times at which a weighted sum of the two loads of a segment turns.
+        # NORMAL_LOAD, TANGENTIAL_LOAD: its first and its second load alone.
         turning_times = segment.turning_points(NORMAL_LOAD)
         turning_times += segment.turning_points(TANGENTIAL_LOAD)
         if segment.bulk is not None:
+            # bulk strain: the stresses of lower and upper body, each times its strain per stress
             turning_times += segment.bulk.turning_points(Combination(*self.strain_per_stress))
-        # A segment with the tilt in the place of P and the moment in the place of Q.
         tilt_and_moment = segment.tilt_and_moment
         if tilt_and_moment is not None:
             turning_times += tilt_and_moment.turning_points(NORMAL_LOAD)
@@ -1115,7 +1119,6 @@ def _times_of_samples(segment: LoadSegment, strain_per_stress: tuple[float, floa
     n_times = 3
     if not all(pair.is_straight for pair in pairs_of_loads):
         most_turning_points = max(pair.most_turning_points for pair in pairs_of_loads)
-        # _INSTANTS_OF_CURVED_SEGMENT: 40
         n_times = _INSTANTS_OF_CURVED_SEGMENT + 2 * most_turning_points
     even_times = segment.start + (segment.end - segment.start) * np.linspace(0, 1, n_times)
     # turning_points(c): times at which a weighted sum c of the two loads of a segment turns;
@@ -1153,10 +1156,11 @@ def _least_squares_slope(load: Array, values: Array, values_roundoff: float = 0.
 
 
 def path_loads_and_contact(scene: Scene) -> tuple[PathLoads, TiltedProfile]:
-    """Loads of a scene over time (P, Q, bulk strain and tilt), and its profile as a contact under
-    any tilt. The contact is for normal loads up to the largest P of the path.
+    """P, Q, bulk strain and tilt of a scene over time, and the normal contact of its profile as a
+    function of load and tilt.
+
+    The contact is defined for normal loads up to the largest P of the path.
     """
-    gap = convex_profile(scene.profile)
     path = scene.load.path()
     largest_load = -math.inf
     # The largest P is at the end of a segment or at a turning point of P within one.
@@ -1164,10 +1168,14 @@ def path_loads_and_contact(scene: Scene) -> tuple[PathLoads, TiltedProfile]:
         for time in (segment.end, *segment.turning_points(NORMAL_LOAD)):
             normal_load, _ = segment.loads(time)
             largest_load = max(largest_load, float(normal_load))
-    compliance = 2 / composite_modulus(scene.material)
-    # A contact without tilt of its own; A = 2/E*.
+    # Intervals of contact for tilts that change with the load are not needed: the tilt is given
+    # with each load.
     intervals = NestedIntervals(
-        gap, compliance, tilt_without_load=0.0, tilt_per_load=0.0, largest_load=largest_load
+        convex_profile(scene.profile),
+        2 / composite_modulus(scene.material),  # A = 2/E*
+        tilt_without_load=0.0,
+        tilt_per_load=0.0,
+        largest_load=largest_load,
     )
-    contact = TiltedProfile(intervals, scene.profile.datum_length)
-    return PathLoads(path, strain_per_stress_of(scene.material), contact), contact
+    tilted_contact = TiltedProfile(intervals, scene.profile.datum_length)
+    return PathLoads(path, strain_per_stress_of(scene.material), tilted_contact), tilted_contact

@@ -628,21 +628,23 @@ class PunchSuperposition:
         """
         kernel = np.zeros(load.shape)
         stick_edge_load = load - load_above_stick
-        # indices in `_corner_loads`, the loads at which the edge of contact is at a corner, 0 first
+        # Numbers of corner loads, at which the edge of contact is at a corner of the profile, 0
+        # first: the first above P_c, and the first that is not below P.
         first_corner = np.searchsorted(self._corner_loads, stick_edge_load, side="right")
         last_corner = np.maximum(
             np.searchsorted(self._corner_loads, load, side="left"), first_corner
         )
-        n_parts = last_corner - first_corner + 1  # of each integral, from corner to corner
-        # _INTEGRALS_AT_ONCE: 4096, which bounds the memory
+        # parts of each integral, from corner to corner
+        n_parts = last_corner - first_corner + 1
+        # 4096 integrals at once bound the memory.
         chunk_ends = np.arange(_INTEGRALS_AT_ONCE, len(load), _INTEGRALS_AT_ONCE)
         for integral_numbers in np.split(np.arange(len(load)), chunk_ends):
-            # each part belongs to one integral, and lies behind one corner
-            n_parts_of_chunk = n_parts[integral_numbers]
-            integral_of_part = np.repeat(integral_numbers, n_parts_of_chunk)
-            first_part_of_integral = np.cumsum(n_parts_of_chunk) - n_parts_of_chunk
+            n_parts_in_chunk = n_parts[integral_numbers]
+            # of each part: its integral, its number in that, and the corner that it lies behind
+            integral_of_part = np.repeat(integral_numbers, n_parts_in_chunk)
+            first_part_of_integral = np.cumsum(n_parts_in_chunk) - n_parts_in_chunk
             number_in_integral = np.arange(len(integral_of_part)) - np.repeat(
-                first_part_of_integral, n_parts_of_chunk
+                first_part_of_integral, n_parts_in_chunk
             )
             number_of_corner_below = number_in_integral + first_corner[integral_of_part] - 1
             integrals_of_parts = self._integrals_of_parts(
@@ -675,15 +677,15 @@ class PunchSuperposition:
         """
         corner_loads = np.append(self._corner_loads, np.inf)
         stick_edge_load = load - load_above_stick
+        next_corner_load = corner_loads[number_of_corner_below + 1]
         begin_load = np.maximum(stick_edge_load, corner_loads[number_of_corner_below])
-        end_load = np.minimum(load, corner_loads[number_of_corner_below + 1])
-        # Up to P it is what is left of P - P_c, whose digits a difference of loads would lose.
-        ends_at_load = corner_loads[number_of_corner_below + 1] >= load
+        end_load = np.minimum(load, next_corner_load)
+        # A range up to P is what is left of P - P_c, whose digits a difference of loads would lose.
         load_above_begin = np.maximum(load_above_stick - (begin_load - stick_edge_load), 0.0)
-        load_range = np.where(ends_at_load, load_above_begin, end_load - begin_load)
+        load_range = np.where(next_corner_load >= load, load_above_begin, end_load - begin_load)
         integrals = np.zeros(len(load))
 
-        # _SHORT_LOAD_RANGE_SHARE: 0.3
+        # behind a corner, or far from no load: a range below 0.3 of the load at its begin
         suits_gauss_rule = (number_of_corner_below > 0) | (
             load_range < _SHORT_LOAD_RANGE_SHARE * begin_load
         )
@@ -695,10 +697,9 @@ class PunchSuperposition:
             range_column = load_range[uses_rule, None]
             # nodes, as eta minus the load at the begin of the part, and weights, (parts, nodes)
             if takes_gauss_rule:
-                loads_from_begin, weights = _nodes_in_root(
-                    begin_column - corner_loads[number_of_corner_below[uses_rule], None],
-                    range_column,
-                )
+                corner_column = corner_loads[number_of_corner_below[uses_rule], None]
+                load_above_corner = begin_column - corner_column
+                loads_from_begin, weights = _nodes_in_root(load_above_corner, range_column)
             else:
                 loads_from_begin, weights = (
                     values[:, 0] for values in graded_nodes(0.0, range_column)
@@ -707,6 +708,7 @@ class PunchSuperposition:
             load_above_node = load_above_stick[uses_rule, None] - (
                 (begin_column - stick_edge_load[uses_rule, None]) + loads_from_begin
             )
+            # d ln(a) is d eta over the stiffness d eta/d ln(a)
             log_stiffness = self._log_stiffness(begin_column + loads_from_begin)
             integrand = load_above_node / np.where(log_stiffness > 0, log_stiffness, np.inf)
             integrals[uses_rule] = np.sum(weights * integrand, axis=-1)
@@ -726,8 +728,7 @@ class PunchSuperposition:
         """Estimated error of the values that the method called `name` returns for these arguments,
         in their units; not below the true error.
 
-        `law.edge_advance` is a - a_0 as a function of the load, `least_half_width` is a_0, without
-        load, _EPS the round-off of numbers. The error is the sum of three:
+        The error is the sum of three:
 
         - what the Chebyshev series leave out;
         - what the last digit of a half-width changes;
@@ -748,15 +749,18 @@ class PunchSuperposition:
         # 1 for moments, where the load stands in front of the integrand
         load_power = int(name.endswith("_moment"))
         load = argument_arrays[-1]
+        # half-width without load, and how far the edge has advanced from there
         half_width = self.least_half_width + self.law.edge_advance(load)
         # The first argument is x of "pressure" and "slip_integral", P of "approach_integral".
-        value, error, sensitive_length = self._value_error_and_sensitive_length(
+        value, series_error, sensitive_length = self._value_error_and_sensitive_length(
             name.removesuffix("_moment"), load_power, argument_arrays[0], load
         )
+        # The value changes by about the same share as this length: by eight round-offs of the
+        # half-width over it.
         least_length = _EPS * np.maximum(half_width, np.finfo(float).tiny)
-        # eight round-offs of the half-width over that length
         relative_last_digit = 8 * _EPS * half_width / np.maximum(sensitive_length, least_length)
-        return error + (relative_last_digit + self.relative_roundoff + 50 * _EPS) * np.abs(value)
+        relative_error = relative_last_digit + self.relative_roundoff + 50 * _EPS
+        return series_error + relative_error * np.abs(value)
 
     def _value_error_and_sensitive_length(
         self, method_name: str, load_power: int, point_or_load: Array, load: Array
@@ -1336,21 +1340,20 @@ def primitive_of(
         P(d) of the profile; its `corner_advances` are the d at which dP/dd is not smooth,
         `least_half_width` is a_0
     """
-    ends_of_ranges = _ends_of_smooth_ranges(largest_advance, law)
-    # smooth ranges of v for each point, which are then cut to the largest length of this kind
+    range_ends = _ends_of_smooth_ranges(largest_advance, law)
+    # each smooth range of each point, cut further where v is long
     panels_of_points = _panels_of_points(
-        kind, x, law.least_half_width, ends_of_ranges, law.corner_advances
+        kind, x, law.least_half_width, range_ends, law.corner_advances
     )
     panels_to_resolve = panels_of_points.cut_to(_LARGEST_PANEL_LENGTH[kind])
-    # halved until the series are resolved; a point without a panel gets one of zeros
-    integrand_series = _with_empty_panels(
-        _resolved_series(kind, load_power, panels_to_resolve, law), x
-    ).in_order_of_points()
+    # They are halved until the series are resolved. A point without a panel gets one of zeros.
+    resolved_series = _resolved_series(kind, load_power, panels_to_resolve, law)
+    integrand_series = _with_empty_panels(resolved_series, x).in_order_of_points()
     panels = integrand_series.panels
 
-    # at x = 0 the first range is integrated as a power of the half-width
+    # At x = 0 the first range is integrated as a power of the half-width.
     integral_before_panels = _pressure_of_smallest_punches(
-        kind, load_power, x, float(ends_of_ranges[1]), law
+        kind, load_power, x, float(range_ends[1]), law
     )
     truncation_errors = integrand_series.truncation_errors
     error_before_panel = _sums_of_panels_before(
@@ -1362,7 +1365,6 @@ def primitive_of(
         x - law.least_half_width,
         largest_advance,
         panels,
-        # the begin of a panel in v as an advance
         begin_advances=panels.advance_at_v0 + panels.advance_beyond_v0(kind, panels.begin_v),
         coefficients=_integrated_series(integrand_series, integral_before_panels),
         error=error_before_panel + truncation_errors,
@@ -1451,29 +1453,26 @@ def _resolved_series(
         Panels, the halves among them, in any order, with their series and its error.
     """
     finished_series: list[_PanelSeries] = []
-    former_last_coefficients = np.full(len(panels.point_number), np.inf)
+    last_coefficients_of_parent = np.full(len(panels.point_number), np.inf)
     for n_halvings in range(_MOST_HALVINGS + 1):
-        # (n, nodes) over v
         coefficients = _series_of_integrand(kind, load_power, panels, law)
-        # size of the last coefficients of each series, (n,)
+        # size of the last coefficients of each series, and what they are worth in its integral
         last_coefficients = truncation_error(coefficients)
         truncation_errors = last_coefficients * ((panels.end_v - panels.begin_v) / 2)
-        # _NEGLIGIBLE_COEFFICIENT_SHARE: 4e-15
-        has_small_error = truncation_errors <= _NEGLIGIBLE_COEFFICIENT_SHARE * _sizes_of_integrals(
-            kind, load_power, panels, coefficients, law
-        )
-        # _COEFFICIENT_RATIO_WITHOUT_GAIN: 0.9 of the coefficients before halving
+        integral_sizes = _sizes_of_integrals(kind, load_power, panels, coefficients, law)
+        has_small_error = truncation_errors <= _NEGLIGIBLE_COEFFICIENT_SHARE * integral_sizes
+        # Last coefficients of more than 0.9 of those of the panel that was halved are round-off.
         has_roundoff_alone = (
-            last_coefficients > _COEFFICIENT_RATIO_WITHOUT_GAIN * former_last_coefficients
+            last_coefficients > _COEFFICIENT_RATIO_WITHOUT_GAIN * last_coefficients_of_parent
         )
         is_finished = has_small_error | has_roundoff_alone | (n_halvings == _MOST_HALVINGS)
-        # finished panels are set aside, the others halved
         series_of_panels = _PanelSeries(panels, coefficients, truncation_errors)
         finished_series.append(series_of_panels.take(np.flatnonzero(is_finished)))
         if np.all(is_finished):
             break
+        # `halved`: the lower halves of all panels, then the upper ones
         panels = panels.take(np.flatnonzero(~is_finished)).halved()
-        former_last_coefficients = np.tile(last_coefficients[~is_finished], 2)
+        last_coefficients_of_parent = np.tile(last_coefficients[~is_finished], 2)
     return _PanelSeries.joined(finished_series)
 
 
@@ -1590,42 +1589,42 @@ def _panels_of_points(
     kind: IntegralKind,
     x: Array,
     least_half_width: float,
-    ends_of_ranges: Array,
+    range_ends: Array,
     corner_advances: Array,
 ) -> Panels:
     """Panels, ranges of the integration variable v, for each point of `x` (k,), on which its
     integrand is smooth and not 0.
 
     v takes away the roots of the integrand, at the point itself and behind each corner of the
-    profile. A panel lies between two successive `ends_of_ranges`. A range holds advances a - a_0 of
-    its begin and end, the advance at v = 0 and the factor of v.
+    profile. A panel lies between two successive `range_ends`. v is 0 at an advance `advance_at_v0`
+    of the edge of contact, and has a factor, `scale`.
 
     Parameters
     ----------
     kind
         which integral: "pressure", "outside" (zero for half-widths above x) or "logarithm"
+    x
+        (k,) distances of the points from the middle [length]
     least_half_width
         contact half-width a_0 without load [length]
-    ends_of_ranges
+    range_ends
         (n + 1,) ascending advances a - a_0 of the edge of contact [length]
     corner_advances
         advances at which the edge is at a corner of the profile, ascending [length]
     """
-    number_of_corner_below = np.searchsorted(corner_advances, ends_of_ranges[:-1], side="right") - 1
-    # the corner below each range, from where v is measured
-    corner_advance = corner_advances[
-        np.clip(number_of_corner_below, 0, None)
-    ]  # (n,), one for each range
+    number_of_corner_below = np.searchsorted(corner_advances, range_ends[:-1], side="right") - 1
+    # (n,) advance at the corner below each range, from where v is measured
+    corner_advance = corner_advances[np.clip(number_of_corner_below, 0, None)]
     distance_beyond_flat = x - least_half_width
     column_of_zeros = 0 * distance_beyond_flat[:, None]
     ranges = _AdvanceRanges(
-        begin=ends_of_ranges[:-1] + column_of_zeros,
-        end=ends_of_ranges[1:] + column_of_zeros,
+        begin=range_ends[:-1] + column_of_zeros,
+        end=range_ends[1:] + column_of_zeros,
         advance_at_v0=corner_advance + column_of_zeros,
         scale=np.ones((len(x), len(corner_advance))),
     )
     if kind == "pressure":
-        ranges = _ranges_of_pressure(ranges, x, least_half_width, ends_of_ranges)
+        ranges = _ranges_of_pressure(ranges, x, least_half_width, range_ends)
     elif kind == "outside":
         advance_to_x = distance_beyond_flat[:, None]
         ranges = ranges._replace(
@@ -1636,22 +1635,21 @@ def _panels_of_points(
     point_number, _ = nonempty_ranges
     advance_at_v0 = ranges.advance_at_v0[nonempty_ranges]
     scale = ranges.scale[nonempty_ranges]
-    # v at both ends of each range
     begin_v, end_v = (
         _integration_variable(
             kind,
-            advances[nonempty_ranges],
+            end_advances[nonempty_ranges],
             distance_beyond_flat[point_number],
             advance_at_v0,
             scale,
         )
-        for advances in (ranges.begin, ranges.end)
+        for end_advances in (ranges.begin, ranges.end)
     )
     return Panels(point_number, x[point_number], advance_at_v0, scale, begin_v, end_v)
 
 
 def _ranges_of_pressure(
-    ranges: _AdvanceRanges, x: Array, least_half_width: float, ends_of_ranges: Array
+    ranges: _AdvanceRanges, x: Array, least_half_width: float, range_ends: Array
 ) -> _AdvanceRanges:
     """Ranges of integration for the pressure at points x (k,): only flat punches that reach beyond
     a point press there.
@@ -1663,14 +1661,14 @@ def _ranges_of_pressure(
     Parameters
     ----------
     ranges
-        of the advance of the half-width, cut at the corners of the profile; `advance_at_v0` holds
-        the advance at the corner before each
+        of the advance of the edge of contact, cut at the corners of the profile; `advance_at_v0`
+        holds the advance at the corner before each
     x
         |x| of the points [length]
     least_half_width
         half-length of the flat in the middle of the profile, 0 without one [length]
-    ends_of_ranges
-        advances of the half-width at which ranges begin and end, ascending [length]
+    range_ends
+        advances at which ranges begin and end, ascending [length]
     """
     advance_to_x = (x - least_half_width)[:, None]
     corner_advance = ranges.advance_at_v0
@@ -1683,10 +1681,10 @@ def _ranges_of_pressure(
         2 * advance_to_x,
     )
     # 1e-24 of the largest advance, in place of 0
-    least_squared_scale = max(_LEAST_DISTANCE_RATIO * ends_of_ranges[-1], 1e-300)
+    least_squared_scale = max(_LEAST_DISTANCE_RATIO * range_ends[-1], 1e-300)
     # At x = 0 without a flat the first range is integrated as a power of a, by
     # `_pressure_of_smallest_punches`.
-    first_advance = np.where(x[:, None] + least_half_width > 0, advance_at_v0, ends_of_ranges[1])
+    first_advance = np.where(x[:, None] + least_half_width > 0, advance_at_v0, range_ends[1])
     return _AdvanceRanges(
         begin=np.maximum(ranges.begin, first_advance),
         end=ranges.end,
@@ -1705,19 +1703,30 @@ def _integrand(
         outside      W x/(a sqrt(x^2 - a^2)) da/dv
         logarithm    W/a da/dv
 
-    a is the half-width of a punch, P = `law.load` of its advance a - a_0, a_0 the half-width
-    without load. W = P; with `load_power` 1 it is P^2/2, and of the pressure P stands in front of
-    g. A panel is a range of v for one point x, on which the integrand is smooth. v is 0 at the
-    advance `advance_at_v0`, and `scale` is its factor; `law.stiffness` is g, `least_half_width`
-    a_0, and `kind` the name of the integral.
+    a is the half-width of a punch, P the load up to it. W = P; with `load_power` 1 it is P^2/2, and
+    of the pressure P stands in front of g.
+
+    Parameters
+    ----------
+    kind
+        the name of the integral
+    load_power
+        power of the load in the integrand, 0 or 1
+    panels
+        ranges of v for one point x each; v is 0 at the advance `advance_at_v0` of the edge of
+        contact, and `scale` is its factor
+    v
+        (n, nodes) values of v in the panels
+    law
+        P and g (`stiffness`) as functions of the advance a - a_0; a_0, the half-width without load
     """
     x = panels.x[:, None]
     advance_at_v0 = panels.advance_at_v0[:, None]
     scale = panels.scale[:, None]
     advance_beyond_v0 = panels.advance_beyond_v0(kind, v)
     advance = advance_at_v0 + advance_beyond_v0
-    # root of the advance beyond that at v = 0, which da/dv has as a factor
-    root_of_distance = np.sqrt(advance_beyond_v0)
+    # da/dv has this root as a factor
+    root_beyond_v0 = np.sqrt(advance_beyond_v0)
     half_width = law.least_half_width + advance
     if kind == "pressure":
         eta_power_times_g = law.stiffness(advance) * (law.load(advance) if load_power else 1.0)
@@ -1727,7 +1736,7 @@ def _integrand(
         return (
             eta_power_times_g
             * 2
-            * root_of_distance
+            * root_beyond_v0
             * scale
             * np.cosh(v)
             / np.sqrt(half_width_beyond_x * (half_width + x))
@@ -1739,22 +1748,24 @@ def _integrand(
     )
     # the factor sqrt(x - a) of sqrt(x^2 - a^2) cancels against that of da/dv
     outside_factor = x / np.sqrt(x + half_width) if kind == "outside" else 1.0
-    return load_integral_over_width * 2 * root_of_distance * outside_factor
+    return load_integral_over_width * 2 * root_beyond_v0 * outside_factor
 
 
 def _pressure_of_smallest_punches(
     kind: IntegralKind, load_power: int, x: Array, advance: float, law: ContactLaw
 ) -> Array:
-    """Contribution of flat punches narrower than `advance` to the pressure at points x (k,)
-    [stress]: 0 at x > 0, with a flat, for a wedge with `load_power` 0, and for the other integrals
-    over punches, `kind` "outside" and "logarithm".
+    """Pressure in the middle, x = 0, by flat punches of half-widths up to `advance`, without a flat
+    face; (k,) for points x [stress]. With `load_power` 1 the load stands in front of the integrand.
 
-    At x = 0 the integrand g/(pi alpha), g = dP/d alpha, goes as a power of the half-width alpha and
-    is integrated as that; P goes as alpha to the power `law.exponent`; `law.stiffness` is g as a
-    function of the advance. With `load_power` 1 the load stands in front of g.
+    It is 0 at all other points, with a flat face, and for other integrals over punches than the
+    `kind` "pressure"; also for a wedge with `load_power` 0.
+
+    At x = 0 the integrand is g/(pi alpha), g = dP/d alpha. P goes as alpha to the power
+    `law.exponent` there, so that the integrand is a power too, and is integrated as that.
     """
     if kind != "pressure" or law.least_half_width > 0:
         return np.zeros(len(x))
+    # at alpha = advance; `law.stiffness` is g
     eta_power_times_g = float(law.stiffness(np.array(advance)))
     exponent_of_width = law.exponent - 1
     if load_power:

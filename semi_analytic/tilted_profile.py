@@ -287,9 +287,9 @@ class ConvexProfile(abc.ABC):
         [length], by Newton's method.
 
         Two equations hold: the mean slope of the profile is -alpha, and the contact carries P. They
-        state that both derivatives, by m and by c, of a convex potential are 0: int h d theta + pi
-        alpha m - A P ln(c). A step that would overshoot its minimum is halved. InputError where 120
-        steps do not converge.
+        state that a convex potential is least, int h d theta + pi alpha m - A P ln(c): its
+        derivatives by m and by c are 0. A step that would overshoot the minimum is halved.
+        InputError where 120 steps do not converge.
 
         Parameters
         ----------
@@ -303,35 +303,33 @@ class ConvexProfile(abc.ABC):
         # notation: h gap between the unloaded faces, theta angle of a point x = m + c cos(theta) of
         #           the contact, h d theta is integrated from 0 to pi
         """
-        m, c = self._wide_contact(first_touch)
-        # `balance` gives the mean slope, A times the load that a contact carries, and integrals of
-        # h'' over it.
-        shift = 0 * first_touch  # trial step of m, from its last accepted value
-        widening = 0 * first_touch  # trial step of c, likewise
-
+        centre, half_width = self._wide_contact(first_touch)
+        # trial steps of centre and half-width from their last accepted values
+        shift = 0 * first_touch
+        widening = 0 * first_touch
         # |derivative of the potential along the step| where the step begins
         descent_before_step = np.full(first_touch.shape, np.inf)
         for _ in range(_MOST_NEWTON_STEPS):  # 120
-            # Residuals of both equations for the trial contact.
-            trial_m = m + shift
-            trial_c = c + widening
-            trial_balance = self.balance(trial_m, trial_c)
+            trial_centre = centre + shift
+            trial_half_width = half_width + widening
+            # mean slope, A times the load that the trial contact carries, integrals of h'' over it
+            trial_balance = self.balance(trial_centre, trial_half_width)
+            # derivative of the potential by the centre, and minus that by the half-width
             slope_residual = np.pi * (trial_balance.mean_slope + tilt)
-            load_residual = (load_product - trial_balance.load_product) / trial_c
+            load_residual = (load_product - trial_balance.load_product) / trial_half_width
             # A step is halved where the potential rises behind it more than half as steeply as it
             # fell before it. That descent stays the one of the full step: shorter steps are
             # accepted sooner.
             ascent_behind_step = slope_residual * shift - load_residual * widening
             is_accepted = ascent_behind_step <= descent_before_step / 2
-            m = np.where(is_accepted, trial_m, m)
-            c = np.where(is_accepted, trial_c, c)
-            # Next step of the centre and of the half-length. Without a Newton step the half-length
-            # grows by c: it doubles.
+            centre = np.where(is_accepted, trial_centre, centre)
+            half_width = np.where(is_accepted, trial_half_width, half_width)
+            # Where Newton's method gives no step the half-width doubles.
             newton_shift, newton_widening = _newton_step(
-                trial_balance, slope_residual, load_residual, trial_c, c
+                trial_balance, slope_residual, load_residual, trial_half_width, half_width
             )
             limited_shift, limited_widening = _limited_step(
-                newton_shift, newton_widening, first_touch - m, c
+                newton_shift, newton_widening, first_touch - centre, half_width
             )
             shift = np.where(is_accepted, limited_shift, shift / 2)
             widening = np.where(is_accepted, limited_widening, widening / 2)
@@ -342,8 +340,8 @@ class ConvexProfile(abc.ABC):
             )
             # The next step would be about the power 3/2 of this one.
             largest_step = np.maximum(np.abs(shift), np.abs(widening))
-            if np.all(largest_step <= 1e-10 * c + 1e-14 * np.abs(m)):
-                return m + shift, c + widening
+            if np.all(largest_step <= 1e-10 * half_width + 1e-14 * np.abs(centre)):
+                return centre + shift, half_width + widening
         raise InputError("profile: its sides do not rise enough to carry the load under this tilt")
 
 
@@ -603,20 +601,20 @@ class PiecewiseParabola(ConvexProfile):
         cos(theta_b), and x = m + c cos(theta_x). theta_b is 0 for knots to the right of the
         contact, pi to the left.
         """
-        # curvature[0]: h''_0; jumps: J of each knot.
         distance_from_centre = x - m
+        curvature_left_of_knots = self.curvature[0]  # h''_0
         if self.is_parabola:
             difference_of_squares = np.maximum((c - x + m) * (c + x - m), 0.0)
-            return np.asarray(np.pi * self.curvature[0] * np.sqrt(difference_of_squares))
-        # Angle theta_b of each knot, with sine and cosine, (..., knots); root: r.
+            return np.asarray(np.pi * curvature_left_of_knots * np.sqrt(difference_of_squares))
+        # angle theta_b of each knot, with sine and cosine, (..., knots)
         knot_angles = self.angles(m, c)
-        root_of_squares = np.sqrt(
-            np.maximum((c - distance_from_centre) * (c + distance_from_centre), 0.0)
-        )[..., None]
+        r = np.sqrt(np.maximum((c - distance_from_centre) * (c + distance_from_centre), 0.0))[
+            ..., None
+        ]
         half_width = np.where(c > 0, c, 1.0)[..., None]
         distance_to_knot = self.knots - x[..., None]
         # s_+ and s_- as sum and difference of two products of half angles, both times one factor
-        sine_of_point = root_of_squares / half_width * (1 + knot_angles.cosine)
+        sine_of_point = r / half_width * (1 + knot_angles.cosine)
         sine_of_knot = knot_angles.sine * (1 + distance_from_centre[..., None] / half_width)
         with np.errstate(divide="ignore", invalid="ignore"):
             logarithm = np.log(
@@ -625,9 +623,10 @@ class PiecewiseParabola(ConvexProfile):
         # Knots whose term vanishes, or is not finite.
         is_zero_term = (distance_to_knot == 0) | (knot_angles.sine == 0) | ~np.isfinite(logarithm)
         logarithm = np.where(is_zero_term, 0.0, logarithm)
-        terms_of_knots = root_of_squares * knot_angles.theta - distance_to_knot * logarithm
-        pressure = terms_of_knots @ self.jumps + np.pi * self.curvature[0] * root_of_squares[..., 0]
-        return np.where(root_of_squares[..., 0] > 0, pressure, 0.0)
+        terms_of_knots = r * knot_angles.theta - distance_to_knot * logarithm
+        # `jumps`: J of each knot
+        pressure = terms_of_knots @ self.jumps + np.pi * curvature_left_of_knots * r[..., 0]
+        return np.where(r[..., 0] > 0, pressure, 0.0)
 
     def _gap(self, x: Array, m: Array, c: Array) -> Array:
         """Gap at x outside contacts of centre m and half-length c with the profile h, arrays that
@@ -1111,32 +1110,30 @@ class NestedIntervals:
 
     @cached_property
     def _series(self) -> _IntervalSeries:
-        """Chebyshev series of the centre m and half-length c of contact over the load eta, from 0
-        to the largest.
+        """Chebyshev series of the centre and the half-width of contact over the load eta, from 0 to
+        the largest.
 
-        The loads are cut where an end of contact meets a knot of the profile. Between two cuts m
-        and c are smooth in v = sqrt(eta - eta_b), eta_b the lower cut. The ranges of v follow one
-        another on one axis, so that one series holds all of them.
+        The loads are cut where an end of contact meets a knot of the profile, since centre and
+        half-width are not smooth there. Above each cut load eta_b they are smooth in v = sqrt(eta -
+        eta_b). The ranges of v between the cuts are laid end to end on one axis, so that one series
+        holds all of them.
         """
-        # Loads at which an end of contact is at a knot; one next to the largest load is left out.
+        # A corner load next to the largest load is left out.
         corner_loads = self.corner_loads[self.corner_loads < self.largest_load * (1 - 1e-9)]
         cut_loads = np.concatenate([[0.0], corner_loads, [self.largest_load]])
         # The length of a range of v is the root of its rise of load.
         cuts_on_axis = np.concatenate([[0.0], np.cumsum(np.sqrt(np.diff(cut_loads)))])
-        series_of_centre = []
-        series_of_half_width = []
-        # Between two cuts: series of m and of c over v.
+        centre_series = []
+        half_width_series = []
         for lower_load, upper_load in pairwise(cut_loads.tolist()):
-            centre_between_cuts, half_width_between_cuts = self._series_between(
-                lower_load, upper_load
-            )
-            series_of_centre.append(centre_between_cuts)
-            series_of_half_width.append(half_width_between_cuts)
+            series_of_centre, series_of_half_width = self._series_between(lower_load, upper_load)
+            centre_series.append(series_of_centre)
+            half_width_series.append(series_of_half_width)
         return _IntervalSeries(
             cut_loads[:-1],
             cuts_on_axis,
-            _on_one_axis(series_of_centre, cuts_on_axis),
-            _on_one_axis(series_of_half_width, cuts_on_axis),
+            _on_one_axis(centre_series, cuts_on_axis),
+            _on_one_axis(half_width_series, cuts_on_axis),
         )
 
     def _series_between(
@@ -1184,14 +1181,12 @@ class NestedIntervals:
 
         Loads above the largest of the series count as the largest. Between two loads at which an
         end of contact meets a knot the series is one of v = sqrt(eta - eta_b), eta_b the lower of
-        them. The ranges of v follow one another on one axis.
+        them. The ranges of v are laid end to end on one axis.
         """
-        if self.profile.radius is not None:
+        if self.profile.radius is not None:  # a parabola
             return self.exact_centre_and_half_width(load)
         eta = np.clip(np.asarray(load, dtype=float), 0.0, self.largest_load)
         series = self._series
-        # begin_loads: eta_b of each range; cuts_on_axis: where the ranges begin and end on the
-        # axis.
         range_number = np.searchsorted(series.begin_loads, eta, side="right") - 1
         v = np.sqrt(eta - series.begin_loads[range_number])
         next_cut_on_axis = series.cuts_on_axis[range_number + 1]
@@ -1213,30 +1208,28 @@ class NestedIntervals:
         load, load_rise
             (n,) [force per thickness]
         """
-        # radius: of a parabola; None for other profiles. tilt_per_load: kappa; compliance: A =
-        # 2/E*.
-        radius = self.profile.radius
-        if radius is None:
+        parabola_radius = self.profile.radius
+        if parabola_radius is None:
             return self._edge_movement_by_series(side, load, load_rise)
         _, half_width_after = self.exact_centre_and_half_width(load)
         _, half_width_before = self.exact_centre_and_half_width(load - load_rise)
+        # per load: half-width by c^2 = (2/pi) A P R, and centre -R times the tilt
         widening_rate = (
-            2 * self.compliance * radius / np.pi / (half_width_after + half_width_before)
+            2 * self.compliance * parabola_radius / np.pi / (half_width_after + half_width_before)
         )
-        return load_rise * (widening_rate - side * radius * self.tilt_per_load)
+        return load_rise * (widening_rate - side * parabola_radius * self.tilt_per_load)
 
     def _edge_movement_by_series(self, side: Array, load: Array, load_rise: Array) -> Array:
         """Distance by which one end of contact moves outwards while the load rises by `load_rise`
         to `load`, (n,) [length]: the integral over the load of the derivatives of two series.
 
         These are the centre m and the half-length c of the contact, as functions of v = sqrt(eta -
-        eta_b) above each cut load eta_b. The ranges of v follow one another on one axis; an end at
-        `side` = +1 or -1, (n,), moves outwards at the rate dc + side dm.
+        eta_b) above each cut load eta_b (`begin_loads`). The ranges of v are laid end to end on one
+        axis. The end at `side` = +1 or -1, (n,), moves outwards at the rate dc + side dm.
         """
         series = self._series
         outward_movement = np.zeros(load.shape)
         # From the load downwards, one range of v in each pass, until the whole rise is integrated.
-        # begin_loads: eta_b; cuts_on_axis: ends of the ranges on the axis of v.
         range_number = np.searchsorted(series.begin_loads, load, side="right") - 1
         remaining_rise = load_rise
         upper_v = np.sqrt(load - series.begin_loads[range_number])
@@ -1254,19 +1247,17 @@ class NestedIntervals:
         """The normal load P at which the contact first reaches x, so that x is an end of it [force
         per thickness]; infinite where the contact under the largest load does not reach x.
         """
-        # tilt_without_load: tilt at P = 0; compliance: A = 2/E*.
-        widest_middle, widest_half_width = self.exact_centre_and_half_width(self.largest_load)
-        is_reached = np.abs(x - widest_middle) <= widest_half_width * (1 + 1e-8)
+        widest_centre, widest_half_width = self.exact_centre_and_half_width(self.largest_load)
+        is_reached = np.abs(x - widest_centre) <= widest_half_width * (1 + 1e-8)
         reached_x = x[is_reached]
-        # side: +1 if x is the right end, -1 if the left. The contact has the centre x - side c.
-        side = np.where(
-            reached_x < float(self.profile.place_of_first_touch(self.tilt_without_load)), -1.0, 1.0
-        )
-        c = self._half_length_with_end_at(reached_x, side)
+        # +1 if x becomes the right end, -1 if the left one
+        place_of_first_touch = float(self.profile.place_of_first_touch(self.tilt_without_load))
+        side = np.where(reached_x < place_of_first_touch, -1.0, 1.0)
+        half_width = self._half_length_with_end_at(reached_x, side)
+        centre = reached_x - side * half_width
         loads = np.full(x.shape, np.inf)
-        loads[is_reached] = (
-            self.profile.balance(reached_x - side * c, c).load_product / self.compliance
-        )
+        # `load_product`: A times the load that the contact carries, A = 2/E* the compliance
+        loads[is_reached] = self.profile.balance(centre, half_width).load_product / self.compliance
         return np.where(loads <= self.largest_load * (1 + 1e-9), loads, np.inf)
 
     def _half_length_with_end_at(self, x: Array, side: Array) -> Array:
@@ -1468,7 +1459,7 @@ class TiltedProfile:
         """
         return self.intervals.load_with_edge_at(np.asarray(half_width, dtype=float))
 
-    # --- normal contact under any tilt
+    # --- normal contact under a load and a tilt
 
     def centre_and_half_width_under(self, load: Array, tilt: Array) -> tuple[Array, Array]:
         """Centre m and half-length c of contacts under loads and tilts, (n,) each [length]."""
@@ -1491,11 +1482,9 @@ class TiltedProfile:
         load, tilt
             (n,) P [force per thickness] and tilt alpha [rad]
         """
-        # profile.approach: without the term (A P/pi) ln(2 L/c), L the datum length; _compliance: A
-        # = 2/E*; logarithm(c): ln(2 L/c).
-        return self.profile.approach(m, c, tilt) + self._compliance / np.pi * load * self.logarithm(
-            c
-        )
+        # The profile gives it without (A P/pi) ln(2 L/c), L the datum length, A = 2/E*.
+        approach_without_logarithm = self.profile.approach(m, c, tilt)
+        return approach_without_logarithm + self._compliance / np.pi * load * self.logarithm(c)
 
     def moment(self, m: Array, c: Array, load: Array, tilt: Array) -> Array:
         """Moment int x p dx of the pressure about x = 0, of contacts (n,) [force]."""
@@ -1506,8 +1495,9 @@ class TiltedProfile:
         """Tilt [rad] under which contacts under loads (n,) have given moments (n,), int x p dx
         [force], by Newton's method; 0 where there is no load.
 
-        A larger tilt moves the contact to the left, and the moment falls. Steps are kept in a
-        bracket.
+        A larger tilt moves the contact to the left, and the moment falls. So the tilt lies between
+        the largest one with too large a moment and the least one with too small a moment; steps
+        beyond these bounds are replaced by their middle.
 
         Raises
         ------
@@ -1529,23 +1519,20 @@ class TiltedProfile:
         least_tilt = np.full(load.shape, -np.inf)
         largest_tilt = np.full(load.shape, np.inf)
         tilt = np.zeros(load.shape)
-        # _MOST_NEWTON_STEPS: 120.
-        for _ in range(_MOST_NEWTON_STEPS):
-            # Centre and half-length of the contacts under the trial tilt, and their moment minus
-            # the given one.
-            m, c = self.centre_and_half_width_under(load, tilt)
-            moment_excess = self.moment(m, c, load, tilt) - moment
-            half_width = np.where(c > 0, c, 1.0)
+        for _ in range(_MOST_NEWTON_STEPS):  # 120
+            centre, contact_half_width = self.centre_and_half_width_under(load, tilt)
+            moment_excess = self.moment(centre, contact_half_width, load, tilt) - moment
             least_tilt = np.where(moment_excess > 0, tilt, least_tilt)
             largest_tilt = np.where(moment_excess > 0, largest_tilt, tilt)
-            # A change d alpha of tilt adds -(d alpha/A) t/sqrt(c^2 - t^2) to p, with t = x - m and
-            # A = 2/E*. No step moves a contact by more than about a third of it.
-            # _compliance: A.
-            longest_step = self._compliance * load / (4 * half_width)
+            # A change d alpha of tilt adds -(d alpha/A) t/sqrt(c^2 - t^2) to p, with t = x - m, c
+            # the half-width and A = 2/E*: so the moment falls by pi c^2/(2 A) per tilt.
+            half_width = np.where(contact_half_width > 0, contact_half_width, 1.0)
             newton_step = 2 * self._compliance * moment_excess / (np.pi * half_width**2)
+            # No step moves a contact by more than about a third of it.
+            longest_step = self._compliance * load / (4 * half_width)
             new_tilt = tilt + np.clip(newton_step, -longest_step, longest_step)
-            is_in_bracket = (new_tilt >= least_tilt) & (new_tilt <= largest_tilt)
-            new_tilt = np.where(is_in_bracket, new_tilt, (least_tilt + largest_tilt) / 2)
+            is_within_bounds = (new_tilt >= least_tilt) & (new_tilt <= largest_tilt)
+            new_tilt = np.where(is_within_bounds, new_tilt, (least_tilt + largest_tilt) / 2)
             tilt_change = np.abs(new_tilt - tilt)
             tilt = new_tilt
             if np.all(tilt_change <= 1e-9 * longest_step):
@@ -1583,10 +1570,7 @@ class TiltedProfile:
         """Quadrature nodes and weights on the loads from `begin` to `end` [force per thickness], in
         a new last axis; the range is cut at loads at which an end of contact meets a knot.
         """
-        # corner_loads: loads at which an end of contact meets a knot of the profile.
-        # Without such loads one rule that is graded towards both ends; else one on each panel
-        # between two of them.
-        if not len(self.corner_loads):
+        if not len(self.corner_loads):  # nowhere to cut
             return graded_nodes(begin, end)
         nodes_of_panels = panel_nodes(begin, end, self.corner_loads)
         shape_with_nodes = (*np.shape(end), -1)
@@ -1663,25 +1647,24 @@ class TiltedProfile:
             load of the interval [force per thickness]
         """
         m, c = self.centre_and_half_width(advance)
-        # The flat face of the profile touches without load; of half-length 0 for a parabola.
-        face_middle, face_half_width = self.intervals.flat_face
         places = np.asarray(x, dtype=float)
-        load_rise = np.asarray(excess, dtype=float)
+        load_rise_since_x = np.asarray(excess, dtype=float)
         t = places - m
         difference_of_squares = (c - t) * (c + t)
+        # Next to an edge c - |t| loses digits. There it is the distance by which the edge has moved
+        # beyond x, but not in a flat face, which touches all at once without load.
+        face_middle, face_half_width = self.intervals.flat_face
         is_beside_face = np.abs(places - face_middle) >= face_half_width
-        # Nearer to an edge than about 5 % of c; _NEAR_EDGE_FRACTION: 0.1 of c^2.
         is_near_edge = difference_of_squares < _NEAR_EDGE_FRACTION * c * c
-        needs_edge_movement = is_near_edge & (load_rise > 0) & is_beside_face
+        needs_edge_movement = is_near_edge & (load_rise_since_x > 0) & is_beside_face
         if np.any(needs_edge_movement):
-            # Next to the edge c - |t| loses digits. It is how far the edge has moved beyond x.
-            edge_side, upper_load, rise_since_x, upper_half_width = (
+            edge_side, interval_load, load_rise, half_width = (
                 np.broadcast_to(values, needs_edge_movement.shape)[needs_edge_movement]
-                for values in (np.sign(t), advance, load_rise, c)
+                for values in (np.sign(t), advance, load_rise_since_x, c)
             )
-            distance_to_edge = self.intervals.edge_movement(edge_side, upper_load, rise_since_x)
+            distance_to_edge = self.intervals.edge_movement(edge_side, interval_load, load_rise)
             difference_of_squares[needs_edge_movement] = distance_to_edge * (
-                2 * upper_half_width - distance_to_edge
+                2 * half_width - distance_to_edge
             )
         return (self.tangential_fraction - self.pressure_skewness * t) / np.sqrt(
             np.where(difference_of_squares > 0, difference_of_squares, np.inf)
@@ -1703,14 +1686,13 @@ class TiltedProfile:
 
         # notation: A = 2/E*, L datum length of displacements, U tangential displacement, m and c
         #           centre and half-length of the interval, kappa tilt per load, m_q moment of the
-        #           shear about x = 0
+        #           shear about x = 0; pressure_skewness = pi kappa/A
         """
-        # Centre and half-length of the interval; pressure_skewness: pi kappa/A; logarithm(c): ln(2
-        # L/c).
         m, c = self.centre_and_half_width(load)
         moment_arm = self.tangential_fraction * m - self.pressure_skewness * c * c / 2
         if self.kernel_quantity == "shear_moment":
             return moment_arm
+        # logarithm: ln(2 L/c)
         displacement_rate = (
             self.tangential_fraction * self.logarithm(c) + self.pressure_skewness * m
         )
@@ -1731,21 +1713,22 @@ class TiltedProfile:
         # notation: A = 2/E*, kappa tilt per load, pressure_skewness = pi kappa/A
         """
         load = np.asarray(load, dtype=float)
-        contact_centre, contact_half_length = self.intervals.centre_and_half_width(load)
-        # Tilt under this load: alpha_0 + kappa load.
-        tilt = self.intervals.tilt_without_load + self.intervals.tilt_per_load * load
-        # profile.moment is A times the moment of the pressure.
-        moment = self.profile.moment(contact_centre, contact_half_length, tilt) / self._compliance
+        centre, half_width = self.intervals.centre_and_half_width(load)
+        tilt_without_load = self.intervals.tilt_without_load
+        tilt = tilt_without_load + self.intervals.tilt_per_load * load
+        # The profile gives A times the moment of the pressure.
+        moment = self.profile.moment(centre, half_width, tilt) / self._compliance
         if self.kernel_quantity == "shear_moment":
             return moment
+        # The profile gives the approach without (A P/pi) ln(2 L/c), L the datum length.
         approach_without_load = self.profile.approach(
-            *self.intervals.unloaded_centre_and_half_width, self.intervals.tilt_without_load
+            *self.intervals.unloaded_centre_and_half_width, tilt_without_load
         )
-        # without the term of the datum, (A P/pi) ln(2 L/c), c the half-length
-        approach_under_load = self.profile.approach(contact_centre, contact_half_length, tilt)
-        approach = approach_under_load - approach_without_load
-        logarithm = self.logarithm(contact_half_length)
-        scaled_approach = np.pi / self._compliance * approach + load * logarithm
+        approach_under_load = self.profile.approach(centre, half_width, tilt)
+        approach_rise = approach_under_load - approach_without_load
+        scaled_approach = np.pi / self._compliance * approach_rise + load * self.logarithm(
+            half_width
+        )
         if self.kernel_quantity == "conjugate_displacement":
             return scaled_approach + self.pressure_skewness * moment
         return scaled_approach
@@ -1772,7 +1755,7 @@ class TiltedProfile:
         load, slip_zone_load = np.broadcast_arrays(
             np.asarray(load, dtype=float), np.asarray(slip_zone_load, dtype=float)
         )
-        # log_datum_ratio: r; approach_integral: its integral from 0 to a load.
+        # Its `log_datum_ratio` is r, its `approach_integral` that of r from 0 to a load.
         conjugate_contact = replace(self, kernel_quantity="conjugate_displacement")
         stick_edge_load = np.maximum(load - slip_zone_load, 0.0)
         rate_at_stick_edge = conjugate_contact.log_datum_ratio(stick_edge_load)
@@ -1786,9 +1769,8 @@ class TiltedProfile:
         is_small_slip = slip_zone_load < _SMALL_SLIP_FRACTION * load
         if np.any(is_small_slip):
             eta, weights = crowded_nodes(stick_edge_load[is_small_slip], load[is_small_slip])
-            rate_fall = rate_at_stick_edge[is_small_slip][
-                :, None
-            ] - conjugate_contact.log_datum_ratio(eta)
+            rate_column = rate_at_stick_edge[is_small_slip][:, None]
+            rate_fall = rate_column - conjugate_contact.log_datum_ratio(eta)
             kernel[is_small_slip] = np.sum(weights * rate_fall, axis=-1)
         return np.maximum(kernel, 0.0)
 
