@@ -1582,8 +1582,8 @@ class _Batch:
         # coefficient gives that.
         friction = np.where(loads.friction > 0, loads.friction, 1.0)
         with np.errstate(over="ignore", invalid="ignore"):
-            # Where Q1/f overflows the ellipse slides as a whole.
-            # angles and loads of the steady cycle, in which reverse slip begins and ends
+            # angles and loads of the steady cycle; where Q1/f overflows the contact slides as a
+            # whole
             ellipses = ellipses_of(
                 loads.mean_normal,
                 loads.normal_amplitude,

@@ -545,8 +545,8 @@ class _HalfPlanePath:
             bound = Q - s f P + (s f kn - kt) G + constant,    s = +1 forward, -1 reverse
 
         kn and kt are the curvatures that the loads add to the gap and to the faces, G is the load
-        of a parabola's punches up to this one. Half-planes, kn = kt = 0, have other turning points.
-        The fourth order is left out of the bound here.
+        that presses a parabola x^2/2 into contact up to the half-width of the punch. Half-planes,
+        kn = kt = 0, have other turning points. The fourth order is left out of the bound here.
 
         Parameters
         ----------
@@ -945,8 +945,9 @@ class PathSeries:
 
         The memory curve is the locked-in tangential force of the flat punches up to each
         half-width. The extra slip is the least that brings |q| down to f p. It follows from q and f
-        p over x, from the half-widths of contact and stick, and from those at which slip zones of
-        the memory curve end. The returned record gives the slip and its shear at any points.
+        p as functions of x, from the half-widths of contact and stick, and from those at which slip
+        zones of the memory curve end. The returned record gives the slip and its shear at any
+        points.
         """
         # followed_path: friction memory, loads, edges of contact and stick at all instants.
         followed_path = self.followed_path
@@ -1658,21 +1659,23 @@ def punch_table_of(
     # _MOST_WIDENINGS: 60, each by _TABLE_WIDTH_FACTOR = 1.02; extent: largest half-width of the
     # profile. largest_s: coordinate s of the widest punch of the table.
     for _ in range(_MOST_WIDENINGS):
-        table = PunchTable(
+        punch_table = PunchTable(
             contact, modulus, min(largest_half_width * _TABLE_WIDTH_FACTOR, contact.extent)
         )
         # The second moment p_2 of the pressure is at most that of a flat punch, P c^2/2.
         # normal_mixed: N_22, by which p_2 adds 2 N_22 p_2 to kn.
-        largest_moment = path_rows.normal_load * float(table.half_width(table.largest_s)) ** 2 / 2
+        largest_moment = (
+            path_rows.normal_load * float(punch_table.half_width(punch_table.largest_s)) ** 2 / 2
+        )
         lower_bound_of_curvature = (
             gap_curvature + 2 * min(curvatures.normal_mixed, 0.0) * largest_moment
         )
         # Load that the punches up to the widest carry, with the least kn that is possible.
         load_at_table_end = float(
-            table.profile_load(table.largest_s)
-        ) + lower_bound_of_curvature * float(table.parabola_load(table.largest_s))
+            punch_table.profile_load(punch_table.largest_s)
+        ) + lower_bound_of_curvature * float(punch_table.parabola_load(punch_table.largest_s))
         load_at_table_end = load_at_table_end + gap_fourth_coefficient * float(
-            table.fourth_load(table.largest_s)
+            punch_table.fourth_load(punch_table.largest_s)
         )
         if np.all(load_at_table_end >= path_rows.normal_load):
             break
@@ -1685,9 +1688,9 @@ def punch_table_of(
     else:
         raise contact_splits_error()
     _require_one_contact(
-        table, contact, gap_curvature, lower_bound_of_curvature, gap_fourth_coefficient
+        punch_table, contact, gap_curvature, lower_bound_of_curvature, gap_fourth_coefficient
     )
-    return table
+    return punch_table
 
 
 def _require_one_contact(
@@ -1704,7 +1707,7 @@ def _require_one_contact(
     Parameters
     ----------
     punch_table
-        eta, G and G_4 of the punches: of the profile, of x^2/2 and of x^4/24
+        eta, G and G_4 by the coordinate s of a half-width c
     contact
         the profile, whose flat has no punches inside
     gap_curvature, lower_bound_of_curvature

@@ -182,10 +182,10 @@ def cycle_of_punches(
     curvatures
         N, N_Q, T and T_P
     profile_load
-        eta (m, k): normal load that the punches up to each carry of the profile
+        eta (m, k): normal load that presses the profile into contact up to each punch
     parabola_load
-        G = (pi E*/4) c^2 (m, k): normal load that the punches up to each carry of a parabola of
-        curvature 1
+        G = (pi E*/4) c^2 (m, k): normal load that presses a parabola of curvature 1 into contact
+        up to each punch
 
     Returns
     -------
@@ -387,10 +387,12 @@ class _EdgesOfCycle(NamedTuple):
 
 
 def _edges_of_cycle(punches: _Punches) -> _EdgesOfCycle:
-    """Edges of contact and of permanent stick in the cycles of m elliptic load paths, as roots over
-    the half-width of a punch.
+    """Edges of the largest and of the least contact, and of permanent stick, in the cycles of m
+    elliptic load paths.
 
-    They are sought up to twice the largest contact of half-planes, or to the end of the profile,
+    A contact ends at the flat punch outside of which no load is carried. Permanent stick ends at
+    the punch whose two Coulomb bounds, over the cycle, just leave room for a constant force. Both
+    are roots, sought up to twice the largest contact of half-planes, or to the end of the profile,
     `extent`.
     """
     loads = punches.loads

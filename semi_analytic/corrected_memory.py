@@ -266,9 +266,9 @@ class PunchTable:
         """Coefficients (cells, 4), constant first, of cubics for int eta G^exponent dc/c from 0 to
         c.
 
-        eta(c) (`profile_load`) and G(c) (`parabola_load`) are the loads that flat punches of
-        half-width up to c carry, of the profile and of x^2/2. The variable of a cubic runs from 0
-        to 1 along its cell; cells are equal steps of the punch coordinate s.
+        eta(c) (`profile_load`) and G(c) (`parabola_load`) are the loads that press the profile and
+        x^2/2 into contact up to half-width c. The variable of a cubic runs from 0 to 1 along its
+        cell; cells are equal steps of the punch coordinate s.
 
         Parameters
         ----------
@@ -413,9 +413,9 @@ class PunchTable:
         """Integrals over the flat punches of half-width 0 to c(s): of ln(2 L/c), which gives
         displacements, and of c^2/2, which gives second moments.
 
-        Each is taken over d eta and over dG: eta(c) and G(c) are the loads that punches up to c
-        carry, of the profile and of x^2/2. L is the datum length. By parts, with tabulated
-        integrals of eta dc/c and eta G dc/c:
+        Each is taken over d eta and over dG: eta(c) and G(c) are the loads that press the profile
+        and x^2/2 into contact up to c. L is the datum length. By parts, with tabulated integrals of
+        eta dc/c and eta G dc/c:
 
             int ln(2 L/c) d eta = eta ln(2 L/c) + int eta dc/c
             int (c^2/2) d eta = eta c^2/2 - int eta G dc/c / (pi E*/4)
@@ -459,8 +459,8 @@ class PunchTable:
         """Coordinate s of the edge of contact a under one normal load P, from P = eta(a) + kn G(a)
         by bisection; of the widest punch of the table where its contact carries less than P.
 
-        eta(c) and G(c) are the loads that flat punches of half-width up to c carry, of the profile
-        and of x^2/2. `curvature` is kn: the bodies add kn x^2/2 to the gap [1/length].
+        eta(c) and G(c) are the loads that press the profile and x^2/2 into contact up to half-width
+        c. `curvature` is kn: the bodies add kn x^2/2 to the gap [1/length].
 
         s is a whole number at each kink of the profile.
         """
@@ -1509,8 +1509,8 @@ def _columns_of_path(
       displacement of the faces;
     - n4 and t4, those of x^4/24;
     - s of the edge of contact, in the table of punches;
-    - eta, G and G_4, the loads of the punches up to the edge: of the profile, of x^2/2 and of
-      x^4/24.
+    - eta, G and G_4, the loads that press the profile, x^2/2 and x^4/24 into contact up to the
+      edge.
 
     kn depends on the second moment p_2 of the pressure and p_2 on the edge: they are iterated, at
     most eight times. In kt the part by the second moment of the shear traction is left out.

@@ -461,9 +461,10 @@ def _load_and_approach(
         P = eta(a)/(1 - N G(a))
         approach = (A/pi) int ln(2 L/c) dP(c) + N p_2/2 + c_n P + P/k_n
 
-    eta and G are the loads of the flat punches of the profile and of x^2/2; P(c) is carried by
-    those of half-width up to c, p_2 the second moment of the pressure. N P x^2/2 is what the bodies
-    add to the gap, c_n their compliance, k_n the spring, L the datum length, A = 2/E*.
+    eta and G are the loads that press the profile and x^2/2 into contact up to a half-width. P(c)
+    is what the flat punches up to c carry of P, p_2 the second moment of the pressure. N P x^2/2 is
+    what the bodies add to the gap, c_n their compliance, k_n the spring, L the datum length, A =
+    2/E*.
 
     Parameters
     ----------

@@ -442,7 +442,7 @@ class _PunchProblem:
         )
         new_states = np.where(moves_back, _STICKING, friction_states)
         is_sticking_point = friction_states == _STICKING
-        # excess: of q over f p by the memory curve, in either sense [stress]
+        # excess: |q| - f p by the memory curve, for either sense of q [stress]
         exceeds_limit = is_sticking_point & (self.excess + added_shear > self.excess_tolerance)
         new_states = np.where(exceeds_limit, _SLIPPING, new_states)
         exceeds_limit_of_reverse = is_sticking_point & (

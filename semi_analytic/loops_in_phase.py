@@ -308,11 +308,20 @@ class Stroke:
         point_of_fraction = point_of_fraction[order_by_point]
         fractions = fractions[order_by_point]
         # A part lies between two neighbouring fractions of one point.
-        parts = np.flatnonzero(point_of_fraction[1:] == point_of_fraction[:-1])
-        middle_fractions = (fractions[parts] + fractions[parts + 1]) / 2
-        is_in_slip = self._depth_in_slip_zone(x[point_of_fraction[parts]], middle_fractions) > 0
-        parts = parts[is_in_slip]
-        return point_of_fraction[parts], fractions[parts], fractions[parts + 1]
+        first_fraction_of_part = np.flatnonzero(point_of_fraction[1:] == point_of_fraction[:-1])
+        middle_fractions = (
+            fractions[first_fraction_of_part] + fractions[first_fraction_of_part + 1]
+        ) / 2
+        is_in_slip = (
+            self._depth_in_slip_zone(x[point_of_fraction[first_fraction_of_part]], middle_fractions)
+            > 0
+        )
+        first_fraction_of_part = first_fraction_of_part[is_in_slip]
+        return (
+            point_of_fraction[first_fraction_of_part],
+            fractions[first_fraction_of_part],
+            fractions[first_fraction_of_part + 1],
+        )
 
 
 def strokes_in_phase(scene: Scene) -> tuple[Stroke, Stroke] | None:

@@ -458,7 +458,7 @@ def _least_admissible_friction(
 
 
 class _WorkCurve(NamedTuple):
-    """Samples of the friction work W over the coefficient of friction f, for m members of a batch.
+    """Samples of the friction work W(f), f the coefficient of friction, for m members of a batch.
 
     Attributes
     ----------
@@ -550,7 +550,7 @@ def _friction_batch(
         sentences of the batch that the result hands on
     """
     targets = _Targets.of_measured(measured_dissipation, shape)
-    # W over ln f, (samples, m): first samples, then turning points among them
+    # W as a function of ln f, (samples, m): first samples, then turning points among them
     work_curve = _sampled_work(work_of, least_friction_of_member, load_amplitude_ratio)
     work_curve = _with_turning_points(work_curve, work_of)
     friction_roots = _roots_of(work_curve, work_of, targets)
@@ -607,8 +607,8 @@ def _limits_of(
     """Least and largest friction work W that the loads of each of n targets dissipate at any
     sampled coefficient f, and the range of f.
 
-    `work_curve` has W over ln f, (k, m), for m members of a batch; `least_friction_of_member` (m,)
-    is f_min; `targets.member` (n,) is the member of each target.
+    `work_curve` has ln f and W(f), (k, m), for m members of a batch; `least_friction_of_member`
+    (m,) is f_min; `targets.member` (n,) is the member of each target.
     """
     is_work_known = np.isfinite(work_curve.works)
     member_of_target = targets.member
@@ -701,8 +701,8 @@ def _sampled_work(
 
 
 def _with_turning_points(work_curve: _WorkCurve, work_of: WorkFunction) -> _WorkCurve:
-    """The samples of friction work W over the coefficient f, with the extrema of W between them
-    added as samples.
+    """The samples of friction work W(f), f the coefficient of friction, with the extrema of W
+    between them added as samples.
 
     Between two samples an extremum may hide two roots. `work_of` gives W by coefficients and the
     indices of members of the batch. `work_curve` holds ln f and W, (samples, m) each, and whether W
@@ -735,8 +735,8 @@ def _with_turning_points(work_curve: _WorkCurve, work_of: WorkFunction) -> _Work
 
 
 def _samples_before_extrema(work_curve: _WorkCurve) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Where the friction work W over the coefficient f turns within three neighbouring samples: the
-    number of the first of them, and the member of the batch, (e,) each for e extrema.
+    """Where the friction work W(f) turns, f the coefficient of friction, within three neighbouring
+    samples: the number of the first of them, and the member of the batch, (e,) each for e extrema.
 
     `work_curve` has W at the samples, (k, m) for m members. Members whose W is not known at all
     samples are left out, as are changes of W below 1e-10 of its largest value, which are round-off.
@@ -759,8 +759,8 @@ def _extrema_of_work(
     first_sample: NDArray[np.intp],
     member: NDArray[np.intp],
 ) -> tuple[Array, Array]:
-    """Extrema of the friction work W over the coefficient f: ln f and W there, (e,) each, by
-    iteration within three samples on which W turns.
+    """Extrema of the friction work W(f), f the coefficient of friction: ln f and W there, (e,)
+    each, by iteration within three samples on which W turns.
 
     Parameters
     ----------
@@ -824,7 +824,7 @@ def _roots_of(work_curve: _WorkCurve, work_of: WorkFunction, targets: _Targets) 
     Parameters
     ----------
     work_curve
-        samples of W over ln f for each of m members, (samples, m), turning points included
+        samples of ln f and W(f) for each of m members, (samples, m), turning points included
     work_of
         function that gives W by coefficients of friction and the indices of members
     targets

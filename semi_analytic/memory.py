@@ -82,12 +82,19 @@ def instant(segment: LoadSegment, time: float) -> Instant:
 def combination_change(
     earlier: Instant, segment: LoadSegment, combination: Combination, time: ArrayLike
 ) -> Array:
-    """Change of a combination c_P P + c_Q Q of the loads from an `earlier` instant of the path, on
-    any segment, to `time` (any shape) on a load segment [force per thickness].
+    """Change of a weighted sum c_P P + c_Q Q of the loads between two instants of the load path,
+    which may lie on two segments of it [force per thickness].
 
-    The `combination` holds the factors c_P as `normal` and c_Q as `tangential`. A segment gives
-    such changes between two of its own times by `change_of`. An instant holds its segment, P and Q
-    as `normal_load` and `tangential_load`.
+    `change_of` gives such a change between two times of one segment, without cancellation.
+
+    Parameters
+    ----------
+    earlier
+        first instant: its segment, P as `normal_load` and Q as `tangential_load`
+    segment, time
+        segment of the second instant, and times on it, any shape
+    combination
+        the factors c_P as `normal` and c_Q as `tangential`
     """
     if earlier.segment is segment:
         return segment.change_of(combination, time, earlier.time)

@@ -1385,8 +1385,8 @@ def log_weight_and_load(name: str, ellipses: Ellipses, angle: Array) -> tuple[Ar
 
 def _log_weight_and_stick_edge_load(
     ellipses: Ellipses,
-    stick_amplitude: Array,
-    slip_amplitude: Array,
+    amplitude_of_stick_load: Array,
+    amplitude_of_slip_zone_load: Array,
     angle_at_no_slip: Array,
     squared_half_sine: Array,
     cosine: Array,
@@ -1395,18 +1395,19 @@ def _log_weight_and_stick_edge_load(
     """Weight of ln a per rad in the friction work W pi E*/(2 f^2), and the load P_c at the stick
     edge, along P_c in reverse slip (E-G) or in later forward slip (J-M).
 
-        P_c = P_T + `stick_amplitude` `squared_half_sine`
-        P - P_c = `slip_amplitude`/2 (1 - cos(angle - `angle_at_no_slip`))
+        P_c = P_T + `amplitude_of_stick_load` `squared_half_sine`
+        P - P_c = `amplitude_of_slip_zone_load`/2 (1 - cos(angle - `angle_at_no_slip`))
 
-    P_T (`permanent_stick_load`) is the load at the edge of the permanent stick zone, a the contact
-    half-width. The angle counts back from the end of the phase.
-    `squared_half_sine` = sin^2(angle/2); `cosine` and `sine` are of the angle. The two amplitudes
-    are v, u in reverse slip and u, v in forward slip, those of (Q -+ f P)/f.
+    The weight is w P_c' - w' (P - P_c), over f, from W by parts; w = +-Q - f P counts from its
+    largest value. P_T (`permanent_stick_load`) is the load at the edge of the permanent stick zone,
+    a the contact half-width. The angle counts back from the end of the phase. `squared_half_sine`
+    is sin^2(angle/2); `cosine` and `sine` are of the angle. The two amplitudes are v, u in reverse
+    slip and u, v in forward slip, those of (Q -+ f P)/f.
     """
-    load_above_permanent_stick = stick_amplitude * squared_half_sine
+    load_above_permanent_stick = amplitude_of_stick_load * squared_half_sine
     cosine_from_no_slip = np.cos(angle_at_no_slip) * cosine + np.sin(angle_at_no_slip) * sine
-    slip_zone_load = slip_amplitude / 2 * (1 - cosine_from_no_slip)
-    weight = stick_amplitude * sine * (load_above_permanent_stick - slip_zone_load)
+    slip_zone_load = amplitude_of_slip_zone_load / 2 * (1 - cosine_from_no_slip)
+    weight = amplitude_of_stick_load * sine * (load_above_permanent_stick - slip_zone_load)
     return weight, ellipses.permanent_stick_load + load_above_permanent_stick
 
 
