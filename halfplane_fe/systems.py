@@ -487,16 +487,16 @@ class Systems:
         n = len(faces.x)
         n_x, n_y = faces.face_normals
 
-        # Gap and slip by the nodal forces; the coupling is slip by pressure.
+        # Gap and slip by the nodal forces p and q; the coupling is slip by p.
         matrix = np.zeros((2 * n + 2, 2 * n + 5))
-        # One range numbers the rows of gap and the columns of pressure; likewise slip and shear.
-        gap = pressure = slice(0, n)
-        slip = shear = slice(n, 2 * n)
-        matrix[gap, pressure] = self.normal_compliance
-        matrix[slip, shear] = -self.tangential_compliance
+        # One range numbers the rows of gap and the columns of p; likewise slip and q.
+        gap = normal_force = slice(0, n)
+        slip = tangential_force = slice(n, 2 * n)
+        matrix[gap, normal_force] = self.normal_compliance
+        matrix[slip, tangential_force] = -self.tangential_compliance
         if faces.coupling is not None:
-            matrix[gap, shear] = -faces.coupling.T
-            matrix[slip, pressure] = faces.coupling
+            matrix[gap, tangential_force] = -faces.coupling.T
+            matrix[slip, normal_force] = faces.coupling
 
         # Gap and slip by approach, U, bulk stresses and tilt.
         matrix[gap, 2 * n] = -n_y
@@ -507,13 +507,13 @@ class Systems:
             matrix[: 2 * n, 2 * n + 2 :] = faces.gap_and_slip_per_stress_and_tilt.reshape(2 * n, 3)
 
         # P and Q as resultants of the nodal forces.
-        matrix[2 * n, pressure] = n_y
-        matrix[2 * n, shear] = n_x
+        matrix[2 * n, normal_force] = n_y
+        matrix[2 * n, tangential_force] = n_x
         if self._displacement_is_zero:
             matrix[2 * n + 1, 2 * n + 1] = 1.0
         else:
-            matrix[2 * n + 1, pressure] = -n_x
-            matrix[2 * n + 1, shear] = n_y
+            matrix[2 * n + 1, normal_force] = -n_x
+            matrix[2 * n + 1, tangential_force] = n_y
 
         # Movements of actuators; a compliance is None where the load is given.
         for direction, compliance in enumerate(self.actuators):  # normal, tangential
@@ -553,7 +553,7 @@ class Systems:
         -------
         ndarray
             A row for each load, and a last one for the changes, if there are any. Columns:
-            approach, displacement U and tilt, then slip, p, q and gap of the nodes, 3 + 4 n.
+            approach, displacement U and tilt, then slip, nodal forces p and q, and gap: 3 + 4 n.
 
         Raises
         ------
@@ -626,7 +626,7 @@ class Systems:
         -------
         ndarray
             A row for P and for Q, and a last one for `changes`, if there are any. Columns:
-            approach, U and tilt, then slip, p, q and gap of the n nodes; all scaled.
+            approach, U and tilt, then slip, nodal forces p and q, and gap of the n nodes; scaled.
         """
         n = len(node_states)
         n_touching_nodes = int(np.count_nonzero(node_states))
@@ -637,40 +637,44 @@ class Systems:
         prescribed = np.zeros((2, n, n_cases))
         if equation_numbers is not None:
             prescribed[equation_numbers // n, equation_numbers % n, n_loads] = changes
-        prescribed_gap_or_pressure, prescribed_slip_or_shear = prescribed
+        prescribed_gap_or_force, prescribed_slip_or_force = prescribed
         # (n_cases,) P of each case, and Q of each: 1 in its own, 0 in the others.
         normal_load_of_case, tangential_load_of_case, *_ = np.eye(n_loads, n_cases)
 
         values = np.zeros((n_cases, 3 + 4 * n))
         # views (n, n_cases): what is written to them is written to `values`
-        slip, pressure, shear, gap = values[:, 3:].reshape(-1, 4, n).transpose(1, 2, 0)
+        slip, normal_forces, tangential_forces, gap = (
+            values[:, 3:].reshape(-1, 4, n).transpose(1, 2, 0)
+        )
 
-        # Normal problem: pressure, approach (column 0 of the values) and gap, from the numbers of
+        # Normal problem: p, approach (column 0 of the values) and gap, from the numbers of
         # nodes with prescribed displacement and in contact. A compliance of `actuators` is None
         # where the load is given, and no actuator's movement.
         normal_problem = self._nested_compliances[0]
-        pressure[:], values[:, 0], gap[:] = normal_problem.forces_and_displacements(
+        normal_forces[:], values[:, 0], gap[:] = normal_problem.forces_and_displacements(
             n_touching_nodes,
             n_touching_nodes,
-            prescribed_gap_or_pressure,
+            prescribed_gap_or_force,
             normal_load_of_case,
             self.actuators.normal_compliance,
         )
 
-        # Tangential problem: shear, displacement U (column 1) and slip.
+        # Tangential problem: q, displacement U (column 1) and slip.
         if self.has_shear:
             tangential_problem = self._nested_compliances[1]
-            # Shear displaces the faces against the slip: with the tangential compliance T the slip
+            # q displaces the faces against the slip: with the tangential compliance T the slip
             # is U - T q, the opposite of the displacement that is solved for.
-            prescribed_slip_or_shear[:n_sticking_nodes] *= -1
+            prescribed_slip_or_force[:n_sticking_nodes] *= -1
             signed_friction = slip_sign(node_states) * self.friction  # q/p; 0 unless sliding
-            prescribed_slip_or_shear += signed_friction[:, None] * pressure
-            shear[:], values[:, 1], opposite_slip = tangential_problem.forces_and_displacements(
-                n_sticking_nodes,
-                n_touching_nodes,
-                prescribed_slip_or_shear,
-                tangential_load_of_case,
-                self.actuators.tangential_compliance,
+            prescribed_slip_or_force += signed_friction[:, None] * normal_forces
+            tangential_forces[:], values[:, 1], opposite_slip = (
+                tangential_problem.forces_and_displacements(
+                    n_sticking_nodes,
+                    n_touching_nodes,
+                    prescribed_slip_or_force,
+                    tangential_load_of_case,
+                    self.actuators.tangential_compliance,
+                )
             )
             slip[:] = -opposite_slip
         return values
@@ -704,7 +708,7 @@ class Systems:
         -------
         ndarray
             A row for each load, and a last one for `changes`, if there are any. Columns: approach,
-            U and tilt, then slip, p, q and gap of the n nodes; all scaled.
+            U and tilt, then slip, nodal forces p and q, and gap of the n nodes; scaled.
         """
         n = len(node_states)
         # The base, and (2 n,) whether each of its equations differs from that of these states.
@@ -736,8 +740,9 @@ class Systems:
         responses_and_prescribed[:, :n_responses] = update.responses
         responses_and_prescribed[:, n_responses + updated_equations] = update.amplitudes
         values = responses_and_prescribed.take(base.value_sources, axis=1)
-        _, pressure, shear, _ = values[:, 3:].reshape(-1, 4, n).transpose(1, 0, 2)
-        shear += base.signed_friction * pressure  # so far q - (+-f) p, the force of its equation
+        _, normal_forces, tangential_forces, _ = values[:, 3:].reshape(-1, 4, n).transpose(1, 0, 2)
+        # So far the tangential force is that of its equation, q - (+-f) p.
+        tangential_forces += base.signed_friction * normal_forces
         return values
 
     def _updated_responses(
@@ -865,12 +870,12 @@ class Systems:
         friction_difference = base.signed_friction[node_of_equation] - self.friction * slip_sign(
             state_of_equation
         )
-        needs_pressure = ~is_normal & ~prescribes_displacement & (friction_difference != 0)
-        columns_with_pressure = needs_pressure.nonzero()[0]
-        pressure_equations = node_of_equation[columns_with_pressure]
-        pressure = values_in_equations(pressure_equations, base.is_held[pressure_equations])
-        left_sides[:, columns_with_pressure] += (
-            friction_difference[columns_with_pressure] * pressure
+        needs_normal_force = ~is_normal & ~prescribes_displacement & (friction_difference != 0)
+        columns_with_normal_force = needs_normal_force.nonzero()[0]
+        normal_equations = node_of_equation[columns_with_normal_force]
+        normal_forces = values_in_equations(normal_equations, base.is_held[normal_equations])
+        left_sides[:, columns_with_normal_force] += (
+            friction_difference[columns_with_normal_force] * normal_forces
         )
         return left_sides
 
@@ -896,7 +901,7 @@ class Systems:
         -------
         ndarray
             (n_loads + 1, 3 + 4 n): a row for each load, the last one for `changes`. Columns:
-            approach, U and tilt, then slip, p, q and gap of the n nodes; all scaled.
+            approach, U and tilt, then slip, nodal forces p and q, and gap of the n nodes; scaled.
 
         Raises
         ------
@@ -947,7 +952,7 @@ class Systems:
         values = np.empty((n_loads + 1, 3 + 4 * n))
         values[:, :3] = forces_and_motions[[2 * n, 2 * n + 1, 2 * n + 4]].T  # approach, U, tilt
         values[:, 3 : 3 + n] = displacements[n:].T  # slip
-        values[:, 3 + n : 3 + 3 * n] = forces_and_motions[: 2 * n].T  # pressure and shear
+        values[:, 3 + n : 3 + 3 * n] = forces_and_motions[: 2 * n].T  # p and q
         values[:, 3 + 3 * n :] = displacements[:n].T  # gap
         return values
 
@@ -1071,7 +1076,7 @@ class Systems:
         sources_in_order = [
             np.arange(2 * n, 2 * n + 3),  # approach, U, tilt
             source_of_displacement[n:],  # slip
-            source_of_force,  # pressure and shear
+            source_of_force,  # p and q
             source_of_displacement[:n],  # gap
         ]
 
@@ -1287,8 +1292,8 @@ class Systems:
         # slides and the base sticks, q is the response.
         sticking_nodes = swapped_equations[swapped_equations >= n] - n
         sticking_nodes = sticking_nodes[base.is_held[n + sticking_nodes]]
-        pressure = responses_of_base[:, sticking_nodes]
+        normal_forces = responses_of_base[:, sticking_nodes]
         responses_of_base[:, n + sticking_nodes] += (
-            origin.signed_friction[sticking_nodes] * pressure
+            origin.signed_friction[sticking_nodes] * normal_forces
         )
         return responses_of_base

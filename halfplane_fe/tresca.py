@@ -28,7 +28,7 @@ Forces = TypeVar("Forces")
 class _NormalForces(NamedTuple):
     """Nodal normal forces p (n,) and the normal approach delta."""
 
-    pressure: Array
+    nodal_forces: Array
     approach: float
 
 
@@ -110,17 +110,17 @@ def pressure_at_known_shear(
         approach = (normal_load - n_y[is_closed] @ force_by_gap) / (
             n_y[is_closed] @ force_by_approach
         )
-        pressure = np.zeros_like(initial_gap)
-        pressure[is_closed] = force_by_gap + approach * force_by_approach
+        normal_forces = np.zeros_like(initial_gap)
+        normal_forces[is_closed] = force_by_gap + approach * force_by_approach
 
         # Violations of the laws.
-        gap = initial_gap - n_y * approach + systems.normal_compliance @ pressure
-        violation = np.where(is_closed, -pressure, -gap)
+        gap = initial_gap - n_y * approach + systems.normal_compliance @ normal_forces
+        violation = np.where(is_closed, -normal_forces, -gap)
         is_closed_next = np.where(violation > round_off, ~is_closed, is_closed)
-        return _NormalForces(pressure, float(approach)), violation, is_closed_next
+        return _NormalForces(normal_forces, float(approach)), violation, is_closed_next
 
     forces, is_closed = _forces_by_active_set(normal_step, is_closed)
-    return forces.pressure, forces.approach, is_closed
+    return forces.nodal_forces, forces.approach, is_closed
 
 
 def shear_at_known_pressure(
@@ -253,10 +253,10 @@ class _ShearAtDisplacement:
         """
         n_y = self.systems.interface.face_normals[1]
         slip_not_by_shear = self.known_slip - n_y * displacement
-        shear, self.node_states = _shear_within_limits(
+        tangential_forces, self.node_states = _shear_within_limits(
             self.systems, self.coulomb_limit, slip_not_by_shear, self.node_states, self.round_off
         )
-        return shear
+        return tangential_forces
 
 
 def _shear_within_limits(
@@ -295,24 +295,26 @@ def _shear_within_limits(
         slips_forward = node_states == SLIP_FORWARD
         slips_back = node_states == SLIP_REVERSE
         # q of sliding nodes is known; that of sticking ones leaves them without slip
-        shear = coulomb_limit * slips_forward - coulomb_limit * slips_back
+        tangential_forces = coulomb_limit * slips_forward - coulomb_limit * slips_back
         if is_sticking.any():
-            slip_to_cancel = (-known_slip - systems.tangential_compliance @ shear)[is_sticking]
-            shear[is_sticking] = solve(
+            slip_to_cancel = (-known_slip - systems.tangential_compliance @ tangential_forces)[
+                is_sticking
+            ]
+            tangential_forces[is_sticking] = solve(
                 systems.tangential_compliance[np.ix_(is_sticking, is_sticking)],
                 slip_to_cancel,
                 assume_a="pos",
             )
-        slip = -systems.tangential_compliance @ shear - known_slip
+        slip_increment = -systems.tangential_compliance @ tangential_forces - known_slip
 
-        violation = np.full(len(slip), -np.inf)  # an open node has no inequality
-        violation[is_sticking] = (np.abs(shear) - coulomb_limit)[is_sticking]
-        violation[slips_forward] = -slip[slips_forward]
-        violation[slips_back] = slip[slips_back]
-        slip_states = np.where(shear > 0, SLIP_FORWARD, SLIP_REVERSE)
+        violation = np.full(len(slip_increment), -np.inf)  # an open node has no inequality
+        violation[is_sticking] = (np.abs(tangential_forces) - coulomb_limit)[is_sticking]
+        violation[slips_forward] = -slip_increment[slips_forward]
+        violation[slips_back] = slip_increment[slips_back]
+        slip_states = np.where(tangential_forces > 0, SLIP_FORWARD, SLIP_REVERSE)
         other_states = np.where(is_sticking, slip_states, STICK)
         next_states = np.where(violation > round_off, other_states, node_states)
-        return shear, violation, next_states.astype(np.int8)
+        return tangential_forces, violation, next_states.astype(np.int8)
 
     return _forces_by_active_set(friction_step, node_states)
 
