@@ -1288,12 +1288,13 @@ class PointFields:
     def _traction_of_curvature(
         self, half_width: Array, curvature: Array, fourth_coefficient: Array
     ) -> Array:
-        """Traction at the k points that C x^2/2 + D x^4/24 adds inside contacts of `half_width`,
-        (n, k) [stress]; 0 outside the contact. Added to the gap, these terms make pressure, as an
-        added indenter of that shape does. Added to the displacement along the faces, they make
-        shear. Up to a constant, the traction takes them back: half-planes displace by the opposite.
+        """Traction at the k points by which contacts of given half-widths make up for C x^2/2 + D
+        x^4/24, (n, k) [stress]; 0 outside the contact.
 
-        C is `curvature` (n,) and D `fourth_coefficient` (n,), one of each per contact.
+        If bodies add these terms to the gap, the traction is a pressure, as under an indenter of
+        that shape. If they add them to the displacement along the faces, it is a shear. Inside the
+        contact it displaces half-planes by the opposite, up to a constant. C is `curvature` (n,)
+        and D `fourth_coefficient` (n,), one of each per contact.
         """
         if not (np.any(curvature) or np.any(fourth_coefficient)):
             # self._x: |x| of the k points.
@@ -2654,12 +2655,13 @@ def admissibility_checks_of(
 
 
 def _relative_missing_force(followed_path: FollowedPath, row_numbers: Indices) -> Array:
-    """|M - Q| over f times the largest P of a followed path, at its rows with these numbers, (n,);
-    0 while P = 0. M is the tangential force that the flat punches up to the edge of contact carry.
+    """Error of tangential equilibrium at some rows of a followed path, (n,): |M - Q| divided by f
+    times the largest P of the path, 0 while P = 0. M is the tangential force that the contact
+    carries by its memory.
 
-    M = F + kt G + t4 G_4. F was locked in while the punches stuck. kt and t4 are the curvatures in
-    x^2/2 and x^4/24 that the loads give to the faces. G and G_4 are the loads of the punches for
-    these.
+    M = F + kt G + t4 G_4 at the edge of contact. F was locked in while the flat punches stuck. kt
+    and t4 are the curvatures in x^2/2 and x^4/24 that the loads give to the faces. G and G_4 are
+    the loads that press these shapes into contact up to the edge.
     """
     largest_friction_force = max(
         followed_path.friction * float(np.max(followed_path.normal_load)), np.finfo(float).tiny

@@ -364,10 +364,12 @@ class _PunchProblem:
 
     @classmethod
     def of_contact(cls, contact: _MemoryContact, half_widths: Array) -> _PunchProblem:
-        """The problem on punches of the given half-widths (m + 1,).
+        """Coefficients of the equations for the extra slip of a contact, by flat punches of given
+        half-widths (m + 1,): shear and slip per density of punches, and what q exceeds f p by.
 
         `contact` holds q and f p of the memory curve as functions of x, the direction of the extra
-        slip, E*, and the half-width outside of which the edge slips.
+        slip, E*, and the half-width outside of which the edge slips. The m points are all
+        half-widths but the last.
         """
         direction = contact.direction
         points = half_widths[:-1]

@@ -501,7 +501,9 @@ class _Targets(NamedTuple):
 
     @classmethod
     def of_measured(cls, dissipation: ArrayLike, shape: tuple[int, ...]) -> _Targets:
-        """The targets of a measured dissipation W, which broadcasts with a batch of some `shape`.
+        """The measured works W of a cycle that the members of a batch are to reach, one after the
+        other, each with the number of its member; `dissipation` broadcasts with the batch's
+        `shape`.
 
         InputError where it does not broadcast, or has values that are no real numbers.
         """
@@ -665,19 +667,19 @@ def _sampled_work(
     work_of: WorkFunction, least_friction: Array, load_amplitude_ratio: Array
 ) -> _WorkCurve:
     """Friction work W of m members of a batch at samples of the coefficient f, from f_min up to 1e6
-    times the larger of f_min and Q1/P1, the amplitudes of Q over P.
+    times the larger of f_min and Q1/P1, the ratio of the amplitudes of Q and P.
 
-    f_min = `least_friction` (m,) is the least f without gross sliding,
-    Q1/P1 = `load_amplitude_ratio` (m,). Samples are dense next to f_min and sparse beyond 100 times
-    the larger. A member is solvable where f_min and all its W are finite. `work_of` gives W by
+    f_min = `least_friction` (m,) is the least f without gross sliding, Q1/P1 =
+    `load_amplitude_ratio` (m,). Samples are dense next to f_min and sparse beyond 100 times the
+    larger. A member is solvable where f_min and all its W are finite. `work_of` gives W by
     coefficients and the indices of members.
     """
     n_members = len(least_friction)
     is_solvable = np.isfinite(least_friction) & (least_friction > 0)
     # beyond f_min by 1e-12, its round-off
-    least_f = np.where(is_solvable, least_friction, 1.0) * (1 + _ROUNDOFF_OF_LIMIT)
+    first_f = np.where(is_solvable, least_friction, 1.0) * (1 + _ROUNDOFF_OF_LIMIT)
     middle_f = (
-        np.maximum(least_f, np.where(is_solvable, load_amplitude_ratio, 0.0)) * _MIDDLE_FACTOR
+        np.maximum(first_f, np.where(is_solvable, load_amplitude_ratio, 0.0)) * _MIDDLE_FACTOR
     )
     largest_f = middle_f * (_LARGEST_FACTOR / _MIDDLE_FACTOR)
     # 17 samples of f/f_min - 1 up to 0.05, then 72 and 9 more
@@ -687,8 +689,8 @@ def _sampled_work(
     # (98, m): close to gross sliding, evenly spread, and far from it
     log_f = np.concatenate(
         [
-            np.log(least_f) + np.log1p(relative_excess)[:, None],
-            np.linspace(np.log(least_f * 1.08), np.log(middle_f), _EVEN_SAMPLES),
+            np.log(first_f) + np.log1p(relative_excess)[:, None],
+            np.linspace(np.log(first_f * 1.08), np.log(middle_f), _EVEN_SAMPLES),
             np.linspace(np.log(middle_f), np.log(largest_f), _FAR_SAMPLES + 1)[1:],
         ]
     )

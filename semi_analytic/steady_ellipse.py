@@ -242,17 +242,19 @@ def ellipses_of(
 
 
 def rate_and_loads_in_phase(name: str, ellipses: Ellipses, s: Array) -> tuple[Array, Array, Array]:
-    """Three values at angles `s` [rad] in one phase of slip: rate of (+-Q - f P)/f per rad, load
-    P - P_c of the slip zones, and normal load P, shape of `s`.
+    """Loads at angles `s` [rad] in one phase of slip of steady load ellipses: rate of w/f =
+    (+-Q - f P)/f per rad, load P - P_c of the slip zones, and normal load P, shape of `s`.
 
-    # notation: t time in P = P0 + P1 cos t, t_E (`slip_start`) that at which E-G begins; u and v
+        "E-G", reverse slip:  rate v sin(D - s),  P - P_c = u sin^2(s/2)
+        "I-J", forward slip:  rate u sin(s),      P - P_c = 2 P1 sin(t_E) sin(s)
+        "J-M", forward slip:  rate u sin(s),      P - P_c = v sin^2((D + s)/2)
+
+    The `name` is that of the phase. s counts from the begin of E-G and I-J, and back from the end
+    of J-M. w grows in slip; P_c is the load at the stick edge.
+
+    # notation: t_E (`slip_start`, `sine_of_start`) time at which E-G begins; u and v
     #           (`forward_amplitude`, `reverse_amplitude`) amplitudes of (Q -+ f P)/f; D
-    #           (`slip_angle`) length of E-G and of J-M; P1 (`load_amplitude`) amplitude of P,
-    #           `sine_of_start` sin(t_E)
-
-    The phase `name` is "E-G" (reverse slip), "I-J" or, after it, "J-M" (both forward slip). s
-    counts from the begin of E-G and I-J, and back from the end of J-M. P_c is the load at which the
-    edge of contact would be at the stick edge. Loads are forces per thickness.
+    #           (`slip_angle`) length of E-G and of J-M; P1 (`load_amplitude`) amplitude of P
     """
     # Tangents of half the angles stand for sines: numpy has them in vector code. `_sine_and_square`
     # of an angle is sin(angle) and sin^2(angle/2); `ellipses.load_at_cosine` is P from cos(t).
