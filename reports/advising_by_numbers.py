@@ -393,7 +393,7 @@ def _sum_of_parts(parts: _PartsOfWork) -> Estimate:
 
 
 def _odd_part_of_work(
-    effects: BodyEffects, scene: Scene, even_part: float, ratio: float
+    effects: BodyEffects, scene: Scene, even_part: float, next_order_ratio: float
 ) -> Estimate | None:
     """The change of the dissipation W by the tilt and the bulk strain of finite bodies under the
     loads, relative to W of half-plane theory, with its uncertainty. None where theory can't follow
@@ -405,8 +405,9 @@ def _odd_part_of_work(
         elastic responses that the bodies add to half-planes
     even_part
         relative change of W by the curvatures of the faces
-    ratio
-        fourth order in x over the curvature, in the bodies' responses
+    next_order_ratio
+        how large the term of fourth order in x is beside the curvature, at the edge of contact, in
+        the deflections that loads give the faces
     """
     import semi_analytic
     from semi_analytic.next_order import uncertain_fraction_of_tilt_and_strain
@@ -417,7 +418,7 @@ def _odd_part_of_work(
     except InputError:
         return None
     # Relative uncertainty by orders that are left out.
-    uncertain_fraction = uncertain_fraction_of_tilt_and_strain(even_part, ratio)
+    uncertain_fraction = uncertain_fraction_of_tilt_and_strain(even_part, next_order_ratio)
     uncertainty_of_order = uncertain_fraction * abs(odd_change.value)
     # Estimate: a value with its uncertainty
     return Estimate(odd_change.value, odd_change.uncertainty + uncertainty_of_order)
@@ -725,12 +726,23 @@ def _without_tilt_and_strain(effects: BodyEffects) -> BodyEffects:
 
 
 def _size_of_odd_part(effects: BodyEffects, scene: Scene, half_width: float) -> float:
-    """About the relative change of the dissipation by tilt and bulk strain, in their second order;
-    `half_width` is the largest of the contact [length].
+    """Rough size of the relative change of the dissipation by tilt and bulk strain of finite
+    bodies, c_1 (strain/f)^2 + c_2 strain tilt + c_3 (tilt f)^2 with the friction coefficient f:
+    they count in their second order alone.
+
+    Parameters
+    ----------
+    effects
+        elastic responses that the bodies add to half-planes
+    scene
+        for materials and friction
+    half_width
+        largest half-width of the contact [length]
     """
+    # both dimensionless: sums of the sizes of the responses to P and to Q
     tilt, strain = _tilt_and_strain(effects, scene, half_width)
     friction_coefficient = scene.friction.coefficient
-    # _STRAIN_SQUARED, _STRAIN_BY_TILT, _TILT_SQUARED: factors 1.4, 4.4 and 3.5
+    # _STRAIN_SQUARED, _STRAIN_BY_TILT, _TILT_SQUARED: c_1 = 1.4, c_2 = 4.4 and c_3 = 3.5
     return (
         _STRAIN_SQUARED * (strain / friction_coefficient) ** 2
         + _STRAIN_BY_TILT * strain * tilt
@@ -739,8 +751,8 @@ def _size_of_odd_part(effects: BodyEffects, scene: Scene, half_width: float) -> 
 
 
 def _size_of_coupling(effects: BodyEffects, scene: Scene, half_width: float) -> float:
-    """About the relative change of the dissipation by the coupling of pressure and shear in unlike
-    materials,
+    """Rough size of the relative change of the dissipation by the coupling of pressure and shear in
+    unlike materials,
 
         c_1 (beta/f)^2 + c_2 beta strain/f^2 + c_3 beta tilt
 
@@ -758,6 +770,7 @@ def _size_of_coupling(effects: BodyEffects, scene: Scene, half_width: float) -> 
     """
     from halfplane_fe.dundurs import dundurs
 
+    # both dimensionless: sums of the sizes of the responses to P and to Q
     tilt, strain = _tilt_and_strain(effects, scene, half_width)
     beta = abs(dundurs(scene.material).beta)
     friction_coefficient = scene.friction.coefficient

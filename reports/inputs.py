@@ -686,12 +686,15 @@ class _ScalingLaws:
         return self.derivative_by_load("tangential_load")
 
     def derivative_by_normal_load(self) -> _ValueByName:
-        """x dV/dx of every value V for the normal load x: of a parabola by the scaling law of
+        """x dV/dx of every value V for the normal load x = P: of a parabola by the scaling law of
         heights, of other profiles by central differences.
+
+        Under that law V goes as c^n if P, Q and all heights of the profile are multiplied by c,
+        that is if its radius R is divided by c. So D_P + D_Q − D_R = n V, with D_x = x dV/dx.
         """
         if not isinstance(self.scene.profile, Hertz):
             return self.derivative_by_load("normal_load")
-        # For each value V: its exponent in the law of heights, times V.
+        # n V of each value V
         terms_by_height = self._values_times_exponent("height_exponent")
         derivatives_by_radius = self.derivative_by_radius()
         derivatives_by_q = self.derivative_by_tangential_load()
@@ -701,15 +704,24 @@ class _ScalingLaws:
         }
 
     def derivative_by_radius(self) -> _ValueByName:
-        """x dV/dx of every value V for the radius x of a parabola, by the scaling law of lengths:
-        a radius goes as the square of a length.
+        """x dV/dx of every value V for the radius x = R of a parabola, by the scaling law of
+        lengths.
+
+        Under that law V goes as c^n if all lengths along the surface are multiplied by c, under the
+        same loads and heights. R is then multiplied by c^2, so that 2 R dV/dR = n V.
         """
-        # For each value V: its exponent in the law of lengths, times V.
+        # n V of each value V
         terms_by_length = self._values_times_exponent("length_exponent")
         return {name: term / 2 for name, term in terms_by_length.items()}
 
     def derivative_by_friction(self) -> _ValueByName:
-        """x dV/dx of every value V for the coefficient of friction x, by a scaling law."""
+        """x dV/dx of every value V for the coefficient of friction x = f, by the scaling law of
+        shear.
+
+        Under that law V goes as c^n if f and Q are multiplied by c. So D_f + D_Q = n V, with
+        D_x = x dV/dx.
+        """
+        # n V of each value V
         terms_by_shear = self._values_times_exponent("shear_exponent")
         derivatives_by_q = self.derivative_by_tangential_load()
         return {
@@ -717,7 +729,13 @@ class _ScalingLaws:
         }
 
     def derivative_by_modulus(self) -> _ValueByName:
-        """x dV/dx of every value V for the composite modulus x = E*, by a scaling law."""
+        """x dV/dx of every value V for the composite modulus x = E*, by the scaling law of
+        stresses.
+
+        Under that law V goes as c^n if E*, P and Q are multiplied by c. So D_E + D_P + D_Q = n V,
+        with D_x = x dV/dx.
+        """
+        # n V of each value V
         terms_by_stress = self._values_times_exponent("stress_exponent")
         derivatives_by_p = self.derivative_by_normal_load()
         derivatives_by_q = self.derivative_by_tangential_load()

@@ -124,8 +124,8 @@ class AgainstMeasurement:
 
     def content(self) -> dict[str, Any]:
         """The comparison with a measurement for JSON: the value by the model, the measured value,
-        and `error`, their difference; the standard uncertainties by numerics, inputs and
-        measurement, and that of all three, u_val; the verdict, "resolved" or "hidden".
+        and `error`, computed minus measured value; the standard uncertainties by numerics, inputs
+        and measurement, and that of all three, u_val; the verdict, "resolved" or "hidden".
 
         `unstated_uncertainties` are those that count as 0, in words.
         """

@@ -190,7 +190,12 @@ class RigMotion:
         return float(np.sum(slips_in_steps[self.motions[1:] == kind_of_motion]))
 
     def intervals(self) -> Iterator[tuple[Motion, float, float]]:
-        """Each motion with the times at which it begins and ends."""
+        """What the contact does, such as stick or partial slip, one kind of motion after the other:
+        each with the times at which it begins and ends.
+
+        `motions` (k,) is a code for the motion in the step that ends at each of k instants; no step
+        ends at the first.
+        """
         motion_codes = self.motions[1:]
         # indices of the instants at which a motion begins and ends
         changes = np.flatnonzero(np.diff(motion_codes)) + 1

@@ -184,7 +184,7 @@ def _shear_history(
     tangential_loads
         (m,) Q after each step [force / thickness]
     displacements_by_pressure
-        (m, n) relative displacement along x by the pressure after each step [length]
+        (m, n) what the pressure adds to the slip after each step [length]
 
     # notation: f coefficient of friction, p pressure, Q tangential load
     """
@@ -200,7 +200,7 @@ def _shear_history(
             slip - displacement_by_pressure,
             float(tangential_load),
         )
-        # relative displacement of the bodies minus that by the tractions
+        # that of the bodies, minus what the shear takes off, plus what the pressure adds
         slip = tangential_displacement - matrix @ shear + displacement_by_pressure
         shear_of_steps.append(shear)
     return shear_of_steps

@@ -131,6 +131,7 @@ class LoopRows:
         # notation: Q tangential load, U relative tangential displacement
         """
         is_used = np.ones(len(displacement), dtype=bool) if is_counted is None else is_counted
+        # measured U minus theory's: what the rig adds
         rig_displacement = (self.displacement - displacement)[is_used]
         load = self.load[is_used]
         if self.compliance is not None:

@@ -1159,7 +1159,7 @@ def _error_by_digits(rows: MeasuredRows, curve: MemoryCurve, sigma: RowNoise) ->
         > (_LEAST_NOISE_THAT_CHANGES_DIGITS * step_of_load) ** 2
     ):
         return 0.0
-    # f = R/2P, and R is the difference of two plateaus that are rounded alike.
+    # f = R/(2 P), and R is the difference of two plateaus that are rounded alike.
     # _SHARE_OF_STEP: a plateau lies within 0.475 of a step in 95 %
     return 2 * _SHARE_OF_STEP * step_of_load * curve.sliding_friction_per_load
 

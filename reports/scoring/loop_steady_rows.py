@@ -650,7 +650,7 @@ def _drift_of_cycle(loop: MeasuredLoop) -> float:
 
     # notation: Q tangential load, U relative tangential displacement
     """
-    # branch of each row by Q, and cycles that have passed
+    # branch of each row by Q, and cycles that have passed; resolution[1]: step of the digits of Q
     branches = find_branches(
         loop.displacement, loop.load, loop.time, loop.resolution[1], loop.source
     )

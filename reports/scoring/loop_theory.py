@@ -84,5 +84,5 @@ def finite_element_displacement(scene: Scene, friction: float) -> Array:
     assert path.period is not None
     # share of the cycle at each of these instants, from 0 to 1
     share = (solution.time[cycle] - path.cycle_start) / path.period
-    share -= round(float(share[0]))
+    share -= round(float(share[0]))  # without the whole cycles before
     return np.interp(SHARES_OF_CYCLE, share, solution.tangential_displacement[cycle])

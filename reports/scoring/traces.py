@@ -455,8 +455,8 @@ def find_long_steps(comparison: Comparison) -> Iterator[Diagnosis]:
     of an external result is wrong beside that of the smooth load path. It is less than half as
     wrong beside that of straight lines between the instants.
 
-    Exact steps cut corners of the path alone, and tractions at their ends are right as soon as the
-    corner is left behind.
+    A solver that is exact within its steps only cuts the corners of the load path. Its tractions
+    are right again soon after a corner, so that they do not show it; the dissipation sums it up.
     """
     values = {metric.key: metric.value for metric in comparison.metrics}
     # relative errors of the dissipation, of the smooth path and of straight lines

@@ -326,9 +326,12 @@ class Predictions:
 
 
 def _shape_functions(nodes: Array) -> tuple[Array, Array]:
-    """Points between the n nodes of linear elements, (m,), and weights (m, n): tractions at these
-    points times the weights, summed, are the force of each node over its length. `nodes` (n,) are
-    their x. 48 points lie between two nodes.
+    """Points on linear elements, (m,), and weights (m, n) that make nodal forces of the tractions
+    there: the sum of traction times weight is the force of a node, over the length that belongs to
+    it. `nodes` (n,) are the x of the n nodes. 48 points lie between two nodes.
+
+    The weight is the node's hat function at the point, 1 at the node and 0 at both neighbours,
+    times the length of the point over that of the node.
     """
     spacings = np.diff(nodes)
     spacing_before = np.concatenate([spacings[:1], spacings])
@@ -362,16 +365,16 @@ def _tractions_of_scene(
     With `straight_steps` the load path is straight between the times; `effects` is what finite
     bodies add to half-planes; of `fields` those not named are NaN.
     """
-    times, rows_of_times = np.unique(time, return_inverse=True)
+    distinct_times, rows_of_instants = np.unique(time, return_inverse=True)
     solution = semi_analytic.solve(
         scene,
         x=x,
-        time=times,
+        time=distinct_times,
         fields=fields,
         effects=effects,
         straight_steps=straight_steps,
     )
-    return np.array([solution.pressure[rows_of_times], solution.shear[rows_of_times]])
+    return np.array([solution.pressure[rows_of_instants], solution.shear[rows_of_instants]])
 
 
 def _fine_load_steps(scene: Scene, times: Array) -> tuple[Array, NDArray[np.intp]]:
@@ -460,9 +463,11 @@ def _tractions_by_long_steps(
 
     # notation: P normal load, Q tangential load
     """
+    # ascending times at which the increments end; indices of the k instants among them
     times, rows_of_instants = _ends_of_increments(discrepancy, scene)
     if not takes_ends:
         return _tractions_of_scene(scene, x, times, straight_steps=True)[:, rows_of_instants]
+    # vertices (P, Q) of the path that such a solver follows; times on it at which increments end
     polygon, polygon_times = _polygon_with_ends(scene, times)
     scene_of_polygon = scene.vary(load=PolygonLoad(initial_loading=tuple(polygon[1:])))
     return _tractions_of_scene(scene_of_polygon, x, np.array(polygon_times)[rows_of_instants])

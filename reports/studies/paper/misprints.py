@@ -639,7 +639,7 @@ def _slip_out_of_contact(case: Case) -> VerdictAndNumbers:
         integral_from_a = integral_from_c - formulas.arccosh_ratio(half_width, stick_edge_load)
         stick_edge_load_rate = formulas.stick_edge_load_rate("EG", time)
         terms = 2 * stick_edge_load_rate * integral_from_c - normal_load_rate * integral_from_a
-        return slip_factor * terms
+        return slip_factor * terms  # A f/pi
 
     def rate_as_mended(time: Array) -> Array:
         """Rate of movement by equation (16) as mended."""
