@@ -773,13 +773,13 @@ def body_kernels(
     jump_kernels = _singular_kernels(face_of(shape, scene.profile), material)
     has_curvature_jump = jump_kernels is not None and jump_kernels.flat_half_length > 0
     degree = _degree_of_kernels(name, shape, reach)
-    n_forces = degree // 2 + 2
+    n_forces = degree // 2 + 2  # places of unit forces at x >= 0
+    n_elements = _N_ELEMENTS  # 48 over the distance to the nearest end of the body
     if has_curvature_jump:
-        # _DEGREE_AT_JUMP: 28; _N_FORCES_AT_JUMP: 24
+        # _DEGREE_AT_JUMP: 28; _N_FORCES_AT_JUMP: 24; _N_ELEMENTS_AT_JUMP: 160
         degree = max(degree, _DEGREE_AT_JUMP)
         n_forces = max(n_forces, _N_FORCES_AT_JUMP)
-    # _N_ELEMENTS_AT_JUMP: 160; _N_ELEMENTS: 48, over the distance to the nearest end of the body
-    n_elements = _N_ELEMENTS_AT_JUMP if has_curvature_jump else _N_ELEMENTS
+        n_elements = _N_ELEMENTS_AT_JUMP
     force_places = reach * np.sin(np.linspace(0.0, np.pi / 2, n_forces))
 
     # A fine mesh, and one with elements twice as large. `remainder_kernels`: displacements of the

@@ -514,11 +514,7 @@ def face_series(kernels: RemainderKernels, degree: int = _LARGEST_DEGREE) -> Fac
     """First coefficients of the power series in x and s of a body's kernels: the displacement at x
     by a unit force at s, minus that of a half-plane. The body is its own mirror image in x = 0.
 
-    Least squares with polynomials up to a `degree` in x and s together:
-
-    - displacements in the direction of the force, k_nn and k_tt, have terms x^i s^j + x^j s^i with
-      even i + j, being symmetric in x and s and in the mirror line;
-    - k_tn(x, s) and -k_nt(s, x), which are equal by reciprocity, have odd i + j.
+    Polynomials up to a `degree` in x and s together are fitted by least squares:
 
         k_nn = c_n + N (x^2 + s^2)/2 + N_4 (x^4 + s^4)/24 + N_22 x^2 s^2 + ...   k_tt likewise
         k_tn = e x - a s + ...
@@ -535,14 +531,50 @@ def face_series(kernels: RemainderKernels, degree: int = _LARGEST_DEGREE) -> Fac
     degree
         largest i + j; 8 by default
     """
-    # Places over the half-length of the part of the face that is fitted, (n, m) each. Pairs (i, j)
-    # below are exponents of x and s.
+    # By exponents (i, j) of x and s over the half-length of the part of the face that is fitted.
     half_length = float(np.abs(kernels.x).max())
+    direct_coefficients = _direct_coefficients(kernels, half_length, degree)
+    cross_coefficients = _cross_coefficients(kernels, half_length, degree)
+
+    # Those of the power series, in k_nn and in k_tt. A pair (0, 0) or (2, 2) gives its term twice,
+    # hence a factor of 2.
+    compliance = 2 * direct_coefficients[0, 0]
+    curvature = 2 * direct_coefficients[0, 2] / half_length**2
+    fourth_coefficients = 24 * direct_coefficients[0, 4] / half_length**4
+    mixed_coefficients = 2 * direct_coefficients[2, 2] / half_length**4
+    return FaceSeries(
+        normal_compliance=float(compliance[0]),
+        tangential_compliance=float(compliance[1]),
+        normal_curvature=float(curvature[0]),
+        tangential_curvature=float(curvature[1]),
+        strain_under_pressure=cross_coefficients[1, 0] / half_length,
+        slope_under_shear=-(cross_coefficients[0, 1] / half_length),
+        normal_fourth=float(fourth_coefficients[0]),
+        tangential_fourth=float(fourth_coefficients[1]),
+        normal_mixed=float(mixed_coefficients[0]),
+        tangential_mixed=float(mixed_coefficients[1]),
+    )
+
+
+def _direct_coefficients(
+    kernels: RemainderKernels, half_length: float, degree: int
+) -> dict[tuple[int, int], Array]:
+    """Coefficients of the terms x^i s^j + x^j s^i, i <= j, of the displacements of a face in the
+    direction of the force: by (i, j) those (2,) of k_nn and of k_tt, by least squares.
+
+    Both are symmetric in x and s by reciprocity. They are even in x and s together, i + j even,
+    since the body is its own mirror image. x and s are over `half_length`; i + j is at most
+    `degree`.
+
+    Parameters
+    ----------
+    kernels
+        displacements (n, m) at places x (n,) by unit forces at s (m,), `x_of_forces`: k_nn inwards
+        by a pressing force, k_tt along x by a force along x
+    """
     unit_x, unit_s = np.meshgrid(
         kernels.x / half_length, kernels.x_of_forces / half_length, indexing="ij"
     )
-
-    # k_nn and k_tt: coefficients (n_terms, 2).
     even_pairs = [(i, j) for i, j in even_exponents(degree) if i <= j]
     even_terms = np.stack(
         [(unit_x**i * unit_s**j + unit_x**j * unit_s**i).ravel() for i, j in even_pairs], axis=1
@@ -552,13 +584,26 @@ def face_series(kernels: RemainderKernels, degree: int = _LARGEST_DEGREE) -> Fac
         axis=1,
     )
     coefficients = np.linalg.lstsq(even_terms, direct_kernels, rcond=None)[0]
-    # Those of the power series. A pair (0, 0) or (2, 2) gives its term twice, hence a factor of 2.
-    compliance = 2 * coefficients[even_pairs.index((0, 0))]
-    curvature = 2 * coefficients[even_pairs.index((0, 2))] / half_length**2
-    fourth_coefficients = 24 * coefficients[even_pairs.index((0, 4))] / half_length**4
-    mixed_coefficients = 2 * coefficients[even_pairs.index((2, 2))] / half_length**4
+    return dict(zip(even_pairs, coefficients, strict=True))
 
-    # k_tn(x, s) and -k_nt(s, x), with x and s exchanged.
+
+def _cross_coefficients(
+    kernels: RemainderKernels, half_length: float, degree: int
+) -> dict[tuple[int, int], float]:
+    """Coefficients of the terms x^i s^j of the displacement k_tn of a face along x by a pressing
+    force, by (i, j), with odd i + j up to `degree`, by least squares.
+
+    By reciprocity k_tn(x, s) = -k_nt(s, x), k_nt being the displacement outwards by a force along
+    x: both are fitted together. x and s are over `half_length`.
+
+    Parameters
+    ----------
+    kernels
+        displacements (n, m) at places x (n,) by unit forces at s (m,), `x_of_forces`
+    """
+    unit_x, unit_s = np.meshgrid(
+        kernels.x / half_length, kernels.x_of_forces / half_length, indexing="ij"
+    )
     odd_pairs = odd_exponents(degree)
     terms_by_pressure = np.stack([(unit_x**i * unit_s**j).ravel() for i, j in odd_pairs], axis=1)
     terms_by_shear = np.stack([(unit_s**i * unit_x**j).ravel() for i, j in odd_pairs], axis=1)
@@ -566,20 +611,8 @@ def face_series(kernels: RemainderKernels, degree: int = _LARGEST_DEGREE) -> Fac
     cross_kernels = np.concatenate(
         [kernels.x_displacement_by_pressure.ravel(), -kernels.outward_displacement_by_shear.ravel()]
     )
-    cross_coefficients = np.linalg.lstsq(odd_terms, cross_kernels, rcond=None)[0]
-    first_coefficients = cross_coefficients / half_length  # k_tn = e x - a s + ...
-    return FaceSeries(
-        normal_compliance=float(compliance[0]),
-        tangential_compliance=float(compliance[1]),
-        normal_curvature=float(curvature[0]),
-        tangential_curvature=float(curvature[1]),
-        strain_under_pressure=float(first_coefficients[odd_pairs.index((1, 0))]),
-        slope_under_shear=-float(first_coefficients[odd_pairs.index((0, 1))]),
-        normal_fourth=float(fourth_coefficients[0]),
-        tangential_fourth=float(fourth_coefficients[1]),
-        normal_mixed=float(mixed_coefficients[0]),
-        tangential_mixed=float(mixed_coefficients[1]),
-    )
+    coefficients = np.linalg.lstsq(odd_terms, cross_kernels, rcond=None)[0]
+    return dict(zip(odd_pairs, coefficients.tolist(), strict=True))
 
 
 def even_exponents(degree: int) -> list[tuple[int, int]]:

@@ -405,7 +405,8 @@ def _scales_of_run(
 
     # In the scene's units. `values`: results that a finer run is compared with for its
     # uncertainty, displacements counted from the scene's datum length. `states_approach`: the
-    # approach is prescribed, so that the largest load is a result.
+    # approach is prescribed, so that the largest load is a result. A state's `pressure` holds nodal
+    # forces: over the length of face of each node it is a stress.
     # _N_ELEMENTS: 24 surface elements over `face_half_width`
     return Scales(
         half_width=face_half_width * scaled_half_width,
@@ -879,7 +880,7 @@ def _past_the_end(scene: Scene) -> InputError:
 
 def _contact_edges(problem: ContactProblem, states: Sequence[InterfaceState]) -> Array:
     """Left and right edge of contact in k states, (k, 2), by the form of pressure and gap at the
-    outermost nodes; scaled; NaN without contact.
+    outermost nodes; scaled; NaN without contact. Nodal forces over lengths of face are pressures.
     """
     _, pressure, _, gap = nodal_values(np.stack([state.values for state in states]))
     is_closed = np.stack([state.is_closed for state in states])

@@ -168,12 +168,20 @@ def mirrored_mesh(
         )
 
     # With its mirror image; corners have the first numbers, as scikit-fem keeps these.
-    whole_mesh = _renumbered_corners_first(_with_mirror_image(half_mesh))
+    return _scikit_fem_mesh(_renumbered_corners_first(_with_mirror_image(half_mesh)), order)
+
+
+def _scikit_fem_mesh(whole_mesh: _MeshArrays, order: int) -> skfem.Mesh:
+    """Mesh of scikit-fem, with named boundaries, from the arrays of a mesh whose corners have the
+    first numbers. It raises where the mesh is not valid.
+
+    `whole_mesh` holds points (n, 2), the node numbers of each element (n_elements, k), corners
+    first, and the nodes of each named boundary. `order` is 1 or 2, of elements and geometry.
+    """
     transposed_points = np.ascontiguousarray(whole_mesh.points.T)
     transposed_elements = np.ascontiguousarray(whole_mesh.elements.T)
 
-    # As a mesh of scikit-fem, whose class goes by the number of nodes of an element. That with
-    # straight sides is checked: it raises where it is not valid.
+    # The mesh with straight sides is checked.
     corners_of_elements = transposed_elements[: whole_mesh.corners_per_element]
     n_corners = int(corners_of_elements.max()) + 1
     # _MESH_CLASSES: class of scikit-fem by the number of nodes of an element

@@ -356,10 +356,7 @@ def _errors_of_loads(
         * _STIFFNESS_PER_DEGREE_CUBED
         * np.sqrt(np.sum(is_significant * degree**6.0, axis=1))
     )
-    # The largest |h'| at nine places on each interval.
-    x = interval_ends[:-1, None] + half_lengths[:, None] * np.linspace(0, 2, 9)
-    largest_slope_in_interval = np.max(np.abs(height_series.derivative(x)), axis=1)
-    largest_slope_up_to_end = np.maximum.accumulate(largest_slope_in_interval)
+    largest_slope_up_to_end = _largest_slopes(height_series)
     has_slope = largest_slope_up_to_end > 0
     # Lower bound of P/(E* a).
     # _LEAST_LOAD_PER_SLOPE: 0.5, of the largest slope up to a
@@ -379,6 +376,17 @@ def _errors_of_loads(
         float(np.max(relative_load_error, initial=0.0)),
         float(np.max(relative_stiffness_error, initial=0.0)),
     )
+
+
+def _largest_slopes(height_series: PiecewiseSeries) -> Array:
+    """Largest slope |h'| of a height up to the end of each of n intervals, (n,): of nine places on
+    that interval and on each one before.
+    """
+    interval_ends = height_series.interval_ends
+    half_lengths = np.diff(interval_ends) / 2
+    x = interval_ends[:-1, None] + half_lengths[:, None] * np.linspace(0, 2, 9)
+    largest_slope_in_interval = np.max(np.abs(height_series.derivative(x)), axis=1)
+    return np.asarray(np.maximum.accumulate(largest_slope_in_interval))
 
 
 @dataclass(frozen=True, eq=False)

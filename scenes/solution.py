@@ -446,8 +446,12 @@ class ContactSolution:
 
     @classmethod
     def _from_file_content(cls, content: StoredArrays) -> ContactSolution:
-        """The solution whose NetCDF file has this `content`: arrays by name, and attributes
-        (numbers, and JSON texts of scene, record and settings).
+        """The solution whose NetCDF file has this `content`: arrays by name, and attributes, which
+        are numbers, and JSON texts of the scene, the settings and two parts of the solution.
+
+        - `record`: convergence of the run, and its messages; the checks and the energies of each
+          step are among the arrays
+        - `work`: effort of the run (not friction work): counts, what was skipped, seconds
 
         Arrays that only scenes with bulk stress, tilt or an unsymmetric profile have may be
         missing. KeyError or ValueError for content that is no solution.
