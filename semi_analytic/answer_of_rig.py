@@ -301,44 +301,46 @@ def findings_of_rig(question: Question) -> Findings:
             " prescribed"
         )
 
-    followed = _FollowedRig.of_question(question)
+    followed_rig = _FollowedRig.of_question(question)
     stop_watch.add_lap("history")
     # instants, points, and the values at them
     time, row_numbers = instants_and_row_numbers(
-        question, followed.loads_up_to_end, followed.last_cycle
+        question, followed_rig.loads_up_to_end, followed_rig.last_cycle
     )
     x = question.x
     if x is None:
-        x = mirrored_points(1.05 * float(np.max(followed.corrected_path.half_width)))
-    fields = FieldsByDistance.of_question(question, followed.corrected_path, x, row_numbers)
+        x = mirrored_points(1.05 * float(np.max(followed_rig.corrected_path.half_width)))
+    fields = FieldsByDistance.of_question(question, followed_rig.corrected_path, x, row_numbers)
     # friction work of the last cycle, the closed integral of Q dU + P d(approach), their errors
-    cycle_energy = _energy_of(followed)
+    cycle_energy = _energy_of(followed_rig)
     stop_watch.add_lap("fields")
-    is_steady = followed.steady_from is not None
+    is_steady = followed_rig.steady_from is not None
     return Findings(
         time=time,
         x=x,
         values={
-            **_values_from_answer_datum(question, followed, row_numbers),
+            **_values_from_answer_datum(question, followed_rig, row_numbers),
             **fields.by_name,
             **_works_by_name(question, cycle_energy),
             "permanent_stick_half_width": permanent_stick_half_width(
-                followed.corrected_path, followed.last_cycle
+                followed_rig.corrected_path, followed_rig.last_cycle
             ),
-            "dissipation_density": _density_of_last_cycle(question, followed, fields),
+            "dissipation_density": _density_of_last_cycle(question, followed_rig, fields),
             # The answer covers the steady cycle alone: it is the first one in it.
             "steady_from": 0 if is_steady else None,
         },
         termination="steady" if is_steady else "end of path",
-        message=_message(followed.steady_from, question.scene),
-        notes=tuple(_notes(followed, cycle_energy)),
+        message=_message(followed_rig.steady_from, question.scene),
+        notes=tuple(_notes(followed_rig, cycle_energy)),
         errors={name: error for name, error in cycle_energy.errors.items() if error},
         certificates=admissibility_checks_of(
-            followed.corrected_path, fields.at_distances, row_numbers
+            followed_rig.corrected_path, fields.at_distances, row_numbers
         ),
-        counts={"points_evaluated": len(fields.distance), **followed.corrected_path.counts},
+        counts={"points_evaluated": len(fields.distance), **followed_rig.corrected_path.counts},
         seconds=stop_watch.seconds,
-        scene=_scene_of_loads(question.scene, followed.loads_up_to_end, followed.last_cycle),
+        scene=_scene_of_loads(
+            question.scene, followed_rig.loads_up_to_end, followed_rig.last_cycle
+        ),
     )
 
 
@@ -404,18 +406,18 @@ class _FollowedRig:
 
 
 def _density_of_last_cycle(
-    question: Question, followed: _FollowedRig, fields: FieldsByDistance
+    question: Question, followed_rig: _FollowedRig, fields: FieldsByDistance
 ) -> Array:
     """Friction work per area W(x) of the last cycle of a rig at the m points of the answer, (m,)
     [energy per area]. NaN where the question does not want it.
     """
     if not question.wants("dissipation_density"):
         return np.full(len(fields.distance_index), np.nan)
-    return np.asarray(fields.at_points(fields.point_fields.work_density(followed.last_cycle)))
+    return np.asarray(fields.at_points(fields.point_fields.work_density(followed_rig.last_cycle)))
 
 
 def _values_from_answer_datum(
-    question: Question, followed: _FollowedRig, row_numbers: NDArray[np.int64]
+    question: Question, followed_rig: _FollowedRig, row_numbers: NDArray[np.int64]
 ) -> dict[str, Array]:
     """Loads, displacements, half-widths (n,) and edges (n, 2) at the rows of a followed path with
     these numbers (n,), by their names in a solution.
@@ -423,8 +425,8 @@ def _values_from_answer_datum(
     The rig prescribes displacements at its own datum length; the answer counts them from that of
     the profile. The question holds which displacements are wanted, the others are NaN.
     """
-    values_over_time = values_over_time_at(question, followed.corrected_path, row_numbers)
-    compliance_to_datum = _compliance_to_answer_datum(followed.rig)
+    values_over_time = values_over_time_at(question, followed_rig.corrected_path, row_numbers)
+    compliance_to_datum = _compliance_to_answer_datum(followed_rig.rig)
     for displacement_name, load_name in (
         ("tangential_displacement", "tangential_load"),
         ("normal_approach", "normal_load"),
@@ -468,7 +470,7 @@ class _Energy(NamedTuple):
     errors: dict[str, float]
 
 
-def _energy_of(followed: _FollowedRig) -> _Energy:
+def _energy_of(followed_rig: _FollowedRig) -> _Energy:
     """Energy of the last cycle of a rig, or of all of a path that has no steady cycle. It holds the
     friction work, the closed integral of the loads over their displacements, and relative errors of
     both and of Q.
@@ -479,19 +481,21 @@ def _energy_of(followed: _FollowedRig) -> _Energy:
     work is NaN where what tilt and strain add is not known.
     """
     change_by_bodies = _ChangeByBodies.of_driven_path(
-        followed.rig, followed.fine_path, followed.last_cycle
+        followed_rig.rig, followed_rig.fine_path, followed_rig.last_cycle
     )
-    part_by_tilt_and_strain = _part_by_tilt_and_strain(followed, change_by_bodies)
+    part_by_tilt_and_strain = _part_by_tilt_and_strain(followed_rig, change_by_bodies)
     # in the steady cycle, index 1 of a path that repeats it
     work_of_tilt_and_strain = part_by_tilt_and_strain.work(_INDEX_OF_STEADY_CYCLE)
     work = (
-        followed.fine_path.work(followed.last_cycle)
+        followed_rig.fine_path.work(followed_rig.last_cycle)
         + work_of_tilt_and_strain.value
         + change_by_bodies.work_of_next_order
     )
 
     # By name: change of values from coarse to fine steps; the uncertainty by the bodies is added.
-    errors = _errors_of_steps(followed.fine_path, followed.coarse_path, followed.steady_from)
+    errors = _errors_of_steps(
+        followed_rig.fine_path, followed_rig.coarse_path, followed_rig.steady_from
+    )
     if work > 0:
         error_of_bodies = work_of_tilt_and_strain.uncertainty + change_by_bodies.work_uncertainty
         errors["dissipation"] = errors.get("dissipation", 0.0) + error_of_bodies / work
@@ -502,28 +506,28 @@ def _energy_of(followed: _FollowedRig) -> _Energy:
     # With tilt or bulk strain the closed integral is another number than the work: of their changes
     # U contains the moment of the pressure alone, which is not all that adds to the work.
     if part_by_tilt_and_strain == TiltAndStrainPart():
-        loop_work, loop_error = _loop_work_and_error(followed)
+        loop_work, loop_error = _loop_work_and_error(followed_rig)
         if loop_error is not None:
             errors["loop_work"] = loop_error
     return _Energy(work, loop_work, part_by_tilt_and_strain, errors)
 
 
-def _loop_work_and_error(followed: _FollowedRig) -> tuple[float, float | None]:
+def _loop_work_and_error(followed_rig: _FollowedRig) -> tuple[float, float | None]:
     """Closed integral of Q dU + P d(approach) over the steady cycle of a rig [energy per
     thickness], and its relative error: its change by steps twice as long.
 
     NaN without a steady cycle, where the loads have no `period`. The error is None where the
     integral is not above 0. U is the tangential displacement.
     """
-    steady_from = followed.steady_from
-    if steady_from is None or followed.loads_up_to_end.period is None:
+    steady_from = followed_rig.steady_from
+    if steady_from is None or followed_rig.loads_up_to_end.period is None:
         return math.nan, None
-    loop_work = followed.corrected_path.loop_work(followed.last_cycle)
+    loop_work = followed_rig.corrected_path.loop_work(followed_rig.last_cycle)
     if not loop_work > 0:
         return loop_work, None
-    coarse_path = followed.coarse_path
-    coarse_cycle, _ = _rows_of_answer(coarse_path, followed.rig.scene, steady_from)
-    coarse_loop_work = _corrected_path(followed.rig, coarse_path).loop_work(coarse_cycle)
+    coarse_path = followed_rig.coarse_path
+    coarse_cycle, _ = _rows_of_answer(coarse_path, followed_rig.rig.scene, steady_from)
+    coarse_loop_work = _corrected_path(followed_rig.rig, coarse_path).loop_work(coarse_cycle)
     return loop_work, abs(coarse_loop_work / loop_work - 1)
 
 
@@ -571,8 +575,12 @@ class _ChangeByBodies(NamedTuple):
         # The same loads three times: half-planes; bodies with all terms; bodies with curvatures
         # alone. followed_path: P, Q and friction memory at each row, and the table of flat punches.
         followed_path = driven_path.followed_path
-        loads = (followed_path.normal_load, followed_path.tangential_load)
-        table_and_loads = (followed_path.table, followed_path.friction, *loads)
+        normal_and_tangential_loads = (followed_path.normal_load, followed_path.tangential_load)
+        table_and_loads = (
+            followed_path.table,
+            followed_path.friction,
+            *normal_and_tangential_loads,
+        )
         path_of_half_planes = PathSeries(
             follow(*table_and_loads, Curvatures()), rig.contact, rig.modulus, None
         )
@@ -598,7 +606,7 @@ class _ChangeByBodies(NamedTuple):
 
 
 def _part_by_tilt_and_strain(
-    followed: _FollowedRig, change_by_bodies: _ChangeByBodies
+    followed_rig: _FollowedRig, change_by_bodies: _ChangeByBodies
 ) -> TiltAndStrainPart:
     """Friction work that tilt and bulk strain of the finite bodies add in the steady cycle of a rig
     [energy per thickness].
@@ -608,13 +616,13 @@ def _part_by_tilt_and_strain(
     the reason, where no cycle is steady. `change_by_bodies` is what curvatures change of the
     friction work, which makes that of tilt and strain uncertain.
     """
-    rig = followed.rig
-    fine_path = followed.fine_path
-    last_cycle = followed.last_cycle
+    rig = followed_rig.rig
+    fine_path = followed_rig.fine_path
+    last_cycle = followed_rig.last_cycle
     # TILT_AND_STRAIN_NAMES: attributes of the effects with tilt and strain per P and per Q.
     if not any(getattr(rig.effects, name).value for name in TILT_AND_STRAIN_NAMES):
         return TiltAndStrainPart()
-    if followed.steady_from is None:
+    if followed_rig.steady_from is None:
         return TiltAndStrainPart(left_out="no cycle is steady")
     try:
         part_by_tilt_and_strain = TiltAndStrainPart(
@@ -625,7 +633,7 @@ def _part_by_tilt_and_strain(
             rig, fine_path, last_cycle, str(reason)
         )
     # a at the largest P, and the ratio of the fourth order to the curvatures there
-    half_width = float(rig.contact.half_width(followed.largest_load))
+    half_width = float(rig.contact.half_width(followed_rig.largest_load))
     ratio_of_orders = ratio_of_next_order(rig.effects, half_width)
     return part_by_tilt_and_strain._replace(
         relative_uncertainty=uncertain_fraction_of_tilt_and_strain(
@@ -904,7 +912,7 @@ def _message(steady_from: int | None, scene: Scene) -> str:
 
 
 # ---------------------------------------------------------------------------------------- the words
-def _notes(followed: _FollowedRig, cycle_energy: _Energy) -> Iterator[str]:
+def _notes(followed_rig: _FollowedRig, cycle_energy: _Energy) -> Iterator[str]:
     """Sentences for the notes of the answer to a rig. They state where displacements are
     prescribed, which effects are left out, how much of the motion the spring takes, gross sliding
     and separation.
@@ -912,17 +920,17 @@ def _notes(followed: _FollowedRig, cycle_energy: _Energy) -> Iterator[str]:
     `cycle_energy` has the relative errors by the name of the value, and what tilt and bulk strain
     of the bodies add to the friction work.
     """
-    scene = followed.rig.scene
+    scene = followed_rig.rig.scene
     yield from neglected_coupling(scene.material)
-    yield from _notes_of_place(followed, cycle_energy.part_by_tilt_and_strain)
-    yield from _notes_of_loads(followed, cycle_energy.errors.get("tangential_load", 0.0))
-    yield from notes_of_slides(scene, followed.fine_path, followed.last_cycle)
-    if np.any(followed.fine_path.followed_path.normal_load[1:] <= 0):
+    yield from _notes_of_place(followed_rig, cycle_energy.part_by_tilt_and_strain)
+    yield from _notes_of_loads(followed_rig, cycle_energy.errors.get("tangential_load", 0.0))
+    yield from notes_of_slides(scene, followed_rig.fine_path, followed_rig.last_cycle)
+    if np.any(followed_rig.fine_path.followed_path.normal_load[1:] <= 0):
         yield "separation: the bodies part, and nothing is remembered after it"
 
 
 def _notes_of_place(
-    followed: _FollowedRig, part_by_tilt_and_strain: TiltAndStrainPart
+    followed_rig: _FollowedRig, part_by_tilt_and_strain: TiltAndStrainPart
 ) -> Iterator[str]:
     """Sentences on where the displacements of a rig are prescribed: at a distance from the contact
     of half-planes, or at the bases of finite bodies.
@@ -930,7 +938,7 @@ def _notes_of_place(
     Those of finite bodies also state their effects, with what tilt and bulk strain add to the
     friction work.
     """
-    rig = followed.rig
+    rig = followed_rig.rig
     scene = rig.scene
     if scene.bodies.half_planes:
         _, length_unit, _ = scene.unit_words
@@ -945,27 +953,27 @@ def _notes_of_place(
         " implied"
     )
     if has_next_order(rig.effects):
-        yield _note_of_next_order(rig, followed.fine_path, followed.last_cycle)
-    half_width = float(rig.contact.half_width(followed.largest_load))
+        yield _note_of_next_order(rig, followed_rig.fine_path, followed_rig.last_cycle)
+    half_width = float(rig.contact.half_width(followed_rig.largest_load))
     modulus = composite_modulus(scene.material)  # E*
     yield from notes_of_effects(
         rig.effects, half_width, modulus, part_by_tilt_and_strain, WORDS_UNDER_RIG
     )
 
 
-def _notes_of_loads(followed: _FollowedRig, relative_error_of_load: float) -> Iterator[str]:
+def _notes_of_loads(followed_rig: _FollowedRig, relative_error_of_load: float) -> Iterator[str]:
     """Sentences on the loads of a rig: which part of the actuator's range the contact takes in the
     last cycle, and how uncertain Q is.
 
     The spring between actuator and contact takes the rest of the range. `relative_error_of_load`
     is the error of Q over its largest value.
     """
-    driven_path = followed.fine_path
-    force_unit, length_unit, _ = followed.rig.scene.unit_words
+    driven_path = followed_rig.fine_path
+    force_unit, length_unit, _ = followed_rig.rig.scene.unit_words
     # of the tangential spring between actuator and contact, 0 if the rig is stiff
-    if followed.rig.compliance.tangential_spring_compliance:
-        actuator_range = float(np.ptp(driven_path.actuator_displacement[followed.last_cycle]))
-        contact_range = float(np.ptp(driven_path.displacement[followed.last_cycle]))
+    if followed_rig.rig.compliance.tangential_spring_compliance:
+        actuator_range = float(np.ptp(driven_path.actuator_displacement[followed_rig.last_cycle]))
+        contact_range = float(np.ptp(driven_path.displacement[followed_rig.last_cycle]))
         yield (
             f"rig: of the range {actuator_range:.6g} {length_unit} of the actuator the contact"
             f" takes {contact_range:.6g}, the spring the rest"

@@ -1575,7 +1575,7 @@ def _followed_paths(question: Question) -> _Paths:
     # Flat punches that make up the contact, with the loads that they carry.
     punch_table = punch_table_of(contact, modulus, path_rows, curvatures_per_load)
     friction_coefficient = scene.friction.coefficient
-    # G of the widest punch: load of the punches of x^2/2 up to it.
+    # G of the widest punch: load that presses a parabola x^2/2 into contact up to there.
     largest_parabola_load = float(punch_table.parabola_load(punch_table.largest_s))
     path_rows = half_plane_path.rows_with_turning_points(
         path_rows, friction_coefficient, curvatures_per_load, largest_parabola_load
@@ -2301,8 +2301,8 @@ def _errors_of_contact(paths: _Paths) -> dict[str, float]:
     # _PLACES_CHECKED: 100 places.
     places = largest_half_width * np.sin(np.linspace(0.0, math.pi / 2, _PLACES_CHECKED))
     pressure_of_bodies, pressure_of_half_planes = (
-        float(np.max(PointFields(series, places).pressure(np.array([row_of_largest_load]))))
-        for series in (path_with_bodies, path_of_half_planes)
+        float(np.max(PointFields(path_series, places).pressure(np.array([row_of_largest_load]))))
+        for path_series in (path_with_bodies, path_of_half_planes)
     )
     pressure_change = 0.0
     if pressure_of_half_planes:

@@ -418,7 +418,9 @@ def _slip_spans(
     """
     segment = begin_instant.segment
     s_q_minus_f_p = slip_combination(direction, friction)
-    growth_in_part = float(segment.change_of(s_q_minus_f_p, end_instant.time, begin_instant.time))
+    level_growth_in_part = float(
+        segment.change_of(s_q_minus_f_p, end_instant.time, begin_instant.time)
+    )
     # _STICK_EDGE_ROUNDOFF_SHARE: 2e-15 of f P
     force_roundoff = _STICK_EDGE_ROUNDOFF_SHARE * friction * end_instant.normal_load
     span_begin = begin_instant
@@ -429,7 +431,7 @@ def _slip_spans(
         if is_at_coulomb_limit(sticking_piece, direction, friction):
             # A piece at the limit is passed at once. If only round-off would take the stick edge
             # through it, the edge stays at its upper end.
-            if growth_in_part <= force_roundoff:
+            if level_growth_in_part <= force_roundoff:
                 # a piece of no length, with slope dM/d eta = -s f
                 sticking_piece = Piece(
                     sticking_piece, sticking_piece.top_load, begin_instant, -direction * friction
@@ -446,7 +448,7 @@ def _slip_spans(
                 sticking_piece, direction, friction, sticking_piece.bottom_load
             )
         )
-        growth_to_bottom = level_at_bottom - level_at_begin
+        level_growth_to_bottom = level_at_bottom - level_at_begin
         # A stick edge that meets the lower end of the piece at the very end of the part, to
         # round-off, has not passed it: what lies below may be at the limit already, and the edge
         # would jump through it.
@@ -454,11 +456,11 @@ def _slip_spans(
         level_roundoff = (
             _SAME_INSTANT_SHARE * (abs(level_at_bottom) + abs(level_at_begin)) + force_roundoff
         )
-        if growth_in_part <= growth_to_bottom + level_roundoff:
+        if level_growth_in_part <= level_growth_to_bottom + level_roundoff:
             break
         # when the level has grown to that of the lower end
         passing_time = segment.time_of(
-            s_q_minus_f_p, growth_to_bottom, begin_instant.time, end_instant.time
+            s_q_minus_f_p, level_growth_to_bottom, begin_instant.time, end_instant.time
         )
         passing_instant = instant(segment, float(passing_time))
         if passing_instant.time > span_begin.time:

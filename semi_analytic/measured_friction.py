@@ -834,10 +834,10 @@ def _roots_of(work_curve: _WorkCurve, work_of: WorkFunction, targets: _Targets) 
     """
     sample_before_root, target_of_root = _samples_before_roots(work_curve, targets)
     n_roots = np.bincount(target_of_root, minlength=len(targets.works))
-    rows = np.full((len(targets.works), max(1, int(n_roots.max(initial=0)))), np.nan)
+    root_rows = np.full((len(targets.works), max(1, int(n_roots.max(initial=0)))), np.nan)
     is_not_converged = np.zeros(len(targets.works), dtype=bool)
     if not len(sample_before_root):
-        return _Roots(rows, n_roots, is_not_converged)
+        return _Roots(root_rows, n_roots, is_not_converged)
 
     # `scipy.optimize` alone does not load it
     from scipy.optimize import elementwise  # noqa: PLC0415
@@ -857,11 +857,11 @@ def _roots_of(work_curve: _WorkCurve, work_of: WorkFunction, targets: _Targets) 
     )
     # each root in the row of its target, in ascending order
     place_in_row = np.arange(len(target_of_root)) - np.searchsorted(target_of_root, target_of_root)
-    rows[target_of_root, place_in_row] = np.exp(root_search.x)
+    root_rows[target_of_root, place_in_row] = np.exp(root_search.x)
     # a residual above 1e-8 of the target: not found
     is_found = np.abs(root_search.f_x) <= _LARGEST_RESIDUAL * works_at_roots
     is_not_converged[target_of_root[~is_found]] = True
-    return _Roots(rows, n_roots, is_not_converged)
+    return _Roots(root_rows, n_roots, is_not_converged)
 
 
 def _samples_before_roots(

@@ -1299,23 +1299,43 @@ def _courses_of_loads(ellipses: Ellipses, corner_loads: Array) -> tuple[_Course,
         full_turn + angle_at_corner,
     )
     end_of_reverse_slip = begin_of_reverse_slip + ellipses.slip_angle
-    # True: the load is P0 + P1 cos(angle), P0 the mean load, P1 its amplitude
+    # load_is_cosine: the load is P0 + P1 cos(angle), P0 the mean load, P1 its amplitude
+    load_course_of_reverse_slip = _Course(
+        begin_of_reverse_slip,
+        end_of_reverse_slip,
+        cuts_of_load_in_reverse_slip,
+        load_is_cosine=True,
+    )
+    load_course_of_forward_slip = _Course(
+        begin_of_reverse_slip + math.pi,
+        begin_of_reverse_slip + full_turn,
+        cuts_of_load_in_forward_slip,
+        load_is_cosine=True,
+    )
+    stick_course_of_reverse_slip = _Course(
+        zero_angles,
+        ellipses.slip_angle,
+        (stick_edge_angle_in_reverse_slip,),
+        load_is_cosine=False,
+    )
+    early_stick_course = _Course(
+        end_of_reverse_slip,
+        begin_of_reverse_slip + math.pi,
+        (full_turn - angle_at_corner,),
+        load_is_cosine=True,
+    )
+    later_stick_course = _Course(
+        zero_angles,
+        ellipses.slip_angle,
+        (stick_edge_angle_in_late_forward_slip,),
+        load_is_cosine=False,
+    )
     return (
-        _Course(begin_of_reverse_slip, end_of_reverse_slip, cuts_of_load_in_reverse_slip, True),
-        _Course(
-            begin_of_reverse_slip + math.pi,
-            begin_of_reverse_slip + full_turn,
-            cuts_of_load_in_forward_slip,
-            True,
-        ),
-        _Course(zero_angles, ellipses.slip_angle, (stick_edge_angle_in_reverse_slip,), False),
-        _Course(
-            end_of_reverse_slip,
-            begin_of_reverse_slip + math.pi,
-            (full_turn - angle_at_corner,),
-            True,
-        ),
-        _Course(zero_angles, ellipses.slip_angle, (stick_edge_angle_in_late_forward_slip,), False),
+        load_course_of_reverse_slip,
+        load_course_of_forward_slip,
+        stick_course_of_reverse_slip,
+        early_stick_course,
+        later_stick_course,
     )
 
 
