@@ -1351,8 +1351,11 @@ def _curve_of_free_order(refinement: Refinement, weights: Array) -> _FittedCurve
     centred_values = values - np.average(values, weights=weights)
 
     def sum_of_squares(orders: Array) -> Array:
-        """For each of m orders p, the weighted sum of squared residuals with the best phi_0 and
-        alpha, (m,).
+        """Weighted sum of squared residuals of the curve phi_0 + alpha h^p from k values, with the
+        best phi_0 and alpha, for each of m orders p: (m,).
+
+        `relative_sizes` (k,) are h over the coarsest one, `centred_values` (k,) the values minus
+        their weighted mean.
         """
         powers_of_size = relative_sizes ** np.atleast_1d(orders)[:, None]
         # (m, k), minus their mean: phi_0 drops out

@@ -377,10 +377,10 @@ def largest_load_ratio(solution: ContactSolution) -> float:
     if not friction_coefficient:
         return math.nan
     indices = solution.last_cycle  # of the instants
-    largest_ratio = largest_ratio_of(
+    largest_q_over_p = largest_ratio_of(
         solution.normal_load[indices], solution.tangential_load[indices]
     )
-    return largest_ratio / friction_coefficient
+    return largest_q_over_p / friction_coefficient
 
 
 def expected_numbers(

@@ -125,8 +125,8 @@ class MetricValue(PythonNumbers):
         amount of the reference may lie between these.
 
         `amounts` holds the quantity itself in reference and result, such as the largest pressure.
-        `value` is the difference over `denominator`. On the result's points it is not the
-        difference of the two amounts, to 1e-6 of the larger. False without a value or amounts.
+        `value` is a difference over `denominator`. It was taken on the result's points where it is
+        not that of the two amounts, to 1e-6 of the larger. False without a value or amounts.
 
         >>> MetricValue(value=0.0, amounts=(4.0, 3.9), denominator=3.9).is_on_points_of_result
         True
@@ -990,11 +990,13 @@ def _has_comparable_stick_edges(
     """(k,) whether the edges of two stick zones can be compared at an instant.
 
     The arguments are the status of the whole contact in reference and result, (k,): -1 out of
-    contact, 0 full slip, 1 partial slip, 2 full stick. Out of contact passes: the caller leaves out
-    instants at which both are, and the shift is NaN at those at which one is.
-    Neither may be in full slip, which has no edges. Left out too is an instant at which the two
-    differ because one changes its status one instant earlier: the edge jumps there, which is an
-    error of time and not of place. The first and the last instant of a cycle are neighbours.
+    contact, 0 full slip, 1 partial slip, 2 full stick.
+
+    They can't be compared where one is in full slip, which has no stick edges. Nor can they where
+    the two differ because one changes its status an instant earlier: the edge jumps there, which is
+    an error of time and not of place. Instants out of contact count as comparable: the caller
+    leaves out those where both are, and where one is, the shift is NaN. The first and the last
+    instant of a cycle are neighbours.
 
     >>> _has_comparable_stick_edges(
     ...     np.array([1, 1, 2, 2, 1, 1], dtype=np.int8), np.array([1, 1, 1, 2, 1, 2], dtype=np.int8)
