@@ -446,17 +446,13 @@ def _tension_change_by_new_contact(solution: ContactSolution, step: int) -> Arra
     rim_pressure = nodal_tractions.pressure[rim_nodes]
     distances_of_rim = np.abs(nodal_tractions.x[rim_nodes] - solution.contact_edges[step])
 
-    # Jump of q/p between the strip of each increment, where it is dQ/dP, and the contact before.
-    p_increments = np.diff(solution.normal_load[start_of_growth : step + 1])
-    q_increments = np.diff(solution.tangential_load[start_of_growth : step + 1])
-    ratio_in_strips = q_increments / p_increments
-    # q/p at the edge before each increment: before the first, that of the rim node.
-    ratio_before = np.tile(np.append(np.nan, ratio_in_strips[:-1])[:, None], 2)
-    ratio_before[0] = nodal_tractions.shear[rim_nodes] / rim_pressure
+    # Jumps of q/p at the inner end of the strip since each instant, and widths of the strips.
+    jump_of_ratio = _jumps_of_shear_ratio(
+        solution, start_of_growth, step, nodal_tractions.shear[rim_nodes] / rim_pressure
+    )
     strip_widths = np.abs(
         solution.contact_edges[step] - solution.contact_edges[start_of_growth:step]
     )
-    jump_of_ratio = np.abs(ratio_in_strips[-1] - ratio_before)
 
     # Change of s_xx by each strip, (n_increments, 2): (4/pi) c K sqrt(w).
     pressure_at_width = rim_pressure * np.sqrt(strip_widths / distances_of_rim)
@@ -466,6 +462,32 @@ def _tension_change_by_new_contact(solution: ContactSolution, step: int) -> Arra
     share_of_jump[strip_widths >= distances_of_rim] = 0.0
     tension_changes = share_of_jump * 4 / np.pi * jump_of_ratio * pressure_at_width
     return np.asarray(tension_changes.max(axis=0))
+
+
+def _jumps_of_shear_ratio(
+    solution: ContactSolution, start_of_growth: int, step: int, ratio_at_rim: Array
+) -> Array:
+    """Jumps |c| of q/p between the newest strip of contact and the contact before each increment,
+    at the left and the right edge, (n_increments, 2), while P grows in full stick.
+
+    An increment adds a strip in which q/p is dQ/dP of that increment. So before each increment but
+    the first, q/p at the edge is that of the strip before.
+
+    Parameters
+    ----------
+    solution
+        its loads P and Q at the stored steps
+    start_of_growth, step
+        indices of the steps at which the growth of P began, and up to which it lasts
+    ratio_at_rim
+        (2,) q/p next to the left and right edge before the first of these increments
+    """
+    p_increments = np.diff(solution.normal_load[start_of_growth : step + 1])
+    q_increments = np.diff(solution.tangential_load[start_of_growth : step + 1])
+    ratio_in_strips = q_increments / p_increments
+    ratio_before = np.tile(np.append(np.nan, ratio_in_strips[:-1])[:, None], 2)
+    ratio_before[0] = ratio_at_rim
+    return np.abs(ratio_in_strips[-1] - ratio_before)
 
 
 def _start_of_growth_in_stick(solution: ContactSolution, step: int) -> int:
@@ -1004,26 +1026,14 @@ def stress(
     # indices of the stored instants
     steps = [_nearest_step("stress", solution, float(instant)) for instant in instant_times]
     x_in_body, y_in_body = _places_in_body(x, y, body_number)
-    bulk_stress = _bulk_stress(solution, steps, body_number)  # (n_instants,)
 
-    # Stress of a half-plane under the tractions on this body, sine series of p and q; None of steps
-    # at which fewer than three nodes touch.
+    # s_xx, s_yy, s_xy in the frame of this body. The tractions are sine series of p and q on the
+    # lower body; None of steps at which fewer than three nodes touch.
     tractions_at_steps = _tractions_at_steps(solution, steps)
-    tractions_on_body = _tractions_on_body_at_steps(tractions_at_steps, body_number)
     stress_at_places = np.zeros((len(steps), len(x_in_body), 4))
-    half_plane_stress = _stress_of_tractions(tractions_on_body, x_in_body, y_in_body)
-    stress_at_places[..., :3] = np.moveaxis(half_plane_stress, -1, 0)
-
-    # Bulk stress of a half-plane. In other bodies the fitted stress by their size contains it.
-    if isinstance(getattr(solution.scene.bodies, body), HalfPlane):
-        stress_at_places[..., 0] += bulk_stress[:, None]
-    elif bulk_stress.any() or any(
-        step_tractions is not None for step_tractions in tractions_at_steps
-    ):
-        stress_by_size = _stress_by_size(
-            solution, body_number, steps, tractions_at_steps, x_in_body, y_in_body
-        )
-        stress_at_places[..., :3] += np.moveaxis(stress_by_size, -1, 0)
+    stress_at_places[..., :3] = _stress_next_to_contact(
+        solution, body_number, steps, tractions_at_steps, x_in_body, y_in_body
+    )
 
     # Into the common frame, with s_zz of plane strain.
     stress_at_places[..., 2] *= _sign_of_y(body_number)  # s_xy changes its sign with y
@@ -1033,6 +1043,48 @@ def stress(
         if tractions_at_steps[k] is None and solution.normal_load[step] > 0:
             stress_at_places[k] = math.nan
     return stress_at_places
+
+
+def _stress_next_to_contact(
+    solution: FiniteElementSolution,
+    body_number: int,
+    steps: Sequence[int],
+    tractions_at_steps: Sequence[Tractions | None],
+    x: Array,
+    y: Array,
+) -> Array:
+    """Stress s_xx, s_yy, s_xy (n_steps, n_points, 3) at places next to the contact in one body, in
+    its own frame [stress]: that of a half-plane under the tractions, plus bulk stress, plus what
+    the finite size of the body adds.
+
+    Parameters
+    ----------
+    solution
+        by finite elements, with the shapes of the bodies
+    body_number
+        0 of the lower body, 1 of the upper one
+    steps
+        (n_steps,) indices of stored instants
+    tractions_at_steps
+        (n_steps,) tractions on the lower body, as sine series; None where fewer than three nodes
+        touch
+    x, y
+        (n_points,) places in the body's own frame, y <= 0 inside [length]
+    """
+    tractions_on_body = _tractions_on_body_at_steps(tractions_at_steps, body_number)
+    stress_of_tractions = _stress_of_tractions(tractions_on_body, x, y)
+    stress_next_to_contact = np.moveaxis(stress_of_tractions, -1, 0).copy()
+
+    # Bulk stress of a half-plane. In other bodies the fitted stress by their size contains it.
+    # _BODY_NAMES: "lower", "upper"
+    bulk_stress = _bulk_stress(solution, steps, body_number)  # (n_steps,)
+    has_contact = any(step_tractions is not None for step_tractions in tractions_at_steps)
+    if isinstance(getattr(solution.scene.bodies, _BODY_NAMES[body_number]), HalfPlane):
+        stress_next_to_contact[..., 0] += bulk_stress[:, None]
+    elif bulk_stress.any() or has_contact:
+        stress_by_size = _stress_by_size(solution, body_number, steps, tractions_at_steps, x, y)
+        stress_next_to_contact += np.moveaxis(stress_by_size, -1, 0)
+    return stress_next_to_contact
 
 
 def _places_in_body(x: ArrayLike, y: ArrayLike, body_number: int) -> tuple[Array, Array]:

@@ -863,13 +863,8 @@ class ContactProblem:
         resultants = start_state.resultants or loads[:2]
         n_changing = 0
         for turn_number in range(1, self.max_iterations + 1):
-            # Pressure at known shear, then shear at known pressure. The gap by shear is minus the
-            # transposed slip by pressure; `face_normals[0]` is the x component of the unit normals.
-            gap_without_pressure = (
-                self.initial_gap
-                - self._slip_by_normal_forces.T @ shear
-                + self.interface.face_normals[0] * shift
-            )
+            # Pressure at known shear, then shear at known pressure.
+            gap_without_pressure = self._gap_without_pressure(shear, shift)
             if self.has_given_moment:
                 stresses_and_tilt[2] = self._tilt_at_known_shear(
                     gap_without_pressure, shear, is_closed, stresses_and_tilt, loads
@@ -896,6 +891,17 @@ class ContactProblem:
             if not n_changing:
                 return _Outcome(state, turn_number, 0)
         return _Outcome(None, self.max_iterations, n_changing)
+
+    def _gap_without_pressure(self, shear: Array, shift: float) -> Array:
+        """Initial gap of the n nodes plus what known nodal shear (n,) and tangential displacement
+        of the upper body (`shift`) add to it, (n,); scaled.
+
+        By reciprocity the gap by shear is minus the transposed slip by pressure. On curved faces,
+        whose unit normals have an x component, `shift` changes the gap.
+        """
+        minus_gap_by_shear = self._slip_by_normal_forces.T @ shear
+        normals_x = self.interface.face_normals[0]
+        return np.asarray(self.initial_gap - minus_gap_by_shear + normals_x * shift)
 
     @cached_property
     def _slip_by_normal_forces(self) -> Array:

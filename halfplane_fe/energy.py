@@ -634,20 +634,11 @@ def _work_with_onsets(problem: ContactProblem, increments: _Increments) -> _Fric
     and the middle of the first and last onset.
 
     At an onset p and s have a kink, and all nodes that slide already slide faster from there on.
-    With the mean p of the increment W is too large, by 1e-4 of a cycle. So the increment is cut at
-    its first onset and at its last one. Up to the first onset the node states before the increment
-    hold, from the last one on those after it. Both have known rates. One or two onsets need no
-    more.
+    With the mean p of the increment the work of a cycle is too large by 1e-4. So the increment is
+    cut at its first onset and at its last one. What kinks between these two add is known where
+    nodes start one after the other at nearly equal intervals.
 
-    Between the first and the last onset, a share z of the increment, m nodes start one after the
-    other at nearly equal intervals. Each changes the rates of p and s by 1/m of the way from those
-    before to those after. The m - 2 kinks in between add the work by kinks, f times
-
-        int p ds - (mean p) ds = [(m - 2)/(m - 1)] (z^2/12) (p'_before s'_after - p'_after
-        s'_before).
-
-    # notation: p pressure, s slip, p' and s' their changes in an increment at unchanged node
-    # states, W friction work, f coefficient of friction
+    # notation: p pressure, s slip, f coefficient of friction
 
     Parameters
     ----------
@@ -665,13 +656,51 @@ def _work_with_onsets(problem: ContactProblem, increments: _Increments) -> _Fric
     # shares (k,) of the increment up to its first and its last onset.
     changes_before = _changes_at_constant_states(problem, increments, increments.node_states_before)
     changes_after = _changes_at_constant_states(problem, increments, increments.node_states_after)
-    slip_change_before, p_change_before, _, _ = changes_before
-    slip_change_after, p_change_after, _, _ = changes_after
     first_onset, last_onset = _first_and_last_onset(
         increments, changes_before, changes_after, friction
     )
 
-    # Integral of p ds in three parts: to the first onset, between both, from the last one on.
+    # Integrals of p ds: in three parts with p and s linear in each, and what kinks add to it.
+    integral_of_parts = _integral_in_three_parts(
+        increments, changes_before, changes_after, first_onset, last_onset
+    )
+    integral_of_kinks = _integral_of_kinks(
+        increments, changes_before, changes_after, last_onset - first_onset
+    )
+    dissipation = friction * slip_sense * (integral_of_parts + integral_of_kinks)
+    kink_work_of_nodes = friction * slip_sense * integral_of_kinks
+    return _FrictionWork(
+        dissipation=np.maximum(dissipation, 0.0),
+        kink_work=np.abs(kink_work_of_nodes.sum(axis=1)),
+        mean_onset=(first_onset + last_onset) / 2,
+    )
+
+
+def _integral_in_three_parts(
+    increments: _Increments,
+    changes_before: Array,
+    changes_after: Array,
+    first_onset: Array,
+    last_onset: Array,
+) -> Array:
+    """Integral of p ds at the nodes in k increments, (k, n): to the first onset of slip, between
+    the first and the last one, and from there on. Pressure p and slip s are linear in each part.
+
+    Up to the first onset the node states from before the increment hold, from the last one on those
+    after it. Both have known rates; what is left of the increment is the part between.
+
+    Parameters
+    ----------
+    increments
+        pressure of the nodes at start and end, and slip, (k, n) each
+    changes_before, changes_after
+        (4, k, n) changes of slip, p, q and gap if the states before, or those after, held
+        throughout the increment
+    first_onset, last_onset
+        (k,) shares of the increment up to the first and the last onset
+    """
+    slip_change_before, p_change_before, _, _ = changes_before
+    slip_change_after, p_change_after, _, _ = changes_after
     share_to_first_onset = first_onset[:, None]
     share_from_last_onset = 1 - last_onset[:, None]
     p_at_first_onset = increments.p_at_start + share_to_first_onset * p_change_before
@@ -683,21 +712,43 @@ def _work_with_onsets(problem: ContactProblem, increments: _Increments) -> _Fric
         p_at_first_onset + p_at_last_onset
     ) * slip_between_onsets
     doubled_integral += (p_at_last_onset + increments.p_at_end) * slip_from_last_onset
+    return np.asarray(doubled_integral / 2)
 
-    # Work by kinks: one at each onset in the longest run of neighbours that start to slide.
+
+def _integral_of_kinks(
+    increments: _Increments, changes_before: Array, changes_after: Array, share_between: Array
+) -> Array:
+    """What kinks between the first and the last onset of slip add to the integral of p ds at the
+    nodes in k increments, (k, n).
+
+    Between these onsets, a share z of the increment, m nodes start to slide one after the other at
+    nearly equal intervals. Each changes the rates of p and s by 1/m of the way from those before to
+    those after. With p and s linear from the first to the last onset the integral lacks
+
+        [(m - 2)/(m - 1)] (z^2/12) (p'_before s'_after - p'_after s'_before).
+
+    # notation: p pressure, s slip, p' and s' their changes in an increment at unchanged node states
+
+    Parameters
+    ----------
+    increments
+        open, stick or slip of the nodes before and after, (k, n); m are the neighbours in the
+        longest run of nodes that start to slide
+    changes_before, changes_after
+        (4, k, n) changes of slip, p, q and gap if the states before, or those after, held
+        throughout the increment
+    share_between
+        (k,) z
+    """
+    slip_change_before, p_change_before, _, _ = changes_before
+    slip_change_after, p_change_after, _, _ = changes_after
     n_onsets = _length_of_longest_run(
         _is_slip_onset(increments.node_states_before, increments.node_states_after)
     )
     kink_factor = np.maximum(n_onsets - 2, 0) / np.maximum(n_onsets - 1, 1) / 12
-    kink_integral = ((last_onset - first_onset) ** 2 * kink_factor)[:, None] * (
-        p_change_before * slip_change_after - p_change_after * slip_change_before
-    )
-    dissipation = friction * slip_sense * (doubled_integral / 2 + kink_integral)
-    kink_work_of_nodes = friction * slip_sense * kink_integral
-    return _FrictionWork(
-        dissipation=np.maximum(dissipation, 0.0),
-        kink_work=np.abs(kink_work_of_nodes.sum(axis=1)),
-        mean_onset=(first_onset + last_onset) / 2,
+    return np.asarray(
+        (share_between**2 * kink_factor)[:, None]
+        * (p_change_before * slip_change_after - p_change_after * slip_change_before)
     )
 
 

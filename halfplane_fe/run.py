@@ -42,7 +42,7 @@ from halfplane_fe.path import (
 from halfplane_fe.reported_states import shear_grows_within_cone, slip_since_stop
 from halfplane_fe.stepping import Increment, StepTolerance, increments_along
 from scenes import ConvergenceError, Interrupted, LoadPath, LoadSegment, read_only_copy
-from scenes.array_types import Array, Indices, Mask
+from scenes.array_types import Array, Indices, Mask, States
 
 Progress = Callable[[int, int | None, str], None]
 
@@ -238,6 +238,33 @@ def _slips_since_stop(states: Sequence[InterfaceState], slip_before: Array | flo
     return slip_since_stop(np.where(is_sliding, slip, 0.0), slip_before)
 
 
+def _energies_and_checks(
+    problem: ContactProblem,
+    states: Sequence[InterfaceState],
+    solved_by_increment: Sequence[States],
+    enclosed_areas: Array | None,
+) -> tuple[dict[str, Array], Array]:
+    """Energies, works and admissibility checks of k increments by name, (k,) each, scaled; and the
+    friction work of the n nodes, (k, n), of which "dissipation" is the sum.
+
+    Parameters
+    ----------
+    problem
+        the contact problem that the states solve
+    states
+        the k + 1 contact states around the increments
+    solved_by_increment
+        k arrays (n,): open, stick or slip of the nodes as each increment was solved
+    enclosed_areas
+        (n_loads, n_loads, k) areas between a curved load path and its chords, by pairs of loads,
+        scaled; None where the path is straight
+    """
+    energies = vars(increment_energies(problem, states, solved_by_increment, enclosed_areas)).copy()
+    nodal_work = energies.pop("dissipation")
+    friction_work = {"dissipation": nodal_work.sum(axis=1)}
+    return law_violations(problem, states) | energies | friction_work, nodal_work
+
+
 def _enclosed_areas(
     states: Sequence[InterfaceState], segment: LoadSegment | None, load_units: tuple[float, ...]
 ) -> Array | None:
@@ -421,19 +448,13 @@ class PathRun:
             return
         states_with_start = [self.states[-1], *(increment.state for increment in increments)]
 
-        enclosed_areas = _enclosed_areas(states_with_start, segment, load_units)
-
-        # Energies and admissibility checks by name, (k,) each.
-        node_states = [increment.solved_states for increment in increments]
-        energies = vars(
-            increment_energies(problem, states_with_start, node_states, enclosed_areas)
-        ).copy()
-        nodal_work_of_increments = energies.pop("dissipation")  # (k, n) of k increments and n nodes
-        work_of_increments = {"dissipation": nodal_work_of_increments.sum(axis=1)}
-        energies_and_checks = (
-            law_violations(problem, states_with_start) | energies | work_of_increments
+        # Energies and admissibility checks by name, (k,) each; friction work of the nodes, (k, n).
+        energies_and_checks, nodal_work_of_increments = _energies_and_checks(
+            problem,
+            states_with_start,
+            [increment.solved_states for increment in increments],
+            _enclosed_areas(states_with_start, segment, load_units),
         )
-
         slips_since_stop = _slips_since_stop(states_with_start, self.slip_since_stop)
 
         # Instants (k + 1,) at which all of the contact sticks, by the shear at its edges. A problem

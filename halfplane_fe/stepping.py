@@ -360,24 +360,12 @@ def _end_of_lost_slip(
     except SingularSet:  # so few nodes hold that the bodies are free to move
         return end
     has_turned = _has_turned_at_end(start_state, end, loads_at, slip_by_loads)
-    # Nodes that stick in the solved increment though the rates of its start keep them sliding:
-    # other nodes have changed their state within it, and stopped these at an unknown instant.
-    has_stopped = (directions != 0) & (increment.solved_states == STICK) & ~has_turned
-    is_losing = has_turned | has_stopped
-    if not is_losing.any():
-        return end
-    lost_slip = np.where(
-        is_losing, _uncounted_slip(start_state, increment.state, loads_at, slip_by_loads), 0.0
-    )
+    lost_slip = _lost_slip(start_state, increment, loads_at, slip_by_loads, has_turned)
     lost_work = problem.friction * start_state.pressure * lost_slip
     if not lost_work.any():
         return end
 
-    # Near sliding all other sliding nodes lose slip in the same proportion.
-    weighted_slip_by_q = np.where(  # row 1 of the derivatives: by Q
-        directions != 0, start_state.pressure * np.abs(slip_by_loads[1]), 0.0
-    )
-    losing_share = weighted_slip_by_q[lost_work > 0].sum() / weighted_slip_by_q.sum()
+    losing_share = _share_of_losing_nodes(start_state, slip_by_loads, lost_work > 0)
     # _LOST_WORK_ALLOWED: 0.03
     allowed_loss = _LOST_WORK_ALLOWED * tolerance.error_rate * (end - start_state.time)
     if not lost_work.sum() > losing_share * allowed_loss:
@@ -393,6 +381,55 @@ def _end_of_lost_slip(
     return _instant_of_most_slip(
         start_state, loads_at, end, slip_by_loads @ signed_pressure_of_turned
     )
+
+
+def _lost_slip(
+    start_state: InterfaceState,
+    increment: Increment,
+    loads_at: LoadsAt,
+    slip_by_loads: Array,
+    has_turned: Mask,
+) -> Array:
+    """Slip (n,) that the nodes lose in an increment: slip in the first part of it, which the
+    increment does not count as it is solved. 0 of nodes that neither turn round nor are stopped.
+
+    Nodes are stopped that stick in the solved increment though the rates of its start keep them
+    sliding: other nodes have changed their state within it, at an unknown instant.
+
+    Parameters
+    ----------
+    start_state, increment
+        state before the increment, and the increment as it was solved
+    loads_at
+        function of an instant: the scaled loads
+    slip_by_loads
+        (n_loads, n) derivatives of the slip by the loads, while the nodes keep their states from
+        the start
+    has_turned
+        (n,) nodes that slide at the start and would slide the other way at the end
+    """
+    is_sliding = slip_sign(start_state.node_states) != 0
+    has_stopped = is_sliding & (increment.solved_states == STICK) & ~has_turned
+    is_losing = has_turned | has_stopped
+    if not is_losing.any():
+        return np.zeros(len(is_losing))
+    uncounted_slip = _uncounted_slip(start_state, increment.state, loads_at, slip_by_loads)
+    return np.where(is_losing, uncounted_slip, 0.0)
+
+
+def _share_of_losing_nodes(
+    start_state: InterfaceState, slip_by_loads: Array, is_losing: Mask
+) -> float:
+    """Share of the nodes that lose slip (`is_losing`, (n,)) in the slip by Q of all sliding nodes,
+    each weighted by its pressure: near gross sliding all others lose slip in the same proportion.
+
+    `start_state` has states and pressure of the nodes, `slip_by_loads` (n_loads, n) the derivatives
+    of their slip by P, Q and the other loads.
+    """
+    slip_by_q = slip_by_loads[1]
+    is_sliding = slip_sign(start_state.node_states) != 0
+    weighted_slip_by_q = np.where(is_sliding, start_state.pressure * np.abs(slip_by_q), 0.0)
+    return float(weighted_slip_by_q[is_losing].sum() / weighted_slip_by_q.sum())
 
 
 def _has_turned_at_end(
