@@ -185,32 +185,31 @@ def event(scene: Scene, letter: str) -> Event:
 
 def _unlettered_events(history: History) -> Iterator[Event]:
     """Events of a load path, without the letters of the paper: begins and ends of stick and slip,
-    extreme loads, the end of the path. So is each passage of the stick edge from one piece of the
+    extreme loads, the end of the path, and each passage of the stick edge from one piece of the
     memory curve to the next.
 
-    The memory curve is M(eta), the tangential force of the flat punches up to the load eta. A
-    growing slip zone erases it from the edge of contact inwards. A span is a time in full stick, or
-    with slip in one direction, 1, -1 or 0. In a span the stick edge stays on one piece of the
-    curve, its `sticking_piece`.
+    A span is a time in full stick, or with slip in one direction, 1, -1 or 0. The memory curve is
+    M(eta), the tangential force of the flat punches up to the load eta. A growing slip zone erases
+    it from the edge of contact inwards. In a span the stick edge stays on one piece of the curve,
+    its `sticking_piece`.
 
-    `_event_at` makes an event with the loads and the load at the stick edge. A change between stick
-    and slip comes twice, as the begin of a span and as the end of the span before. `events` merges
-    the two, and drops those whose name ends in " goes on" (`_CONTINUATION_ENDING`).
+    A change between stick and slip comes twice, as the begin of a span and as the end of the span
+    before. `events` merges the two. It drops those whose name ends in " goes on".
     """
     state_names = {0: "full stick", 1: "forward slip", -1: "reverse slip"}
     spans_of_cycles = [(f"cycle {number}", cycle) for number, cycle in enumerate(history.cycles, 1)]
     for part_of_path, spans in [("initial loading", history.loading), *spans_of_cycles]:
-        former_span: Span | None = None
+        span_before: Span | None = None
         for span in spans:
-            if former_span is None:
+            if span_before is None:
                 event_name = f"{part_of_path} starts"
-            elif former_span.direction != span.direction:
+            elif span_before.direction != span.direction:
                 event_name = (
-                    f"{state_names[former_span.direction]} ends, {state_names[span.direction]}"
+                    f"{state_names[span_before.direction]} ends, {state_names[span.direction]}"
                     " starts"
                 )
             elif span.direction and not _same_piece(
-                former_span.sticking_piece, span.sticking_piece
+                span_before.sticking_piece, span.sticking_piece
             ):
                 event_name = (
                     f"the stick edge of {state_names[span.direction]} passes a vertex of the memory"
@@ -219,11 +218,10 @@ def _unlettered_events(history: History) -> Iterator[Event]:
             else:
                 event_name = state_names[span.direction] + _CONTINUATION_ENDING
             yield _event_at(span, span.begin.time, event_name)
-            if former_span is not None:
-                yield _event_at(former_span, former_span.end.time, event_name)
-            # P or Q largest or least
+            if span_before is not None:
+                yield _event_at(span_before, span_before.end.time, event_name)
             yield from _load_extremes(span)
-            former_span = span
+            span_before = span
     last_span = history.spans[-1]
     yield _event_at(
         last_span,
@@ -267,22 +265,20 @@ def _load_extremes(span: Span) -> Iterator[Event]:
     segment = span.segment
     time_difference = 1e-3 * (segment.end - segment.start)
     searched_segment = segment
-    # whether the segment is the cycle of an `EllipseLoad`
-    if is_plain_ellipse(segment):
+    if is_plain_ellipse(segment):  # the cycle of an `EllipseLoad`
         searched_segment = replace(segment, start=segment.start - 0.1, end=segment.end + 0.1)
-    for combination, load_name in ((NORMAL_LOAD, "P"), (TANGENTIAL_LOAD, "Q")):
-        for time in searched_segment.turning_points(combination):
+    for load_combination, load_name in ((NORMAL_LOAD, "P"), (TANGENTIAL_LOAD, "Q")):
+        for time in searched_segment.turning_points(load_combination):
             if span.begin.time - _SAME_TIME_SHARE <= time < span.end.time - _SAME_TIME_SHARE:
-                # From the turning point to just after it, and to just before it.
+                # Changes of the load from the turning point to just after, and to just before it.
                 change_to_later_time = float(
-                    segment.change_of(combination, time + time_difference, time)
+                    segment.change_of(load_combination, time + time_difference, time)
                 )
                 change_to_earlier_time = float(
-                    segment.change_of(combination, time - time_difference, time)
+                    segment.change_of(load_combination, time - time_difference, time)
                 )
-                extreme_name = (
-                    "largest" if change_to_later_time + change_to_earlier_time < 0 else "least"
-                )
+                is_largest = change_to_later_time + change_to_earlier_time < 0
+                extreme_name = "largest" if is_largest else "least"
                 yield _event_at(span, time, f"{load_name} {extreme_name}")
 
 
@@ -290,10 +286,10 @@ def _event_at(span: Span, time: float, name: str) -> Event:
     """An event with its `name` and loads, at a `time` of the segment of the load path in which a
     span lies; times outside the span are moved to its nearer end.
 
-    A span is a time in full stick or with slip in one direction. The event has P_c as `front_load`:
-    the load that the flat punches up to the stick edge carry. The slip zones carry the rest, P -
-    P_c, which the span gives as `slip_zone_load`. Its `delay` is how much later it is than the
-    segment's own time; the event has the time of the path.
+    A span is a time in full stick or with slip in one direction. It is later than the segment's own
+    time by its `delay`; the event has the time of the path. The `front_load` of the event is P_c:
+    the load that the flat punches up to the stick edge carry. The span gives the rest, the load P -
+    P_c of the slip zones.
     """
     time_in_segment = min(max(time, span.begin.time), span.end.time)
     normal_load, tangential_load = (float(load) for load in span.segment.loads(time_in_segment))
@@ -319,21 +315,21 @@ def _time_by_letter(history: History) -> dict[str, float]:
     """
     if history.ellipse_of_cycle is None or history.steady_from is None:
         return {}
-    friction = history.spans[0].friction
+    friction_coefficient = history.spans[0].friction
+    # amplitudes of P and of Q, and the lag of Q behind P
     ellipse = history.ellipse_of_cycle.ellipse
     assert ellipse is not None  # for the type checker: `ellipse_of_cycle` is one
-    # Area of the ellipse over pi, positive for an anticlockwise one. `amplitude` holds those of P
-    # and of Q; the phase is the lag of Q behind P.
+    # positive for an anticlockwise ellipse
     signed_area_over_pi = (
         ellipse.amplitude[0] * ellipse.amplitude[1] * math.sin(ellipse.phase_radians)
     )
     if abs(signed_area_over_pi) <= 1e-12 * ellipse.amplitude[0] * ellipse.amplitude[1]:
         return {}
     rotation_sign = 1 if signed_area_over_pi > 0 else -1
-    revolution = 2 * math.pi
+    # `slip_combination`: Q - f P for 1, -Q - f P for -1
     load_combinations = {
-        "u": slip_combination(rotation_sign, friction),
-        "-v": slip_combination(-rotation_sign, friction),
+        "u": slip_combination(rotation_sign, friction_coefficient),
+        "-v": slip_combination(-rotation_sign, friction_coefficient),
         "P": NORMAL_LOAD,
         "Q": Combination(0.0, float(rotation_sign)),
     }
@@ -351,6 +347,7 @@ def _time_by_letter(history: History) -> dict[str, float]:
         "L": "Q+",
         "M": "u+",
     }
+    revolution = 2 * math.pi
     times = {"A": history.ellipse_of_cycle.start}
     for letter, extreme in extreme_by_letter.items():
         # on the ellipse, up to whole revolutions

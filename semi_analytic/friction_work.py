@@ -141,12 +141,10 @@ def _work_in_range(contact: Contact, span_with_ranges: SpanRanges, rule: Quadrat
     stick, A = 2/E*.
     """
     span = span_with_ranges.span
-    # quadrature nodes and weights between begin and end of the range
     times, weights = rule(span_with_ranges.begin, span_with_ranges.end)
     load, _ = span.segment.loads(times)
     slip_zone_load = span.slip_zone_load_at(times, load)  # P - P_c
-    # Lam(P, P_c)
-    kernel = contact.dissipation_kernel(load, slip_zone_load)
+    kernel = contact.dissipation_kernel(load, slip_zone_load)  # Lam
     # `_scaled_excess_rate`: f w'
     return np.asarray(np.sum(weights * _scaled_excess_rate(span, times) * kernel, axis=-1))
 
@@ -324,7 +322,8 @@ def _halve_ranges(
     Parameters
     ----------
     spans_with_ranges
-        n spans of slip, with the ranges of time in each, and the integral each belongs to
+        n spans of slip, with the ranges of time in each, and the number of the integral that each
+        range belongs to
     integrals_along
         integrates over the ranges of given spans by a given rule
     halving
@@ -334,33 +333,28 @@ def _halve_ranges(
     errors
         (n, k) filled for the halved spans
     """
-    numbers_of_spans_to_halve = np.flatnonzero(halving.needs_halving).tolist()
     # One size for all: a short span by itself may be all round-off, and would never converge to its
     # own.
     largest_total_integral = float(np.max(np.abs(np.sum(integrals, axis=0))))
     size_of_integrals = np.maximum(largest_total_integral, np.max(np.abs(integrals), axis=1))
     allowed_error_of_span = halving.converged_change_share * size_of_integrals
 
-    # one row for each range: the numbers of its span and of its integral
-    spans_to_halve = [spans_with_ranges[span_number] for span_number in numbers_of_spans_to_halve]
-    span_number = np.repeat(
-        numbers_of_spans_to_halve,
-        [len(span_with_ranges.integral_number) for span_with_ranges in spans_to_halve],
+    # one row for each range of a span to halve: the numbers of its span and of its integral
+    halved_numbers = np.flatnonzero(halving.needs_halving).tolist()
+    halved_spans = [spans_with_ranges[number] for number in halved_numbers]
+    n_ranges_of_spans = [len(halved_span.integral_number) for halved_span in halved_spans]
+    span_number = np.repeat(halved_numbers, n_ranges_of_spans)
+    integral_number = np.concatenate([halved_span.integral_number for halved_span in halved_spans])
+    integrals_of_parts = partial(
+        _integrals_of_parts, spans_with_ranges, integrals_along, span_number, integral_number
     )
-    integral_number = np.concatenate(
-        [span_with_ranges.integral_number for span_with_ranges in spans_to_halve]
-    )
-    corner_times_of_spans_to_halve = [
-        halving.corner_times[number] for number in numbers_of_spans_to_halve
-    ]
+    corner_times_of_spans = [halving.corner_times[number] for number in halved_numbers]
     integrals_and_errors = integrals_by_halving(
-        partial(
-            _integrals_of_parts, spans_with_ranges, integrals_along, span_number, integral_number
-        ),
-        np.concatenate([span_with_ranges.begin for span_with_ranges in spans_to_halve]),
-        np.concatenate([span_with_ranges.end for span_with_ranges in spans_to_halve]),
+        integrals_of_parts,
+        np.concatenate([halved_span.begin for halved_span in halved_spans]),
+        np.concatenate([halved_span.end for halved_span in halved_spans]),
         allowed_error_of_span[span_number],
-        np.unique(np.concatenate(corner_times_of_spans_to_halve)),
+        np.unique(np.concatenate(corner_times_of_spans)),
         first_estimate=integrals[span_number, integral_number],
     )
     integrals[span_number, integral_number] = integrals_and_errors.value
@@ -480,11 +474,11 @@ def pointwise_dissipation(
         for span in spans
         if span.direction and span.sticking_piece is not None
     ]
-    density_in_ranges = partial(_density_in_ranges, contact, x, contact_edge_loads)
+    work_per_area_in_ranges = partial(_work_per_area_in_ranges, contact, x, contact_edge_loads)
     # A/pi times the integrals, summed by direction of slip; `_span_by_span` takes one span after
     # the other
     return _work_over_spans(
-        contact, modulus, spans_with_ranges, len(x), _span_by_span(density_in_ranges)
+        contact, modulus, spans_with_ranges, len(x), _span_by_span(work_per_area_in_ranges)
     )
 
 
@@ -501,36 +495,44 @@ def _ranges_with_slip(span: Span, contact_edge_loads: Array) -> SpanRanges:
     )
 
 
-def _density_in_ranges(
+def _work_per_area_in_ranges(
     contact: Contact,
     x: Array,
     contact_edge_loads: Array,
     span_with_ranges: SpanRanges,
     rule: QuadratureRule,
 ) -> Array:
-    """Friction work per area W(x) pi/A in the ranges of time in which n points slip, by a
-    quadrature `rule`, (n,): the integral of f w' p arccosh(|x|/c).
+    """Friction work per area W(x) pi/A in the ranges of time in which n points slip, (n,): the
+    integral of f w' p arccosh(|x|/c) over each range.
 
-    w = +-Q - f P grows in slip, c is the half-width of stick, p the pressure, A = 2/E*. The points
-    of the ranges are some of the |x| = `x` (k,); `contact_edge_loads` (k,) are the loads P_x at
-    which the edge of contact is at each.
+    w = +-Q - f P grows in slip, c is the half-width of stick, p the pressure, A = 2/E*.
+
+    Parameters
+    ----------
+    contact
+        normal contact of the profile
+    x, contact_edge_loads
+        (k,) |x| of all points, and the loads P_x at which the edge of contact is at each
+    span_with_ranges
+        a span of slip, and n ranges of time within it; `integral_number` is that of the point
+    rule
+        quadrature rule: nodes and weights between begin and end of the ranges
     """
     span = span_with_ranges.span
     times, weights = rule(span_with_ranges.begin, span_with_ranges.end)
-    # |x| of the point of each range; P and P_c at the nodes, (n, nodes)
     x_of_points = x[span_with_ranges.integral_number, None]
+    # P and P_c, the load at the stick edge, at the nodes, (n, nodes); P_x - P_c
     load, _ = span.segment.loads(times)
     stick_edge_load = load - span.slip_zone_load_at(times, load)
     contact_edge_load_of_points = contact_edge_loads[span_with_ranges.integral_number, None]
-    # P_x - P_c
     load_outside_stick = np.maximum(contact_edge_load_of_points - stick_edge_load, 0.0)
     arccosh_ratio = contact.arccosh_ratio(
         x_of_points, load_outside_stick, contact.edge_advance(stick_edge_load)
     )
     pressure = contact.pressure(x_of_points, load)
     # `_scaled_excess_rate`: f w'
-    density_at_nodes = weights * _scaled_excess_rate(span, times) * pressure * arccosh_ratio
-    return np.asarray(np.sum(density_at_nodes, axis=-1))
+    work_at_nodes = weights * _scaled_excess_rate(span, times) * pressure * arccosh_ratio
+    return np.asarray(np.sum(work_at_nodes, axis=-1))
 
 
 def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
@@ -538,63 +540,70 @@ def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
     each; the end is not after the begin where a point never slips.
 
     A point slips while it is in contact and outside the stick zone. It begins when the stick edge,
-    or the edge of contact, reaches it. An instant holds its time and P. `edge_load` (k,) is P_x,
-    the load at which the edge of contact is at the point.
+    or the edge of contact, reaches it.
+
+    Parameters
+    ----------
+    span
+        the span: its load segment, and the instants at its ends, each with its time and P
+    edge_load
+        (k,) P_x, the load at which the edge of contact is at the point
     """
     segment = span.segment
     begin_instant = span.begin
     end_instant = span.end
-    begin_time = _times_of_stick_edge(span, edge_load)
+    time_of_stick_edge = _times_of_stick_edge(span, edge_load)
     time_of_contact_edge = segment.time_of(
         NORMAL_LOAD, edge_load - begin_instant.normal_load, begin_instant.time, end_instant.time
     )
-    end_of_span = np.full(begin_time.shape, end_instant.time)
+    end_of_span = np.full(time_of_stick_edge.shape, end_instant.time)
     # From the change itself: where P hardly moves, the last digits of both loads may say that it
     # falls while it grows.
-    change_of_load = float(segment.change_of(NORMAL_LOAD, end_instant.time, begin_instant.time))
-    # LEAST_LOAD_CHANGE: the least change of P that counts, next to 0
-    # P grows: the edge of contact reaches the point from within
-    if change_of_load >= LEAST_LOAD_CHANGE:
+    load_change = float(segment.change_of(NORMAL_LOAD, end_instant.time, begin_instant.time))
+    # P grows by more than next to nothing: the edge of contact may reach the point from within.
+    if load_change >= LEAST_LOAD_CHANGE:
         time_of_first_contact = np.where(
             edge_load >= end_instant.normal_load, end_instant.time, time_of_contact_edge
         )
-        return np.maximum(begin_time, time_of_first_contact), end_of_span
+        return np.maximum(time_of_stick_edge, time_of_first_contact), end_of_span
 
-    # P falls or stays the same: the edge of contact leaves the point, or stays
+    # P falls or stays the same: the edge of contact leaves the point, or stays.
     contact_reaches_point = edge_load < max(begin_instant.normal_load, end_instant.normal_load)
-    end_time = time_of_contact_edge if change_of_load <= -LEAST_LOAD_CHANGE else end_of_span
-    return begin_time, np.where(contact_reaches_point, end_time, begin_time)
+    end_time = time_of_contact_edge if load_change <= -LEAST_LOAD_CHANGE else end_of_span
+    return time_of_stick_edge, np.where(contact_reaches_point, end_time, time_of_stick_edge)
 
 
 def _times_of_stick_edge(span: Span, contact_edge_load: Array) -> Array:
     """Times at which the stick edge reaches points within a span of slip, (k,): the begin of the
     span where it has passed a point before, the end where it does not reach it.
 
-    `contact_edge_load` (k,) is P_x, the load at which the edge of contact is at the point. The
-    stick edge is at P_x when the path's excess, +-Q - f P, equals +-M(P_x) - f P_x, that of the
-    memory curve. M(eta) is the tangential force of the flat punches up to the load eta.
-    `sticking_piece` of the span is the piece of this curve that holds the stick edge, from
-    `bottom_load` to `top_load`.
+    The stick edge is at P_x when the path's excess, +-Q - f P, equals that of the memory curve
+    there, +-M(P_x) - f P_x. M(eta) is the tangential force of the flat punches up to the load eta.
+
+    Parameters
+    ----------
+    span
+        span of slip; its `sticking_piece` is the piece of the memory curve that holds the stick
+        edge, from `bottom_load` to `top_load`
+    contact_edge_load
+        (k,) P_x, the load at which the edge of contact is at the point
     """
     sticking_piece = span.sticking_piece
     assert sticking_piece is not None  # for the type checker: the span has a stick zone
     # the combination +-Q - f P of the loads
-    slip_combination_of_loads = slip_combination(span.direction, span.friction)
+    excess = slip_combination(span.direction, span.friction)
     # P_x, or the nearer end of the piece
     load_on_piece = np.clip(contact_edge_load, sticking_piece.bottom_load, sticking_piece.top_load)
     excess_on_curve = slip_combination_on_piece(
         sticking_piece, span.direction, span.friction, load_on_piece
     )
     # From the path's excess at the begin of the span: both count from the instant of the anchor.
-    excess_rise = excess_on_curve - float(
-        combination_change(
-            sticking_piece.anchor, span.segment, slip_combination_of_loads, span.begin.time
-        )
+    excess_at_begin = float(
+        combination_change(sticking_piece.anchor, span.segment, excess, span.begin.time)
     )
+    excess_rise = excess_on_curve - excess_at_begin
     # when the path's excess has risen by so much
-    time_of_stick_edge = span.segment.time_of(
-        slip_combination_of_loads, excess_rise, span.begin.time, span.end.time
-    )
+    time_of_stick_edge = span.segment.time_of(excess, excess_rise, span.begin.time, span.end.time)
     time_of_stick_edge = np.where(
         contact_edge_load <= sticking_piece.bottom_load, span.end.time, time_of_stick_edge
     )
@@ -732,17 +741,20 @@ def _means_along_records(
     quadrature nodes that it took.
 
     A record is a portion of a load step in which P and P_c, the load at the stick edge, change
-    linearly. The function is singular at P = 0 and P_c = 0. Records are first cut into parts along
-    which the half-width a(P) is smooth. `contact` is the normal contact P(a). A part holds P and P
-    - P_c at its begin and end, the number of its record as `step_number` and its share of the
-    record as `step_share_at_end`. At a load d above that of a corner of the profile the function
-    goes as d^(3/2), which nodes that crowd to both ends resolve.
+    linearly. It is first cut into parts along which the half-width a(P) is smooth. The function is
+    singular at P = 0 and P_c = 0. At a load d above that of a corner of the profile it goes as
+    d^(3/2), which nodes that crowd to both ends resolve.
 
     Parameters
     ----------
+    contact
+        normal contact P(a), and the loads at which its edge is at a corner of the profile
+    records
+        the records, with P and P - P_c at begin and end
     function_of_loads
         the function of (record numbers (n,), P, P - P_c (n, nodes)): (n, nodes)
     """
+    # `step_number` of a part: its record; `step_share_at_end`: the share of the record that it is
     smooth_parts = _cut_where_unsmooth(contact, records)
     # the nearer a singularity, or a corner below, the more nodes
     rule_number_of_part = _rule_numbers(
@@ -756,14 +768,11 @@ def _means_along_records(
         place_of_nodes, weights = rule(0.0, 1.0)
         parts_of_rule = smooth_parts.take(np.flatnonzero(rule_number_of_part == rule_number))
         load, slip_zone_load = _loads_at_places(parts_of_rule, place_of_nodes)
-        values_at_nodes = function_of_loads(
-            parts_of_rule.step_number, load, np.clip(slip_zone_load, 0.0, load)
-        )
+        record_number = parts_of_rule.step_number
         share_of_record = parts_of_rule.step_share_at_end
+        values_at_nodes = function_of_loads(record_number, load, np.clip(slip_zone_load, 0.0, load))
         means_of_parts = share_of_record * np.sum(weights * values_at_nodes, axis=1)
-        mean_of_records += np.bincount(
-            parts_of_rule.step_number, means_of_parts, len(mean_of_records)
-        )
+        mean_of_records += np.bincount(record_number, means_of_parts, len(mean_of_records))
         n_nodes += load.size
     return mean_of_records, n_nodes
 
@@ -823,11 +832,18 @@ def _rule_numbers(closeness_to_singularity: Array, closeness_to_corner: Array) -
 
 def _closeness_of_loads(parts: Records, corner_loads: Array) -> Array:
     """How close P or P_c comes to 0, or to the load of the profile's corner below, along each part
-    of a slip record, (m,): from 0, far, to 1, reached. A record is a portion of a load step.
+    of a slip record, (m,): from 0, far, to 1, reached.
 
     It is 1 - d_min/d_max with the distances d along the part, the larger value of P and P_c. P_c is
-    the load at the stick edge. `corner_loads` (c,) ascending are those at which the contact edge is
-    at a corner. `slip_zone_load_at_begin` is P - P_c there.
+    the load at the stick edge.
+
+    Parameters
+    ----------
+    parts
+        parts of records, which are portions of load steps, with P and P - P_c (`slip_zone_load`) at
+        begin and end
+    corner_loads
+        (c,) ascending loads at which the contact edge is at a corner; empty for the distance from 0
     """
     largest_closeness = np.zeros(len(parts.step_number))
     stick_edge_load_at_begin = parts.load_at_begin - parts.slip_zone_load_at_begin
@@ -951,10 +967,11 @@ def work_error(contact: Contact, records: Records) -> float:
     """Estimated error of pi/(f A) times the friction work of all slip records [force^2 per
     thickness^2], A = 2/E*; 0 for contacts with closed forms.
 
-    It is the largest error of the kernel int ln(a/c) d eta in a sample of 200 records, times the
-    sum of the `level_rise` of all. A record is a portion of a load step; `level_rise` is the growth
-    of +-Q - f P along it. a and c are the half-widths of contact and of stick. The error of the
-    kernel includes 3e-13 of it for the quadrature rule.
+    A record is a portion of a load step; `level_rise` is the growth of +-Q - f P along it. Its work
+    is that growth times the mean of the kernel int ln(a/c) d eta over the loads from P_c, that at
+    the stick edge, to P. So the error is the largest error of the kernel in a sample of 200
+    records, times the sum of the `level_rise` of all. a and c are the half-widths of contact and of
+    stick. The error of the kernel includes 3e-13 of it for the quadrature rule.
 
     Raises
     ------
@@ -967,16 +984,16 @@ def work_error(contact: Contact, records: Records) -> float:
         np.linspace(0, len(records.step_number) - 1, _SAMPLED_RECORDS).astype(int)
     )
     sampled_records = records.take(sampled_numbers)
+    # P and P - P_c at both ends of the sampled records
     load = np.append(sampled_records.load_at_begin, sampled_records.load_at_end)
     slip_zone_load = np.append(
         sampled_records.slip_zone_load_at_begin, sampled_records.slip_zone_load_at_end
     )
-    # kernel: int ln(a/c) d eta over the loads from P_c, that at the stick edge, to P
-    error_of_kernel = contact.quadrature_error("dissipation_kernel", load, slip_zone_load)
+    error_of_values = contact.quadrature_error("dissipation_kernel", load, slip_zone_load)
     error_of_rule = _RELATIVE_ERROR_OF_GAUSS_RULES * contact.dissipation_kernel(
         load, slip_zone_load
     )
-    kernel_error = error_of_kernel + error_of_rule
+    kernel_error = error_of_values + error_of_rule
     if not np.all(np.isfinite(kernel_error)):
         raise NotFoundError(
             "the error of a slip area is not a number: neither is the dissipation of these rows"
@@ -992,43 +1009,51 @@ def density_of_records(contact: Contact, records: Records, x: Array) -> Array:
     contact and stick pass no corner of the profile. w = +-Q - f P grows in slip, p is the pressure
     at x and c the stick half-width.
     """
-    density = np.zeros(len(x))
+    scaled_work_per_area = np.zeros(len(x))
     smooth_parts = _cut_where_unsmooth(contact, records)
-    # _NODES_AT_ONCE: 200,000
+    # 200,000 pairs of part and point at once bound the memory
     parts_at_once = max(_NODES_AT_ONCE // len(x), 1)
     for first_part in range(0, len(smooth_parts.load_at_begin), parts_at_once):
         parts_of_chunk = smooth_parts.take(slice(first_part, first_part + parts_at_once))
-        density += _density_of_parts(contact, parts_of_chunk, x)
-    return density
+        scaled_work_per_area += _work_per_area_of_parts(contact, parts_of_chunk, x)
+    return scaled_work_per_area
 
 
-def _density_of_parts(contact: Contact, parts: Records, x: Array) -> Array:
+def _work_per_area_of_parts(contact: Contact, parts: Records, x: Array) -> Array:
     """pi/(f A) times the friction work per area of parts of slip records, at |x| = `x` (k,): the
     sum of int p arccosh(|x|/c) dw [stress times force per thickness]; A = 2/E*.
 
-    A record is a portion of a load step. Along a part of it P and P_c change linearly, P_c the load
-    at the stick edge, and pass no corner of the profile. w = +-Q - f P grows in slip, p is the
-    pressure at x and c the stick half-width. p is singular like a square root at P = P_x, the load
-    at which the edge of contact is at x. The arccosh is so at P_c = P_x, and like a logarithm at
-    P_c = 0. A pair of part and point takes as many nodes as the nearest of these needs. Parts hold
-    P and P - P_c at begin and end, and the growth `level_rise` of w.
+    w = +-Q - f P grows in slip, p is the pressure at x and c the stick half-width. p is singular
+    like a square root at P = P_x, the load at which the edge of contact is at x. The arccosh is so
+    at P_c = P_x, and like a logarithm at P_c = 0; P_c is the load at the stick edge. A pair of part
+    and point takes as many nodes as the nearest of these needs.
+
+    Parameters
+    ----------
+    contact
+        normal contact of the profile
+    parts
+        parts of records, which are portions of load steps: P and P - P_c at begin and end, between
+        which both change linearly and pass no corner of the profile, and the growth of w
+        (`level_rise`)
     """
     pairs = _SlippingPairs.of_parts(parts, x, contact.load(x))
     closeness_to_corner = _closeness_of_loads(parts, contact.corner_loads)
     rule_of_pair = _rule_numbers(
         pairs.closeness_to_singularity(), closeness_to_corner[pairs.part_number]
     )
-    density = np.zeros(len(x))
-    # _RULES_AND_NODE_COUNTS: six rules, of 4 nodes and more; _NODES_AT_ONCE: 200,000
+    scaled_work_per_area = np.zeros(len(x))
+    # six rules, of 4 nodes and more; 200,000 nodes at once bound the memory
     for rule_number, (rule, n_nodes) in enumerate(_RULES_AND_NODE_COUNTS):
         pairs_of_rule = np.flatnonzero(rule_of_pair == rule_number)
-        for first_pair in range(0, len(pairs_of_rule), _NODES_AT_ONCE // n_nodes):
-            block = pairs.take(pairs_of_rule[first_pair : first_pair + _NODES_AT_ONCE // n_nodes])
-            density_of_pairs = parts.level_rise[block.part_number] * _integral_over_slip(
+        pairs_at_once = _NODES_AT_ONCE // n_nodes
+        for first_pair in range(0, len(pairs_of_rule), pairs_at_once):
+            block = pairs.take(pairs_of_rule[first_pair : first_pair + pairs_at_once])
+            work_of_pairs = parts.level_rise[block.part_number] * _integral_over_slip(
                 contact, block, rule
             )
-            density += np.bincount(block.point_number, density_of_pairs, len(x))
-    return density
+            scaled_work_per_area += np.bincount(block.point_number, work_of_pairs, len(x))
+    return scaled_work_per_area
 
 
 class _LinearLoads(NamedTuple):
@@ -1240,7 +1265,7 @@ class LoopWorkOfSeries:
         tangential force up to each load, there.
         """
         records = block.records
-        # function of P and P - P_c: U pi/A along each record, minus a constant of the record
+        # U pi/A along each record, minus a constant of the record, as a function of P and P - P_c
         displacement_minus_constant = partial(
             _displacement_minus_constant,
             self._contact,
@@ -1251,22 +1276,20 @@ class LoopWorkOfSeries:
         slip_zone_loads_at_ends = np.stack(
             [records.slip_zone_load_at_begin, records.slip_zone_load_at_end], axis=1
         )
-        value_at_begin, value_at_end = displacement_minus_constant(
+        relative_at_begin, relative_at_end = displacement_minus_constant(
             np.arange(len(records.direction)), loads_at_ends, slip_zone_loads_at_ends
         ).T
+        relative_mean, _ = _means_along_records(self._contact, records, displacement_minus_constant)
 
-        # -int U dQ along a record: the change of Q times the mean of U. The mean is U at the end of
-        # the record plus the mean difference of U from it.
+        # The mean of U along a record is U at its end plus the mean difference of U from it.
         force_change = self._force_changes(block)
-        displacement_after_record = self._scaled_displacement + np.cumsum(
-            value_at_end - value_at_begin
+        displacement_at_end = self._scaled_displacement + np.cumsum(
+            relative_at_end - relative_at_begin
         )
-        mean_value, _ = _means_along_records(self._contact, records, displacement_minus_constant)
-        self._scaled_integral -= float(
-            np.sum(force_change * (displacement_after_record - value_at_end + mean_value))
-        )
+        mean_displacement = displacement_at_end - relative_at_end + relative_mean
+        self._scaled_integral -= float(np.sum(force_change * mean_displacement))
         self._total_change_of_force += float(np.sum(np.abs(force_change)))
-        self._scaled_displacement = float(displacement_after_record[-1])
+        self._scaled_displacement = float(displacement_at_end[-1])
 
     def _force_changes(self, block: StepBlock) -> Array:
         """Change of Q along each record of a block, (m,) [force per thickness].
@@ -1360,6 +1383,9 @@ def integrals_by_halving(
     the sum no longer changes, and their errors (adaptive quadrature). An integral is the sum over
     its parts.
 
+    A part that has not converged is left as it is after 17 halvings, where it is not finite, and
+    where there are too many parts. Its last change by halving is in the error.
+
     Parameters
     ----------
     integrals_over
@@ -1368,10 +1394,8 @@ def integrals_by_halving(
     begin, end
         (m,)
     allowed_error
-        (m,) or one: the change by halving at which a part has converged, 1e-12 of the size of the
-        integrals (`CONVERGED_CHANGE_SHARE`) where round-off leaves as much. A part of 2^-17 of its
-        range, or one that is not finite, is left as it is, and so are too many at once; the error
-        shows that.
+        (m,) or one: the change by halving at which a part has converged; 1e-12 of the size of the
+        integrals (`CONVERGED_CHANGE_SHARE`) where round-off allows it
     cut_places
         (j,) ascending, where a part is cut rather than in its middle: the integrands are not
         smooth there
@@ -1399,11 +1423,11 @@ def integrals_by_halving(
     integrals = np.zeros(len(begins))
     errors = np.zeros(len(begins))
     allowed_errors = np.broadcast_to(allowed_error, begins.shape)
-    estimates = first_estimate
-    if estimates is None:
-        estimates = integrals_over(parts.integrand_number, parts.begin, parts.end)
+    estimates_of_parts = first_estimate
+    if estimates_of_parts is None:
+        estimates_of_parts = integrals_over(parts.integrand_number, parts.begin, parts.end)
 
-    # each pass halves all parts that have not converged
+    # Each pass halves all parts that are left.
     while len(parts.integrand_number):
         cut_of_parts, is_cut_at_place = _cuts_of_parts(parts, all_cut_places)
         halves = parts.halves(cut_of_parts, is_cut_at_place)
@@ -1411,21 +1435,21 @@ def integrals_by_halving(
         integrals_of_halves = integrals_over(halves.integrand_number, halves.begin, halves.end)
         lower_halves, upper_halves = np.split(integrals_of_halves, 2)
         sums_of_halves = lower_halves + upper_halves
-        changes_by_halving = np.abs(sums_of_halves - estimates)
+        changes_by_halving = np.abs(sums_of_halves - estimates_of_parts)
 
         is_final = (
             (changes_by_halving <= allowed_errors[parts.integrand_number])
             | ~np.isfinite(changes_by_halving)
             | parts.are_halved_no_more(is_cut_at_place, len(integrals))
         )
-        final_numbers = parts.integrand_number[is_final]
-        np.add.at(integrals, final_numbers, sums_of_halves[is_final])
-        np.add.at(errors, final_numbers, changes_by_halving[is_final])
+        final_integrands = parts.integrand_number[is_final]
+        np.add.at(integrals, final_integrands, sums_of_halves[is_final])
+        np.add.at(errors, final_integrands, changes_by_halving[is_final])
 
-        # the parts of the next pass
-        half_numbers = np.flatnonzero(np.tile(~is_final, 2))
-        parts = halves.take(half_numbers)
-        estimates = integrals_of_halves[half_numbers]
+        # Halves of parts that are not final are the parts of the next pass.
+        next_halves = np.flatnonzero(np.tile(~is_final, 2))
+        parts = halves.take(next_halves)
+        estimates_of_parts = integrals_of_halves[next_halves]
     return IntegralsAndErrors(integrals, errors)
 
 

@@ -213,10 +213,18 @@ class _Search:
     """
 
     def __init__(self, answer: ContactSolution, contact: Contact, has_cycle: bool) -> None:
-        """Find the instants and places between which slip, friction work and pressure of an
-        `answer` are smooth; `has_cycle` is whether the answer has a whole last cycle. `contact` is
-        the normal contact of the scene. Straight steps are steps between the answer's own instants,
-        instead of the scene's path.
+        """Find the instants and places between which slip, friction work and pressure of a solution
+        are smooth.
+
+        Parameters
+        ----------
+        answer
+            half-plane solution; on straight steps its own instants define the path, in place of
+            that of the scene
+        contact
+            normal contact of the scene
+        has_cycle
+            whether the solution has a whole last cycle
         """
         self.scene = answer.scene
         self.contact = contact
@@ -224,32 +232,28 @@ class _Search:
         self.has_cycle = has_cycle
         self.on_straight_steps = bool(answer.settings.get("straight_steps"))
         self.instants = answer.time
-        # load segment, begin and end time of each part on which P goes one way
         self.monotonic_parts: list[tuple[LoadSegment, float, float]] = []
         if self.on_straight_steps:
             self.instants = answer.time[answer.last_cycle]
         else:
             self.monotonic_parts = _monotonic_parts(self.scene, self.instants[0], self.instants[-1])
-        # instants between which slip of a point goes one way
         self.turning_times = self._find_turning_times()
 
-        # the largest load, and the edges of contact then
         turning_loads = np.asarray(self.scene.load.path().at(self.turning_times)[0])
         index_of_largest_load = np.argmax(turning_loads)
         self.largest_load_time = float(self.turning_times[index_of_largest_load])
-        # (n, 2)
+        # (n, 2) left and right edge of contact
         edges_at_turns = solve(self.scene, x=0.0, time=self.turning_times, fields=()).contact_edges
         self.widest_edges = edges_at_turns[index_of_largest_load]
-        # places between which values are smooth functions of x
         self.kinks = self._find_kinks(edges_at_turns[turning_loads > 0])
 
     def _find_kinks(self, edges_at_turns: Array) -> Array:
         """Places between which values are smooth functions of x, ascending, within the contact at
-        the largest load: edges of contact (n, 2) at the turning points of the loads, corners of the
-        profile, the middle of the profile and of the contact. Of a symmetric scene only the right
-        half is searched. `widest_edges` are the edges of contact at the largest load,
-        `corner_half_widths` of the contact the half-widths at its corners. `unsymmetric` scenes
-        have bulk stress, tilt or unequal sides.
+        the largest load (`widest_edges`). Of a symmetric scene only the right half is searched.
+
+        They are edges of contact at the turning points of the loads, corners of the profile, the
+        middle of the profile and of the contact. `edges_at_turns` (n, 2) are the left and right
+        edges [length]. An `unsymmetric` scene has bulk stress, tilt or unequal sides.
         """
         corners = [
             sign * corner for corner in self.contact.corner_half_widths for sign in (-1.0, 1.0)
@@ -272,24 +276,24 @@ class _Search:
         NaN stands for what is not in `names`, or needs a whole cycle where there is none.
         """
         pressure, pressure_place, half_width = self.largest_pressure_and_half_width()
-        slip = slip_place = work_density = work_density_place = math.nan
-        tension = uncertainty = math.nan
+        slip = slip_place = work_per_area = work_place = math.nan
+        tension = tension_uncertainty = math.nan
         if self.has_cycle and "slip" in names:
             slip, slip_place = self.largest_slip_range()
         if self.has_cycle and "dissipation_density" in names:
-            work_density, work_density_place = self.largest_work_density()
+            work_per_area, work_place = self.largest_work_density()
         if self.has_cycle and "edge_tension" in names:
-            tension, uncertainty = self.largest_edge_tension()
+            tension, tension_uncertainty = self.largest_edge_tension()
         return Extremes(
             pressure=pressure,
             pressure_place=pressure_place,
             half_width=half_width,
             slip=slip,
             slip_place=slip_place,
-            dissipation_density=work_density,
-            dissipation_density_place=work_density_place,
+            dissipation_density=work_per_area,
+            dissipation_density_place=work_place,
             edge_tension=tension,
-            edge_tension_uncertainty=uncertainty,
+            edge_tension_uncertainty=tension_uncertainty,
         )
 
     def _find_turning_times(self) -> Array:
@@ -339,7 +343,7 @@ class _Search:
 
         The range at a point is exact: slip moves one way between the turning points of the loads,
         and until an edge of contact passes the point. On straight steps between the answer's own
-        instants the slip is taken at these. `turning_times` are those of P, Q - f P and -Q - f P.
+        instants the slip is taken at these.
         """
         if not self.scene.friction.coefficient:
             return 0.0, 0.0
@@ -351,25 +355,23 @@ class _Search:
             contact passes one of the places.
             """
             time = np.unique(np.concatenate([self.turning_times, self._times_of_passing_edge(x)]))
-            # slip, P and edges of contact at these instants
             answer_at_x = self._answer_at(x, time, ("slip",))
-            # rows of the last cycle
+            # numbers of the instants of the last cycle
             cycle_rows = (
                 answer_at_x.last_cycle
                 if self.on_straight_steps
                 else np.arange(len(answer_at_x.time))
             )
-            edges = answer_at_x.contact_edges[cycle_rows]
+            contact_edges = answer_at_x.contact_edges[cycle_rows]
             # 1e-10 of the contact width at the largest load
             edge_tolerance = _EDGE_TOLERANCE_SHARE * float(np.diff(self.widest_edges)[0])
-            is_within_edges = (x >= edges[:, :1] - edge_tolerance) & (
-                x <= edges[:, 1:] + edge_tolerance
+            is_within_edges = (x >= contact_edges[:, :1] - edge_tolerance) & (
+                x <= contact_edges[:, 1:] + edge_tolerance
             )
             is_in_contact = is_within_edges & (answer_at_x.normal_load[cycle_rows] > 0)[:, None]
-            # largest minus smallest slip while in contact
+            # `range_of_slip`: largest minus smallest while in contact
             return range_of_slip(answer_at_x.slip[cycle_rows], is_in_contact)
 
-        # searched for over x, between the kinks
         return self._largest_over_contact("slip_place", slip_ranges)
 
     def _times_of_passing_edge(self, x: Array) -> Array:
@@ -409,12 +411,12 @@ class _Search:
         """Largest friction work per area over the cycle W(x) [energy / area], and its place."""
         ends_of_cycle = self.instants[[0, -1]]
 
-        def work_densities(x: Array) -> Array:
+        def works_per_area(x: Array) -> Array:
             """Friction work per area of the cycle at places x (n,), (n,) [energy / area]."""
             answer_at_x = self._answer_at(x, ends_of_cycle, ("dissipation_density",))
             return np.asarray(answer_at_x.dissipation_density)
 
-        return self._largest_over_contact("dissipation_density_place", work_densities)
+        return self._largest_over_contact("dissipation_density_place", works_per_area)
 
     def _largest_over_contact(
         self, place_name: str, values_at: Callable[[Array], Array]
@@ -516,14 +518,20 @@ def _largest_value_and_place(
     converged_share: float = _CONVERGED_CHANGE_SHARE,
 ) -> tuple[float, float]:
     """Largest value of a function of place or time, and where it is, over the range of `kinks`
-    (n,), ascending, between which the function is smooth.
+    (n,), ascending, between which the function is smooth. A single kink is the place.
 
     About `n_first_places` places are tried at first. In each round closer ones follow around the
     three largest local maxima: eleven places, and the vertex of the parabola through a maximum and
-    its neighbours. The search has converged if a round raises the largest value by less than
-    `converged_share` of itself, and the round before by less than 1e-10. It ends after 16 rounds in
-    any case, and at a value that is not finite, which is returned. `values_at` takes places (m,)
-    and returns the values (m,). A single kink is the place.
+    its neighbours. The search ends after 16 rounds at most, and at a value that is not finite,
+    which is returned.
+
+    Parameters
+    ----------
+    values_at
+        the function, of places (m,); its values are (m,)
+    converged_share
+        the search has converged if a round raises the largest value by less than this share of
+        itself, and the round before by less than 1e-10
 
     >>> top, place = _largest_value_and_place(lambda x: 1 - (x - 0.3) ** 2, np.array([0.0, 1.0]))
     >>> round(top, 12), round(place, 5)
@@ -536,32 +544,31 @@ def _largest_value_and_place(
     first_values = values_at(first_places)
     index_of_largest_value = int(np.argmax(first_values))
     largest_value = float(first_values[index_of_largest_value])
-    place = float(first_places[index_of_largest_value])
+    place_of_largest_value = float(first_places[index_of_largest_value])
     # three at most, each with its two neighbours
     local_maxima = _local_maxima(first_places, first_values)
     nearly_converged_share = max(converged_share, _NEARLY_CONVERGED_CHANGE_SHARE)
     is_nearly_converged = False
 
-    # closer and closer places around the maxima
     for _ in range(_MOST_SEARCH_ROUNDS):
         if not np.isfinite(largest_value):
             break
         places_by_maximum = [maximum.places_around() for maximum in local_maxima]
-        all_places = np.unique(np.concatenate(places_by_maximum))
-        new_values = values_at(all_places)
-        index_of_largest_value = int(np.argmax(new_values))
-        value_change = float(new_values[index_of_largest_value]) - largest_value
-        if value_change > 0:
-            largest_value = float(new_values[index_of_largest_value])
-            place = float(all_places[index_of_largest_value])
-        if is_nearly_converged and value_change <= converged_share * abs(largest_value):
+        round_places = np.unique(np.concatenate(places_by_maximum))
+        round_values = values_at(round_places)
+        index_of_largest_value = int(np.argmax(round_values))
+        value_rise = float(round_values[index_of_largest_value]) - largest_value
+        if value_rise > 0:
+            largest_value = float(round_values[index_of_largest_value])
+            place_of_largest_value = float(round_places[index_of_largest_value])
+        if is_nearly_converged and value_rise <= converged_share * abs(largest_value):
             break
-        is_nearly_converged = value_change <= nearly_converged_share * abs(largest_value)
+        is_nearly_converged = value_rise <= nearly_converged_share * abs(largest_value)
         local_maxima = [
-            maximum.narrowed(places, new_values[np.searchsorted(all_places, places)])
+            maximum.narrowed(places, round_values[np.searchsorted(round_places, places)])
             for maximum, places in zip(local_maxima, places_by_maximum, strict=True)
         ]
-    return largest_value, place
+    return largest_value, place_of_largest_value
 
 
 def _distinct(kinks: Array) -> Array:
@@ -644,22 +651,25 @@ class _LocalMaximum(NamedTuple):
 
 def _local_maxima(places: Array, values: Array) -> list[_LocalMaximum]:
     """The highest local maxima of values at places, (n,) each, places ascending: three at most, of
-    at least 97 % of the largest value.
+    at least 97 % of the largest value. Each has its two neighbours.
     """
     below_all_values = np.array([-np.inf])
-    is_above_last = values >= np.concatenate([below_all_values, values[:-1]])
-    is_above_next = values >= np.concatenate([values[1:], below_all_values])
-    # _LEAST_CANDIDATE_SHARE: 0.97
+    is_above_value_before = values >= np.concatenate([below_all_values, values[:-1]])
+    is_above_value_behind = values >= np.concatenate([values[1:], below_all_values])
     is_nearly_largest = values >= _LEAST_CANDIDATE_SHARE * np.max(values)
-    indices_of_maxima = np.flatnonzero(is_above_last & is_above_next & is_nearly_largest)
+    indices_of_maxima = np.flatnonzero(
+        is_above_value_before & is_above_value_behind & is_nearly_largest
+    )
     indices_of_highest = indices_of_maxima[np.argsort(-values[indices_of_maxima], kind="stable")][
         :_MOST_CANDIDATES
     ]
     last_index = len(places) - 1
-    neighbours = [np.clip([k - 1, k, k + 1], 0, last_index) for k in indices_of_highest.tolist()]
+    indices_with_neighbours = [
+        np.clip([k - 1, k, k + 1], 0, last_index) for k in indices_of_highest.tolist()
+    ]
     return [
         _LocalMaximum(places[maximum_and_neighbours], values[maximum_and_neighbours])
-        for maximum_and_neighbours in neighbours
+        for maximum_and_neighbours in indices_with_neighbours
     ]
 
 
@@ -673,31 +683,31 @@ def _extremes_at_default_points(scene: Scene) -> Extremes:
 
 
 def _extremes_at_points_of(answer: ContactSolution) -> Extremes:
-    """The largest pressure, slip, friction work per area, half-width and edge tension of an answer
-    with all fields, at its own points and the instants of its last cycle.
+    """The largest pressure, slip, friction work per area, half-width and edge tension of a
+    half-plane solution with all fields, at its own points and the instants of its last cycle.
 
-    For scenes whose friction history is not one memory curve (tangential force, or bulk strain,
-    locked in up to each load): without it no smooth function is there to be searched. Slip counts
-    while a point is in contact.
+    It serves scenes whose friction history is not one memory curve (tangential force, or bulk
+    strain, locked in up to each load): without it there is no smooth function to be searched. Slip
+    counts while a point is in contact.
     """
-    # instants of the last cycle
+    # numbers of the instants of the last cycle
     cycle_rows = answer.last_cycle
     largest_pressures = answer.pressure[cycle_rows].max(axis=0)
-    edges = answer.contact_edges[cycle_rows]
-    # largest minus smallest slip of each point
-    slip_range = range_of_slip(answer.slip[cycle_rows], answer.state[cycle_rows] != OPEN)
-    work_density = answer.dissipation_density
-    tension, uncertainty = _largest_tension(answer, answer.time[cycle_rows])
+    contact_widths = np.diff(answer.contact_edges[cycle_rows], axis=1)
+    # `range_of_slip`: largest minus smallest slip of each point
+    slip_ranges = range_of_slip(answer.slip[cycle_rows], answer.state[cycle_rows] != OPEN)
+    works_per_area = answer.dissipation_density
+    tension, tension_uncertainty = _largest_tension(answer, answer.time[cycle_rows])
     return Extremes(
         pressure=float(largest_pressures.max()),
         pressure_place=float(answer.x[np.argmax(largest_pressures)]),
-        half_width=float(np.nanmax(np.diff(edges, axis=1), initial=0.0)) / 2,
-        slip=float(slip_range.max()),
-        slip_place=float(answer.x[np.argmax(slip_range)]),
-        dissipation_density=float(work_density.max()),
-        dissipation_density_place=float(answer.x[np.argmax(work_density)]),
+        half_width=float(np.nanmax(contact_widths, initial=0.0)) / 2,
+        slip=float(slip_ranges.max()),
+        slip_place=float(answer.x[np.argmax(slip_ranges)]),
+        dissipation_density=float(works_per_area.max()),
+        dissipation_density_place=float(answer.x[np.argmax(works_per_area)]),
         edge_tension=tension,
-        edge_tension_uncertainty=uncertainty,
+        edge_tension_uncertainty=tension_uncertainty,
         sampled=(
             "bulk stress and tilt leave no one memory curve, so the largest values of theory are"
             f" those at {len(answer.x)} points and {len(cycle_rows)} instants"

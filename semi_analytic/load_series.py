@@ -576,10 +576,18 @@ def _with_line_at_limit(
     """The memory curve after slip: the part that still sticks, and on top of it a line at the
     Coulomb limit that ends at P = `load`, Q = `force`.
 
-    The line's length in eta is `slip_zone_load` = P - P_c, P_c the load at the stick edge; its
-    `slope` is +f or -f. The memory curve M(eta) is the tangential force of the flat punches up to
-    the load eta. Where nothing sticks, the line begins at eta = 0. `line_count` is the number of
-    lines of a curve; `_new_tuple` makes a line.
+    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. Where
+    nothing sticks, the line begins at eta = 0.
+
+    Parameters
+    ----------
+    sticking_curve
+        uppermost line of the part that sticks, which holds the lines below and their number
+        (`line_count`); None where nothing sticks
+    slip_zone_load
+        P - P_c, P_c the load at the stick edge: length of the line in eta
+    slope
+        of the line, +f or -f
     """
     if sticking_curve is None:
         return _new_tuple(Line, (None, load, force, load, slope * load, 1))
@@ -601,21 +609,28 @@ def _curve_after_unloading(
 
     The memory curve M(eta) is the tangential force of the flat punches up to the load eta. The step
     slips forward where the path runs above the memory curve M(P) in the P-Q plane, and in reverse
-    below it. Where the path crosses the curve the step is cut. Each later point lies inside the
-    Coulomb limits |dQ| <= f |dP| of the earlier ones, so that a cut does not change the state.
+    below it. Where the path crosses the curve the step is cut into parts. Each later point lies
+    inside the Coulomb limits |dQ| <= f |dP| of the earlier ones, so that a cut does not change the
+    state.
 
-    Each part of the step on one side of the curve holds its direction of slip and how far P has
-    fallen at its end. Stations are P, Q and the share of the step that is over; f is `friction`;
-    `recorder` takes a record for each line of the curve that the step goes through.
+    Parameters
+    ----------
+    curve
+        uppermost line of the memory curve before the step
+    begin_station, end_station
+        P, Q and the share of the step that is over, at both ends
+    friction
+        f
+    recorder
+        takes a record for each line of the curve that the step goes through
     """
     load, force, begin_share = begin_station
     load_at_end, force_at_end, end_share = end_station
     load_drop = load - load_at_end
     path_slope = (force_at_end - force) / (load_at_end - load)
-    # one part at least; tolerance of Q - M(P): 8e-15 of f P
-    *earlier_parts, last_part = _parts_of_unloading(
-        curve, load_drop, path_slope, _ON_CURVE_FORCE_SHARE * friction * load
-    )
+    force_tolerance = _ON_CURVE_FORCE_SHARE * friction * load
+    # Each part has its direction of slip, and the fall of P from the begin of the step to its end.
+    *earlier_parts, last_part = _parts_of_unloading(curve, load_drop, path_slope, force_tolerance)
     station = begin_station
     for part in earlier_parts:
         share_at_part_end = begin_share + part.load_drop_at_end / load_drop * (
@@ -657,17 +672,27 @@ def _parts_of_unloading(
     """The parts of an unloading step, one at least, by the side of the memory curve M(P) on which
     the path runs: slip forward where Q > M(P), in reverse below it, none along it.
 
-    The path runs along a line of the curve where Q - M(P) is within `tolerance` at both ends of the
-    line [force per thickness]. The memory curve M(eta) is the tangential force of the flat punches
-    up to the load eta. Along the step P falls by `load_drop`, and dQ/dP = `path_slope`. The excess
-    Q - M(P) is followed line by line of the curve. A part holds the fall of P from the begin of the
-    step to its end, and its side, 1, -1 or 0.
+    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. The
+    excess Q - M(P) is followed line by line of the curve, from the top down.
+
+    Parameters
+    ----------
+    curve
+        uppermost line of the curve, with its length in eta and its rise in M; `curve_below` is the
+        next one
+    load_drop, path_slope
+        fall of P in the step; dQ/dP along it
+    tolerance
+        |Q - M(P)| up to which the path runs along the curve at the end of a line [force per
+        thickness]
     """
     parts: list[_UnloadingPart] = []
     line = curve
-    drop_above_line = 0.0  # fall of P from the begin of the step to the upper end of the line
-    excess_at_top = 0.0  # Q - M(P) there
-    former_side = 0  # its sign: 1, -1 or 0
+    # fall of P from the begin of the step to the upper end of the line; Q - M(P) there, and its
+    # sign: 1, -1 or 0
+    drop_above_line = 0.0
+    excess_at_top = 0.0
+    side_at_top = 0
     side_of_unfinished_part = 0
     while line is not None and drop_above_line < load_drop:
         # fall of P that remains of the step, and on this line
@@ -679,21 +704,21 @@ def _parts_of_unloading(
             + line.force_rise * (drop_on_line / line.load_length)
             - path_slope * drop_on_line
         )
-        side = 1 if excess_at_bottom > 0 else -1
+        side_at_bottom = 1 if excess_at_bottom > 0 else -1
         if abs(excess_at_bottom) <= tolerance:
-            side = 0
-        # the path crosses the curve within the line, or leaves it at a knot
-        if side * former_side < 0:
+            side_at_bottom = 0
+        # The path crosses the curve within the line, or leaves it at a knot.
+        if side_at_bottom * side_at_top < 0:
             drop_at_crossing = drop_above_line + drop_on_line * excess_at_top / (
                 excess_at_top - excess_at_bottom
             )
-            parts.append(_UnloadingPart(drop_at_crossing, former_side))
-        elif drop_above_line > 0 and (side or former_side) != side_of_unfinished_part:
+            parts.append(_UnloadingPart(drop_at_crossing, side_at_top))
+        elif drop_above_line > 0 and (side_at_bottom or side_at_top) != side_of_unfinished_part:
             parts.append(_UnloadingPart(drop_above_line, side_of_unfinished_part))
-        side_of_unfinished_part = side or former_side
+        side_of_unfinished_part = side_at_bottom or side_at_top
         drop_above_line += drop_on_line
         excess_at_top = excess_at_bottom
-        former_side = side
+        side_at_top = side_at_bottom
         line = line.curve_below
     return [*parts, _UnloadingPart(load_drop, side_of_unfinished_part)]
 
@@ -724,10 +749,16 @@ def _curve_after_retracing(
     """The memory curve after unloading along it, Q = M(P), without slip: its part above the new P
     is removed. None if nothing is left.
 
-    The memory curve M(eta) is the tangential force of the flat punches up to the load eta; `curve`
-    is its uppermost straight line, which holds those below. Stations are P, Q and the share of the
-    step that is over. `recorder` takes a record for each line that P passes: line, direction 0, and
-    the stations at both ends.
+    The memory curve M(eta) is the tangential force of the flat punches up to the load eta.
+
+    Parameters
+    ----------
+    curve
+        its uppermost straight line, which holds those below
+    begin_station, end_station
+        P, Q and the share of the step that is over
+    recorder
+        takes a record for each line that P passes: the line, direction 0, stations at both ends
     """
     load, force, begin_share = begin_station
     load_at_end, _, end_share = end_station
@@ -863,13 +894,13 @@ def _follow_rows(
     """
     largest_line_count = 0
     load, force = rows[0].tolist()
-    # by Coulomb's law: slip forward or in reverse, full stick, or unloading
+    # of each step by Coulomb's law: slip forward or in reverse, full stick, or unloading
     kinds = kinds_of_steps(rows, friction).tolist()
     for (next_load, next_force), kind in zip(rows[1:].tolist(), kinds, strict=True):
         # P, Q and the share of the step that is over
-        station = (load, force, 0.0)
-        next_station = (next_load, next_force, 1.0)
-        curve = _curve_after_step(curve, kind, station, next_station, friction, recorder)
+        begin_station = (load, force, 0.0)
+        end_station = (next_load, next_force, 1.0)
+        curve = _curve_after_step(curve, kind, begin_station, end_station, friction, recorder)
         if next_load == 0:
             curve = None  # unloaded: a line that rounding left has no length
         load = next_load
@@ -899,8 +930,8 @@ def _is_same_memory(
     """Whether two memory curves M(eta), tangential force of the flat punches up to the load eta,
     agree, so that a cycle between them is steady.
 
-    Their largest eta must agree within `tolerance` times the larger, and M at the ends of the lines
-    of both within `tolerance` times f times that, f = `friction`.
+    Their largest eta must agree within `tolerance` times the larger one. M at the ends of the lines
+    of both must agree within `tolerance` times f P, P the larger of these loads.
     """
     # eta and M at the ends of the lines, ascending from (0, 0)
     first_loads, first_forces = _knots_of(first_curve)
@@ -1012,23 +1043,23 @@ class LoadSeries:
         """Instants of the answer where the user gives none, ascending, and the number of rows that
         are left out of them.
 
-        Of a measured path of more than 1,000 rows, `is_long_measurement`, the instants are all
-        rows, or about 400 of them if `thinned`. Else they are about 400 a cycle and 100 of the
-        initial loading, evenly spread over the records, portions of the load steps. With
-        `last_cycle_only` only the last part of the path counts. `first_steps` is the number of the
-        first step of each part, `times` are those of all rows.
+        Of a measured path of more than 1,000 rows the instants are all rows, or about 400 of them
+        if `thinned`. Else they are about 400 a cycle and 100 of the initial loading, evenly spread
+        over the records, portions of the load steps. With `last_cycle_only` only the last part of
+        the path counts.
         """
         first_part = len(self.parts) - 1 if last_cycle_only else 0
         if self.is_long_measurement:
+            # The first step of a part begins at the row of the same number.
             row_times = self.times[self.first_steps[first_part] :]
             stride = max(len(row_times) // _ROWS_OF_THINNED_ANSWER, 1) if thinned else 1
-            times_of_answer = np.unique(np.append(row_times[::stride], row_times[-1]))
-            return times_of_answer, len(row_times) - len(times_of_answer)
-        times_of_parts = [
+            instants = np.unique(np.append(row_times[::stride], row_times[-1]))
+            return instants, len(row_times) - len(instants)
+        instants_of_parts = [
             self._even_times_of_part(part_number)
             for part_number in range(first_part, len(self.parts))
         ]
-        return np.unique(np.concatenate(times_of_parts)), 0
+        return np.unique(np.concatenate(instants_of_parts)), 0
 
     def _even_times_of_part(self, part_number: int) -> Array:
         """Ascending instants of one part of the path: about 400 of a cycle, 100 of the initial
@@ -1054,31 +1085,34 @@ class LoadSeries:
         that is over, and share of it within which two instants count as one, (n,) each.
 
         Step k goes from row k of the path to row k + 1. An instant at a row belongs to the step
-        that ends there. InputError for a time outside the path. `times` are those of all rows; a
-        time beyond the followed path is reduced by whole periods (`period`, None without one).
+        that ends there. A time beyond the followed path is reduced by whole periods. InputError for
+        a time outside the path.
         """
-        times = self.times
-        durations = np.diff(times)
+        row_times = self.times
+        step_durations = np.diff(row_times)
         # times within the followed path, and how far outside they may be by round-off
         path_time, time_slack = time_in_followed_path(
-            time, float(times[0]), float(times[-1]), self.period
+            time, float(row_times[0]), float(row_times[-1]), self.period
         )
-        # eight spacings of floating-point numbers, as a share of each step
-        rounding_share = _FLOAT_SPACINGS_AT_ROW * np.spacing(np.max(np.abs(times))) / durations
-        # Never more than the time by which an instant may miss the whole path.
-        # _STEP_SHARE_AT_ROW: 1e-10
+        # Slack as a share of each step: eight spacings of floating-point numbers or 1e-10 of the
+        # step, but never more than the time by which an instant may miss the whole path.
+        rounding_share = (
+            _FLOAT_SPACINGS_AT_ROW * np.spacing(np.max(np.abs(row_times))) / step_durations
+        )
         slack_share_of_steps = np.minimum(
-            time_slack / durations, np.maximum(_STEP_SHARE_AT_ROW, rounding_share)
+            time_slack / step_durations, np.maximum(_STEP_SHARE_AT_ROW, rounding_share)
         )
-        row_at_end = np.clip(np.searchsorted(times, path_time, side="left"), 1, len(times) - 1)
+        row_at_end = np.clip(
+            np.searchsorted(row_times, path_time, side="left"), 1, len(row_times) - 1
+        )
         # An instant that misses a row by round-off is still at the row.
         row_at_begin = row_at_end - 1
         is_at_row_at_begin = (row_at_end > 1) & (
-            path_time - times[row_at_begin]
-            <= slack_share_of_steps[row_at_begin] * durations[row_at_begin]
+            path_time - row_times[row_at_begin]
+            <= slack_share_of_steps[row_at_begin] * step_durations[row_at_begin]
         )
         step_number = row_at_begin - is_at_row_at_begin
-        share_of_step = (path_time - times[step_number]) / durations[step_number]
+        share_of_step = (path_time - row_times[step_number]) / step_durations[step_number]
         slack_share_of_step = slack_share_of_steps[step_number]
         share_of_step = np.where(
             share_of_step > 1 - slack_share_of_step, 1.0, np.maximum(share_of_step, 0.0)
@@ -1184,24 +1218,24 @@ def straight_series(path: LoadPath, friction: float, time: Array) -> LoadSeries:
         raise InputError("straight_steps: not with bulk stress or tilt")
     if np.any(np.diff(time) <= 0):
         raise InputError("straight_steps: the times must ascend, no two of them equal")
-    times_with_start = np.concatenate([[path.start], time]) if float(time[0]) > path.start else time
-    if len(times_with_start) < 2:
+    row_times = np.concatenate([[path.start], time]) if float(time[0]) > path.start else time
+    if len(row_times) < 2:
         raise InputError(
             f"straight_steps: no time is after the start of the load path, {path.start:.6g}"
         )
-    normal_load, tangential_load = path.at(times_with_start)
-    rows_of_times = np.stack([times_with_start, normal_load, tangential_load], axis=1)
-    require_admissible_rows(rows_of_times, friction)
-    # INSTANT_SLACK_SHARE: 1e-9 of a period
+    normal_load, tangential_load = path.at(row_times)
+    rows = np.stack([row_times, normal_load, tangential_load], axis=1)
+    require_admissible_rows(rows, friction)
+    # 1e-9 of a period
     time_slack = INSTANT_SLACK_SHARE * (path.period or 0.0)
-    if path.period is None or times_with_start[-1] <= path.cycle_start + time_slack:
-        return _one_way_series(friction, rows_of_times)
+    if path.period is None or row_times[-1] <= path.cycle_start + time_slack:
+        return _one_way_series(friction, rows)
 
     _, n_whole_cycles = cycles_to_follow(path.cycle_start, path.period, 1, time)
     cycle_starts = np.asarray(
         path.cycle_start + path.period * np.arange(n_whole_cycles + 1), dtype=np.float64
     )
-    loading, *cycles = _parts_between_cycle_starts(rows_of_times, cycle_starts, time_slack)
+    loading, *cycles = _parts_between_cycle_starts(rows, cycle_starts, time_slack)
     return _follow_cycles(friction, loading, cycles, path.period, n_whole_cycles, repeats=False)
 
 
@@ -1211,27 +1245,34 @@ def _parts_between_cycle_starts(
     """The parts of a load path of straight steps: initial loading, then one cycle after the other.
     The last row of one part is the first row of the next.
 
-    `rows` (n, 3) are time, P and Q. A cycle that starts between two rows gets a row of its own, on
-    the straight line between them. `cycle_starts` (c,) are the times at which cycles start; a row
-    that is nearer to one than `time_slack` is at it.
+    A cycle that starts between two rows gets a row of its own, on the straight line between them.
+
+    Parameters
+    ----------
+    rows
+        (n, 3) time, P and Q
+    cycle_starts
+        (c,) times at which cycles start
+    time_slack
+        a row that is nearer to the start of a cycle than this time is at it
     """
     times = rows[:, 0]
-    # rows at the begin of each cycle, where the times have none
     is_among_times = (np.abs(times[:, None] - cycle_starts) <= time_slack).any(axis=0)
     missing_cycle_starts = cycle_starts[~is_among_times & (cycle_starts < times[-1])]
-    row_times = np.sort(np.concatenate([times, missing_cycle_starts]))
+    all_times = np.sort(np.concatenate([times, missing_cycle_starts]))
     all_rows = np.stack(
         [
-            row_times,
-            np.interp(row_times, times, rows[:, 1]),
-            np.interp(row_times, times, rows[:, 2]),
+            all_times,
+            np.interp(all_times, times, rows[:, 1]),
+            np.interp(all_times, times, rows[:, 2]),
         ],
         axis=1,
     )
-    cycle_number = np.searchsorted(cycle_starts - time_slack, row_times[:-1], side="right")
+    # of each step, 0 for the initial loading
+    cycle_number = np.searchsorted(cycle_starts - time_slack, all_times[:-1], side="right")
     first_rows_of_cycles = np.flatnonzero(np.diff(cycle_number, prepend=0)).tolist()
-    rows_at_ends = [0, *first_rows_of_cycles, len(row_times) - 1]
-    for first_row, last_row in pairwise(rows_at_ends):
+    boundary_rows = [0, *first_rows_of_cycles, len(all_times) - 1]
+    for first_row, last_row in pairwise(boundary_rows):
         yield PathPart(all_rows[first_row : last_row + 1], 0.0)
 
 
@@ -1257,9 +1298,9 @@ def require_admissible_rows(rows: Array, friction: float) -> None:
     segment_to_bad_row = StraightSegment(
         time_of_row_before, bad_time, tuple(loads_of_row_before), tuple(bad_loads)
     )
-    require_admissible(
-        [segment_to_bad_row], friction
-    )  # raises, with the instant between the rows, but for round-off
+    # It raises with the instant between the rows at which the limit is passed. Where that is within
+    # round-off it does not raise: then the row itself is named.
+    require_admissible([segment_to_bad_row], friction)
     reason = "separation" if separates[bad_row] else "gross sliding"
     raise InadmissibleLoadError(reason, LoadedInstant(bad_time, *bad_loads), friction=friction)
 
@@ -1300,8 +1341,8 @@ def _follow_cycles(
     """
     followed_cycles: list[PathPart] = []
     steady_from = None
+    # memory curve M(eta), the tangential force of the flat punches up to each load eta
     curve = None
-    # blocks of 10,000 steps at most; each ends with a memory curve
     for _, block in blocks_of_part(loading, friction):
         curve = block.curve_at_end
     for cycle in cycle_parts:
@@ -1316,17 +1357,16 @@ def _follow_cycles(
         # follows from the largest P - P_c over the largest P, P_c the load at the stick edge.
         slip_zone_share = share_of_largest_load(largest_slip_zone_load, cycle)
         tolerance = repeat_tolerance(slip_zone_share)
-        # M(eta), tangential force up to each load eta, at begin and end of the cycle
         if steady_from is None and _is_same_memory(curve_at_begin, curve, friction, tolerance):
             steady_from = len(followed_cycles) - 1
             if repeats:
                 break
 
-    # the solved cycle of each cycle that the answer covers
+    # for each cycle that the answer covers, the followed cycle that it is or is a copy of
     n_covered_cycles = n_whole_cycles
     if not n_whole_cycles:
         n_covered_cycles = len(followed_cycles) if repeats else 1
-    solved_cycle_of_covered_cycle = tuple(
+    followed_of_covered_cycles = tuple(
         min(number, len(followed_cycles) - 1) for number in range(n_covered_cycles)
     )
     return LoadSeries(
@@ -1335,7 +1375,7 @@ def _follow_cycles(
         first_cycle_part=1,
         steady_from=steady_from,
         period=period,
-        covered=solved_cycle_of_covered_cycle,
+        covered=followed_of_covered_cycles,
         repeats=repeats,
     )
 
@@ -1412,8 +1452,9 @@ class States:
         Parameters
         ----------
         block
-            rows of P and Q, records of the steps, and the line of each record. A step has a record
-            for each line of the memory curve that it goes through.
+            rows of P and Q, records of the steps, and the line of each record (`line_table` as
+            numbers, `lines`). A step has a record for each line of the memory curve that it goes
+            through.
         step_number, share_of_step
             (n,) number within the block of the load step in which each instant lies, and share of
             that step that is over
@@ -1423,17 +1464,21 @@ class States:
         """
         if not len(step_number):
             return
-        record_number = _record_at(block.records, step_number, share_of_step - slack)
+        records = block.records
+        record_number = _record_at(records, step_number, share_of_step - slack)
         # An instant that counts as the end of a record has the loads of that end.
-        share_of_step = np.minimum(share_of_step, block.records.step_share_at_end[record_number])
-        load, force = _loads_at(block.rows, step_number, share_of_step)
+        share_of_step = np.minimum(share_of_step, records.step_share_at_end[record_number])
+        normal_load, tangential_load = _loads_at(block.rows, step_number, share_of_step)
         line = LineTable(*(column[record_number] for column in block.line_table))
-        direction = block.records.direction[record_number]
-        slip_zone_load = _slip_zone_load_at(block.records, record_number, share_of_step, load, line)
-        force_at_stick_edge = line.top_force - line.slope * (
-            line.top_load - (load - slip_zone_load)
+        direction = records.direction[record_number]
+        slip_zone_load = _slip_zone_load_at(
+            records, record_number, share_of_step, normal_load, line
         )
-        force_error = force_at_stick_edge + direction * self.friction * slip_zone_load - force
+        # M at the stick edge, which lies on the line; M(P) by slope f or -f from there
+        stick_edge_load = normal_load - slip_zone_load
+        force_at_stick_edge = line.top_force - line.slope * (line.top_load - stick_edge_load)
+        force_in_slip_zone = direction * self.friction * slip_zone_load
+        force_error = force_at_stick_edge + force_in_slip_zone - tangential_load
 
         # Each line that is needed is stored once.
         line_number = np.zeros(len(step_number), dtype=np.intp)
@@ -1443,7 +1488,12 @@ class States:
             self._lines += [block.lines[number] for number in records_with_instants.tolist()]
         self._columns.append(
             _StateColumns(
-                load, force, slip_zone_load, direction, line_number + n_lines_before, force_error
+                normal_load,
+                tangential_load,
+                slip_zone_load,
+                direction,
+                line_number + n_lines_before,
+                force_error,
             )
         )
 
@@ -1453,8 +1503,8 @@ class States:
 
         M(P) is the tangential force that the memory curve carries. A state is P, Q, the load
         P - P_c of the slip zones, the direction of slip and the line of the memory curve at the
-        stick edge, P_c. `order` (n,) is, for each of the times, the number of its instant in the
-        order of the load path.
+        stick edge, P_c. `order` (n,) is, for each of the times, the number of its instant among
+        those that were added.
         """
         columns_of_blocks = zip(*self._columns, strict=True)
         states = _StateColumns._make(np.concatenate(column)[order] for column in columns_of_blocks)

@@ -157,27 +157,29 @@ def _error_of_span(contact: Contact, span: Span) -> float:
     over A/pi [force^2 per thickness^2]; 0 in stick and gross sliding.
 
     w = +-Q - f P grows in slip. Lam is the integral of ln(a/c) over the loads from P_c, that at the
-    edge of stick, to P. a and c are the half-widths of contact and of stick, A = 2/E*.
+    edge of stick, to P. a and c are the half-widths of contact and of stick, A = 2/E*. The error is
+    f times the duration of the span times the largest product of dw/dt and the error of Lam.
 
-    The span holds its load segment, begin, end and direction of slip, 0 for none. Its
-    `sticking_piece` is the piece of the memory curve (tangential force up to each load) that holds
-    the stick edge, None if nothing sticks.
+    Parameters
+    ----------
+    contact
+        normal contact, which estimates the error of Lam
+    span
+        time with one direction of slip, 0 for none, on one load segment; `sticking_piece` is the
+        piece of the memory curve that holds the stick edge, None if nothing sticks
     """
     if not span.direction or span.sticking_piece is None:
         return 0.0
     # seven times within the span
     times = np.linspace(span.begin.time, span.end.time, _SAMPLED_TIMES + 2)[1:-1]
     load, _ = span.segment.loads(times)
-    # of Lam, from P and P - P_c
-    kernel_error = contact.quadrature_error("dissipation_kernel", load, span.slip_zone_load(times))
+    slip_zone_load = span.slip_zone_load(times)  # P - P_c
+    kernel_error = contact.quadrature_error("dissipation_kernel", load, slip_zone_load)
     growth_rate_of_w = np.maximum(
         span.segment.rate_of(slip_combination(span.direction, span.friction), times), 0.0
     )
-    return (
-        span.friction
-        * largest_error(growth_rate_of_w * kernel_error)
-        * (span.end.time - span.begin.time)
-    )
+    duration = span.end.time - span.begin.time
+    return span.friction * largest_error(growth_rate_of_w * kernel_error) * duration
 
 
 @dataclass(frozen=True, eq=False)
@@ -217,22 +219,26 @@ class SumsOfKernels:
 def errors_of_sums(contact: Contact, sums: SumsOfKernels) -> dict[str, float]:
     """Relative errors of the sums of kernels that are pressure, shear and slip, by name.
 
-    They hold farther than 1 % of a half-width from the edges of contact and of stick. With "at the
-    edge" behind the name they hold at the points themselves, however near.
+    A kernel is a pressure or a slip integral of the `contact` under one load. The errors hold
+    farther than 1 % of a half-width from the edges of contact and of stick. With "at the edge"
+    behind the name they hold at the points themselves, however near.
 
-    A kernel is a pressure or a slip integral of the `contact` under one load. A sum has at most
-    `n_kernels` of them. `sums` holds the points, loads and half-widths at which kernels are
-    sampled.
+    Errors of pressure are over the largest p, of shear over the largest f p, of slip over the
+    largest slip. Without pressure, or slip, its name is left out. Of closed forms and of tilted
+    contacts the result has only the errors along arcs (curved pieces of the memory curve) that are
+    above 1e-12.
 
-    Pressure is over the largest p, shear over the largest f p, slip over the largest slip. Without
-    pressure, or slip, its name is left out. Of closed forms and of tilted contacts the result has
-    only the errors along arcs (curved pieces of the memory curve) that are above 1e-12.
+    Parameters
+    ----------
+    contact
+        normal contact of the profile
+    sums
+        points (`distances`), loads and half-widths at which kernels are sampled, the largest slip,
+        and how many kernels a sum has at most (`n_kernels`)
     """
-    # 25 points
+    # 25 points as columns, loads as rows
     sampled_places = sums.distances[_evenly_spread_numbers(len(sums.distances), _SAMPLED_PLACES)]
-    # (n, 1): rows are loads, columns places
     load_column = sums.loads[:, None]
-    # of the finite values
     largest_pressure = _largest_finite(contact.pressure(sampled_places, load_column))
     errors_of_arcs = _errors_along_arcs(sums, largest_pressure)
     if contact.has_closed_form or isinstance(contact, TiltedProfile):
@@ -240,12 +246,14 @@ def errors_of_sums(contact: Contact, sums: SumsOfKernels) -> dict[str, float]:
     if largest_pressure <= _SMALLEST_FLOAT:
         return {}
     half_width = contact.half_width(load_column)
-    # _NEAR_EDGE: 0.01
+    # farther than 1 % of a half-width
     is_off_edge = np.abs(sampled_places - half_width) > _NEAR_EDGE * half_width
-    kernel_errors = contact.quadrature_error("pressure", sampled_places, load_column)
-    kernel_error = largest_error(np.where(is_off_edge, kernel_errors, 0.0)) / largest_pressure
+    pressure_kernel_errors = contact.quadrature_error("pressure", sampled_places, load_column)
+    pressure_kernel_error = (
+        largest_error(np.where(is_off_edge, pressure_kernel_errors, 0.0)) / largest_pressure
+    )
     errors = _errors_of_tractions(
-        contact, sums, largest_pressure, kernel_error, errors_of_arcs["shear"]
+        contact, sums, largest_pressure, pressure_kernel_error, errors_of_arcs["shear"]
     )
     if sums.largest_slip > _SMALLEST_FLOAT:
         slip_kernel_errors = contact.quadrature_error("slip_integral", sampled_places, load_column)
@@ -265,15 +273,15 @@ def _errors_of_tractions(
     of a half-width from the edges of contact and of stick; and at the points themselves, however
     near, with "at the edge" behind the name.
 
-    Each is the error of the kernels plus that by the half-widths of contact and, for the shear, of
-    stick.
+    The pressure is one kernel, the shear a sum of `n_kernels` at most. To their errors come those
+    by the half-width of contact and, for the shear, of stick.
 
     Parameters
     ----------
     contact
         normal contact of the profile
     sums
-        points, half-widths of contact and stick, and the largest number of kernels in a sum
+        points (`distances`), half-widths of contact and stick, and `n_kernels`
     largest_pressure
         largest p [stress]
     kernel_error
@@ -282,7 +290,7 @@ def _errors_of_tractions(
         error of the shear along curved pieces of the memory curve, over the largest f p
     """
     errors: dict[str, float] = {}
-    # _NEAR_EDGE: 0.01
+    # at least 1 % of a half-width from an edge, or none
     for suffix, nearest_share in (("", _NEAR_EDGE), (" at the edge", 0.0)):
         error_by_contact_edge, error_by_stick_edge = (
             _error_beside_edges(contact, sums.distances, half_widths, nearest_share)
@@ -332,9 +340,16 @@ def _error_beside_edges(
     At the distance d from the edge p = (g/pi) sqrt(2 d/a), g = dP/da. P(a) is the load under which
     the contact has the half-width a. The result is the change of p where d grows by the error of a.
 
-    d is the distance of the nearest of the points x (k,) ascending, and at least `nearest_share`
-    times a. `half_widths` (n,) are the values of a, NaN where there is no edge. The contact gives g
-    as `stiffness` and the relative error of P(a) as `relative_roundoff`.
+    Parameters
+    ----------
+    contact
+        normal contact: P(a), its relative error (`relative_roundoff`), and g (`stiffness`)
+    x
+        (k,) ascending points; d is the distance of the nearest one from an edge [length]
+    half_widths
+        (n,) values of a, NaN where there is no edge [length]
+    nearest_share
+        d is at least this share of a
     """
     edge_half_width = half_widths[np.isfinite(half_widths) & (half_widths > 0)]
     last_point = len(x) - 1
@@ -346,10 +361,9 @@ def _error_beside_edges(
         nearest_share * edge_half_width,
     )
     stiffness = contact.stiffness(edge_half_width)
-    # of P(a) by round-off
-    error_of_load = contact.relative_roundoff * contact.load(edge_half_width)
+    # error of a: 40 last digits, plus the error of P(a) over dP/da
+    load_error = contact.relative_roundoff * contact.load(edge_half_width)
     positive_stiffness = np.where(stiffness > 0, stiffness, np.inf)
-    # of a: 40 last digits, plus the error of P(a) over dP/da
-    error_of_edge = _DIGITS_OF_EDGE * _EPS * edge_half_width + error_of_load / positive_stiffness
-    change_of_square_root = np.sqrt(distance + error_of_edge) - np.sqrt(distance)
+    half_width_error = _DIGITS_OF_EDGE * _EPS * edge_half_width + load_error / positive_stiffness
+    change_of_square_root = np.sqrt(distance + half_width_error) - np.sqrt(distance)
     return largest_error(stiffness / np.pi * np.sqrt(2 / edge_half_width) * change_of_square_root)
