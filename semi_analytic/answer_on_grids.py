@@ -74,17 +74,17 @@ class GridAnswer:
         """
         self._start_of_clock = clock.perf_counter()
         scene = question.scene
-        # P, Q, bulk strain and tilt over time, and the profile as a contact under any tilt.
+        # P, Q, bulk strain and tilt over time; normal contact as a function of load and tilt
         self._path_loads, self._tilted_contact = path_loads_and_contact(scene)
-        path = self._path_loads.path
+        load_path = self._path_loads.path
         if question.time is not None:
-            path_end = (*path.initial_loading, *path.cycle)[-1].end
-            time_in_followed_path(question.time, path.start, path_end, path.period)  # or refused
+            # refuses a time outside the path
+            path_end = (*load_path.initial_loading, *load_path.cycle)[-1].end
+            time_in_followed_path(question.time, load_path.start, path_end, load_path.period)
         self.question = question
         self.x = self._points()
         # Whether the fields asked for are the same in the steady cycle however it was reached.
         self._steady_only = question.wants_last_cycle_alone and question.fields <= STEADY_FIELDS
-        # pointwise: whether fields at points are wanted; steady: whether the last cycle is enough.
         self.path_on_grids: PathOnGrids = follow_on_grid(
             self._path_loads,
             self._tilted_contact,
@@ -92,6 +92,7 @@ class GridAnswer:
             scene.friction.coefficient,
             self.x,
             question.time,
+            # `steady`: the last cycle is enough; `pointwise`: fields at points are wanted
             GridRequest(
                 most_cycles=max(scene.cycles, 2),
                 steady=self._steady_only,
@@ -115,16 +116,16 @@ class GridAnswer:
         estimated errors, notes, and how the path ended.
 
         `steady_cycle` is the answer for the steady cycle by a method without grids; None where
-        there is none, or where grids found no steady cycle. W(x), permanent stick, loop work and W
-        are taken from it, W also for each cycle from the first steady one on. A last cycle that is
-        not steady gets a note of how far its W may be from the steady one. W(x) is the friction
-        work per area.
+        there is none, or where grids found no steady cycle. From it are taken the friction work W,
+        the work per area W(x), permanent stick and loop work; W also for each cycle from the first
+        steady one on. A last cycle that is not steady gets a note of how far its W may be from the
+        steady one.
         """
         values = self._values()
         errors = self._errors_on_grids()
         if steady_cycle is not None:
             values |= self._values_of_steady_cycle(steady_cycle, values["cycle_dissipation"])
-            # WORK_FIELDS: the names of W and W(x)
+            # those of W and W(x)
             errors |= dict.fromkeys(self.question.fields & WORK_FIELDS, 0.0)
             errors |= dict(steady_cycle.errors)
         if np.isfinite(values["stick_edges"]).any():
@@ -216,9 +217,9 @@ class GridAnswer:
         does not come from grids.
         """
         path_on_grids = self.path_on_grids
+        # of cells across the largest contact, and of stick zones at most
         n_cells = path_on_grids.counts["cells"]
         n_stick_zones = path_on_grids.counts["pieces"]
-        # counts: "cells" across the contact, and "pieces", the largest number of stick zones.
         error_of_work = f"dissipation to {path_on_grids.errors['dissipation']:.1e}, "
         note_of_zones = ""
         if n_stick_zones > 1:
@@ -247,11 +248,11 @@ class GridAnswer:
         """The instants of the answer, among all that were followed, as a slice. They are those of
         the last cycle where it alone is asked for, else all, as of a path that does not repeat.
         """
-        path = self.question.scene.load.path()
-        if not self.question.wants_last_cycle_alone or path.period is None:
+        load_path = self.question.scene.load.path()
+        if not self.question.wants_last_cycle_alone or load_path.period is None:
             return slice(None)
-        # works: one for each cycle that was followed; all cycles have the same period.
-        start_of_last_cycle = path.cycle_start + (len(self.path_on_grids.works) - 1) * path.period
+        n_cycles = len(self.path_on_grids.works)
+        start_of_last_cycle = load_path.cycle_start + (n_cycles - 1) * load_path.period
         return slice(
             int(np.searchsorted(self.path_on_grids.time, start_of_last_cycle * (1 + 1e-12))), None
         )
@@ -300,22 +301,22 @@ class GridAnswer:
         and friction work per area (k,), by their names in a solution.
 
         The instants are the `rows` of the path. A field that was not asked for is NaN, a state is
-        open. The tangential displacement U of the grids has the datum length 1, that of the answer
-        the datum length L of the profile: (A/pi) Q ln(L) is added, A = 2/E*.
+        open.
         """
-        scene = self.question.scene
         path_on_grids = self.path_on_grids
         normal_load, tangential_load, _, tilt = path_on_grids.loads[:, rows]
         contact_edges = path_on_grids.contact_edges[rows]
+        contact_middle = np.mean(contact_edges, axis=1)
+        contact_half_width = np.diff(contact_edges)[:, 0] / 2
+        # U of the grids has the datum length 1, that of the answer the datum length L of the
+        # profile: (A/pi) Q ln(L) more, A = 2/E*.
+        scene = self.question.scene
         unit_compliance = 2 / (math.pi * composite_modulus(scene.material))  # A/pi
         datum_shift = unit_compliance * tangential_load * math.log(scene.profile.datum_length)
         fields: dict[str, NDArray[Any]] = {
             "tangential_displacement": path_on_grids.displacement[rows] + datum_shift,
             "normal_approach": self._tilted_contact.approach(
-                np.mean(contact_edges, axis=1),
-                np.diff(contact_edges)[:, 0] / 2,
-                normal_load,
-                tilt,
+                contact_middle, contact_half_width, normal_load, tilt
             ),
             "pressure": path_on_grids.pressure[rows],
             "shear": path_on_grids.shear[rows],
@@ -356,15 +357,15 @@ class GridAnswer:
         as the grids give it, by name [length]. NaN, without uncertainty, of a path without cycles:
         it begins unloaded, where nothing sticks.
         """
-        edges = np.full(2, math.nan)
+        stick_edges = np.full(2, math.nan)
         uncertainties = {}
         if self.question.scene.load.path().period is not None:
-            edges = self.path_on_grids.permanent_stick_edges
+            stick_edges = self.path_on_grids.permanent_stick_edges
             uncertainties["permanent_stick_half_width"] = (
                 self.path_on_grids.permanent_stick_uncertainty
             )
         return {
-            "permanent_stick_half_width": float(edges[1] - edges[0]) / 2,
-            "permanent_stick_edges": edges,
+            "permanent_stick_half_width": float(stick_edges[1] - stick_edges[0]) / 2,
+            "permanent_stick_edges": stick_edges,
             "uncertainties": uncertainties,
         }

@@ -214,34 +214,37 @@ def _works_on_same_grids(scene: Scene, effects_of_bodies: list[BodyEffects]) -> 
     All are solved on the same grids, so that most of their error cancels in a ratio of two works. W
     is the mean over grids that are moved by fractions of a cell.
     """
-    # P and Q of the scene over time, and its contact under any load and tilt.
-    path_loads, contact = path_loads_and_contact(scene)
-    loads_of_scene = {
+    # P and Q of the scene over time, and its normal contact as a function of load and tilt
+    path_loads, tilted_contact = path_loads_and_contact(scene)
+    fields_of_path_loads = {
         load_field.name: getattr(path_loads, load_field.name) for load_field in fields(path_loads)
     }
     loads_of_bodies = [
-        FollowingLoads(**loads_of_scene, effects=effects) for effects in effects_of_bodies
+        FollowingLoads(**fields_of_path_loads, effects=effects) for effects in effects_of_bodies
     ]
     contact_edges = np.concatenate(
-        [contact_edges_along(loads, contact) for loads in loads_of_bodies]
+        [contact_edges_along(loads, tilted_contact) for loads in loads_of_bodies]
     )
-    range_of_x = (float(np.min(contact_edges)), float(np.max(contact_edges)))
+    outermost_edges = (float(np.min(contact_edges)), float(np.max(contact_edges)))
     return [
-        float(np.mean(_last_works_on_grids(scene, loads, range_of_x))) for loads in loads_of_bodies
+        float(np.mean(_last_works_on_grids(scene, loads, outermost_edges)))
+        for loads in loads_of_bodies
     ]
 
 
-def _last_works_on_grids(scene: Scene, loads: PathLoads, range_of_x: tuple[float, float]) -> Array:
+def _last_works_on_grids(
+    scene: Scene, loads: PathLoads, outermost_edges: tuple[float, float]
+) -> Array:
     """Friction work W of the last cycle followed under `loads`, or of a path without cycle, by each
     of g grids that are moved by fractions of a cell, (g,) [energy per thickness].
 
-    `loads` are P, Q, bulk strain and tilt over time. The grids cover `range_of_x`, in which there
-    is contact somewhere along the path.
+    `loads` are P, Q, bulk strain and tilt over time. The grids cover the contact between its
+    `outermost_edges` along the path, x on the left and on the right [length].
     """
-    # Works (g, c) of all cycles, until one repeats the one before; 80 cells across the contact.
+    # (g, c) of all c cycles, until one repeats the one before; 80 cells across the contact
     works_of_cycles = cycle_works(
         loads,
-        range_of_x,
+        outermost_edges,
         scene.profile.height,
         scene.friction.coefficient,
         composite_modulus(scene.material),
