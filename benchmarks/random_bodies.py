@@ -9,11 +9,6 @@ less than a fifth of how far the value is from the reference: a statement that i
 hide behind its size. Nor does a reference judge that states a larger uncertainty than the value it
 is held against.
 
-Of the largest slip two meshes say little about each other. Slip is largest at an edge of contact,
-which lies alike between the nodes of either: both lack the same. So a reference continues it to the
-edge. Where the node of the largest slip leaves the contact at times, the instants matter, and the
-reference is as wrong as it states.
-
 `python benchmarks/covered.py bodies` prints the table.
 
 # notation: a half-width, f friction, h edge element, P normal load
@@ -32,9 +27,8 @@ from random_scenes import Errors, Tables, ellipse_load, share_of_sliding
 import halfplane_fe
 from halfplane_fe import FiniteElementSolution, SolverSettings
 from meshes import MeshSettings
-from scenes import OPEN, ConvergenceError, InputError, Scene, load_scene
+from scenes import ConvergenceError, InputError, Scene, load_scene
 from scenes.array_types import Array
-from scenes.solution import range_of_slip
 from semi_analytic.profiles import contact_of
 
 # Elements of the two references over those of the judged mesh, by its preset. Finer ones on the
@@ -173,9 +167,6 @@ class Value(NamedTuple):
 def values_of(answer: FiniteElementSolution, times: Array) -> dict[str, Value]:
     """Every quantity that finite elements state an uncertainty of; series at `times`."""
     uncertainties = answer.uncertainties
-    cycle = answer.last_cycle
-    touching = answer.state[cycle] != OPEN
-    slip = float(range_of_slip(answer.slip[cycle], touching).max())
     rows = np.searchsorted(np.round(answer.time, _DECIMALS), times)
     single = {
         "W": (answer.dissipation, answer.dissipation_uncertainty),
@@ -192,7 +183,10 @@ def values_of(answer: FiniteElementSolution, times: Array) -> dict[str, Value]:
             answer.permanent_stick_half_width,
             uncertainties["permanent_stick_half_width"],
         ),
-        "largest slip": (slip, uncertainties["largest_slip"]),
+        "largest slip": (
+            halfplane_fe.largest_slip(answer).value,
+            uncertainties["largest_slip"],
+        ),
     }
     tension = halfplane_fe.largest_edge_tension(answer)
     # An answer without it counts as one without an estimate.
@@ -212,36 +206,6 @@ def values_of(answer: FiniteElementSolution, times: Array) -> dict[str, Value]:
         "U, all instants": Value(answer.tangential_displacement[rows], shift_stated),
         "approach, all instants": Value(answer.normal_approach[rows], approach_stated),
     }
-
-
-def slip_at_edge(answer: FiniteElementSolution) -> float:
-    """Largest range of slip in the last cycle, at an edge of contact that stays there [length]: by
-    the straight line through the last node that touches and the second before it, which is the
-    same node of an element. NaN where that of the largest slip is not always in contact, or not the
-    outermost one that ever is.
-
-    Half-planes, elements of a quarter of the coarse preset's: 5e-7 to 5e-5 from the true one,
-    where that node is 3e-4 to 5e-3 from it.
-    """
-    cycle = answer.last_cycle
-    touches = answer.state[cycle] != OPEN  # (k, n)
-    slip_range = range_of_slip(answer.slip[cycle], touches)
-    node = int(np.argmax(slip_range))
-    nodes_in_contact = np.flatnonzero(touches.any(axis=0))
-    if node == nodes_in_contact[-1]:
-        second_before = node - 2
-        edge = float(np.max(answer.contact_edges[cycle][:, 1]))
-    elif node == nodes_in_contact[0]:
-        second_before = node + 2
-        edge = float(np.min(answer.contact_edges[cycle][:, 0]))
-    else:
-        return math.nan
-    if not touches[:, node].all():
-        return math.nan
-    slope = (slip_range[node] - slip_range[second_before]) / (
-        answer.x[node] - answer.x[second_before]
-    )
-    return float(slip_range[node] + slope * (edge - answer.x[node]))
 
 
 def common_times(answers: list[FiniteElementSolution]) -> Array:
@@ -305,14 +269,6 @@ def _references(
         # _LEFT: error of the finest over the difference
         error = _LEFT * np.abs(value - of_second[name].value)
         references[name] = _Reference(value, error, stated)
-
-    nodal_slip = references["largest slip"]
-    slip = np.array([slip_at_edge(finest)])
-    error_of_slip = _LEFT * np.abs(slip - slip_at_edge(second))
-    if np.isfinite(error_of_slip).all():
-        references["largest slip"] = _Reference(slip, error_of_slip, error_of_slip)
-    else:
-        references["largest slip"] = nodal_slip._replace(error=nodal_slip.stated)
     return references
 
 

@@ -23,8 +23,7 @@ from halfplane_fe import FiniteElementSolution
 from halfplane_fe.body_fields import edge_tension
 from meshes import MeshSettings
 from reports.comparison.measures import l2_norm
-from scenes import OPEN, ContactSolution, ConvergenceError, InputError, Scene, load_scene
-from scenes.solution import range_of_slip
+from scenes import ContactSolution, ConvergenceError, InputError, Scene, load_scene
 from semi_analytic.profiles import contact_of
 
 Array = NDArray[np.float64]
@@ -189,9 +188,7 @@ def errors_of(answer: FiniteElementSolution) -> dict[str, Errors]:
     theory = semi_analytic.solve(scene, x=answer.x, time=answer.time)
     largest = semi_analytic.extremes(theory)
     uncertainties = answer.uncertainties
-    cycle = answer.last_cycle
-    touching = answer.state[cycle] != OPEN
-    slip = float(range_of_slip(answer.slip[cycle], touching).max())
+    slip = halfplane_fe.largest_slip(answer).value
     step = int(np.argmax(answer.contact_half_width))
     values: dict[str, tuple[Any, Any, Any]] = {
         "W": (answer.dissipation, theory.dissipation, answer.dissipation_uncertainty),

@@ -34,6 +34,7 @@ In the order in which a scene passes through::
                                            what they add to the dissipation, which is taken off
     edges.py                               edges of contact and stick at every instant, by fits
     stick_by_slip.py                       ends of the permanent stick zone by the slip beyond them
+    slip_between_nodes.py                  largest slip, over all places up to the edges of contact
     reported_states.py                     states of the nodes as a reader sees them
     task.py, solution.py, answer.py        scene, mesh, settings and scales in one; `solve`; the
                                            arrays of the answer; cost of a penalty layer
@@ -69,6 +70,7 @@ if TYPE_CHECKING:
     from halfplane_fe.path import check_admissible
     from halfplane_fe.remainder import body_effects
     from halfplane_fe.settings import SolverSettings
+    from halfplane_fe.slip_between_nodes import LargestSlip, largest_slip, largest_slip_of_cycle
     from halfplane_fe.solution import FiniteElementSolution, KernelSolution, solve
     from halfplane_fe.solvable import require_solvable
 
@@ -76,6 +78,7 @@ __all__ = [
     "BodyFields",
     "FiniteElementSolution",
     "KernelSolution",
+    "LargestSlip",
     "LargestTension",
     "Snapshot",
     "SolverSettings",
@@ -84,6 +87,8 @@ __all__ = [
     "edge_tension",
     "fields",
     "largest_edge_tension",
+    "largest_slip",
+    "largest_slip_of_cycle",
     "require_solvable",
     "solve",
     "stress",
@@ -93,6 +98,7 @@ _HOME = {
     "BodyFields": "halfplane_fe.body_fields",
     "FiniteElementSolution": "halfplane_fe.solution",
     "KernelSolution": "halfplane_fe.solution",
+    "LargestSlip": "halfplane_fe.slip_between_nodes",
     "LargestTension": "halfplane_fe.body_fields",
     "Snapshot": "halfplane_fe.body_fields",
     "SolverSettings": "halfplane_fe.settings",
@@ -101,6 +107,8 @@ _HOME = {
     "edge_tension": "halfplane_fe.body_fields",
     "fields": "halfplane_fe.body_fields",
     "largest_edge_tension": "halfplane_fe.body_fields",
+    "largest_slip": "halfplane_fe.slip_between_nodes",
+    "largest_slip_of_cycle": "halfplane_fe.slip_between_nodes",
     "require_solvable": "halfplane_fe.solvable",
     "solve": "halfplane_fe.solution",
     "stress": "halfplane_fe.body_fields",

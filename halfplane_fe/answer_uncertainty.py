@@ -44,7 +44,6 @@ from halfplane_fe.uncertainty import (
 )
 from scenes import OPEN, Scene
 from scenes.array_types import Array, Indices, Mask
-from scenes.solution import range_of_slip
 
 # Share of what kinks between the first and the last start of sliding add to W that counts as
 # uncertain.
@@ -59,8 +58,6 @@ _IMPOSED = ("bulk_stress_lower", "bulk_stress_upper", "tilt")
 _IN_PHASE = 1e-6
 # Share of its range within which the slip of a node has reached its end.
 _SAME_SLIP = 1e-6
-# Share of the largest P within which P stays.
-_SAME_LOAD = 1e-6
 # Share of the mean uncertainty of both contact edges that the half-width has: they do not err
 # alike. At the largest contact they stand alike in their elements: 0.9 at most of half-planes but
 # for one of 538. Seeds 701 to 705 of benchmarks/covered.py values, both presets.
@@ -344,13 +341,12 @@ def value_uncertainties(
     # Largest slip and largest friction work per area; 0 without shear.
     estimates["largest_dissipation_density"] = 0.0
     if needs_shear(scene):
-        # by the change of slip to the next nodes, over the way from its node to the contact edge
         estimates["largest_slip"] = slip_uncertainty(
             values_of_cycle,
             coarse_values,
             _scaled_work(task, arrays),
-            _relative_distance_to_edge(scene, arrays),
-            has_low_order=task.has_errors_of_low_order,
+            task.spacing / task.scales.half_width,
+            _meshes(task),
         )
         estimates["largest_dissipation_density"] = _density_uncertainty(
             task, values_of_cycle, arrays
@@ -437,13 +433,8 @@ def _displacement_uncertainties(
         fields and series of the solution by name, in the scene's units
     """
     scales = task.scales
-    # ratio of the element sizes; whether errors are of low order
-    meshes = Meshes(
-        refinement=scales.element_size / task.element_size,
-        has_low_order=task.has_errors_of_low_order,
-    )
     estimates = displacement_uncertainties(
-        values_of_fine_run, scales.values, meshes, needs_shear(task.scene)
+        values_of_fine_run, scales.values, _meshes(task), needs_shear(task.scene)
     )
     # (n_instants,) of the quadratic elements at the contact edges: two node distances
     element_sizes = 2 * _spacing_at_edges(arrays["x"], arrays["contact_edges"])
@@ -457,38 +448,12 @@ def _displacement_uncertainties(
     return estimates
 
 
-def _relative_distance_to_edge(scene: Scene, arrays: Mapping[str, Any]) -> float:
-    """Distance from the node of the largest slip outwards to the contact edge, over that to the
-    next node; the largest in the last load cycle while the node touches. At most 1, and 1 where P
-    varies.
-
-    Slip grows up to the edge of contact. At constant P the edge stays between this node, which is
-    the last one that touches, and the next. Where P varies an edge that is hardly beyond the node
-    has not been there for long: the slip errs by 0.7 to 1.05 of how it changes to the next node.
-
-    `arrays` has series of the solution by name: normal load P (n_steps,), slip and node states
-    (n_steps, n), contact edges (n_steps, 2); nodes x (n,).
-    """
-    is_under_load = _under_load(scene, arrays)
-    loads = arrays["normal_load"][is_under_load]
-    # _SAME_LOAD: share of the largest P within which P is constant
-    if not len(loads) or np.ptp(loads) > _SAME_LOAD * loads.max():
-        return 1.0
-
-    # Node with the largest range of slip while it touches.
-    is_touching = arrays["state"][is_under_load] != OPEN
-    node = int(np.argmax(range_of_slip(arrays["slip"][is_under_load], is_touching)))
-    x = arrays["x"]
-    outwards = 1 if x[node] > 0 else -1
-    if not 0 <= node + outwards < len(x):
-        return 1.0
-
-    # Contact edge on its side at the instants at which it touches.
-    contact_edges = arrays["contact_edges"][is_under_load][
-        is_touching[:, node], (outwards + 1) // 2
-    ]
-    farthest_distance = float(np.max(outwards * (contact_edges - x[node]), initial=0.0))
-    return min(farthest_distance / abs(float(x[node + outwards] - x[node])), 1.0)
+def _meshes(task: Task) -> Meshes:
+    """The two meshes on which values are compared: of the run and of the coarse run."""
+    return Meshes(
+        refinement=task.scales.element_size / task.element_size,
+        has_low_order=task.has_errors_of_low_order,
+    )
 
 
 def _scaled_work(task: Task, arrays: Mapping[str, Any]) -> float:
@@ -540,7 +505,7 @@ def _values_beside_coarse_run(task: Task, problem: ContactProblem, run: PathRun)
         """Values of a cycle of the run, by its number from 1; of the last one for None."""
         return run_values(
             run,
-            problem.interface.face_lengths,
+            problem.interface,
             displacement_unit=scales.load / scales.modulus,
             stress_unit=scales.load / scales.half_width,
             cycle=cycle,

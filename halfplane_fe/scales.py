@@ -425,7 +425,7 @@ def _scales_of_run(
         / face_half_width,
         values=run_values(
             from_datum(scene, run, scene.profile.datum_length / face_half_width),
-            problem.interface.face_lengths,
+            problem.interface,
             displacement_unit=load_unit / modulus,
             stress_unit=load_unit / face_half_width,
         ),

@@ -8,7 +8,7 @@ for each quantity, fitted to random scenes and held to others (`benchmarks/cover
 Where there is no second mesh, or one that is hardly finer or coarser, there is no estimate.
 
 Two meshes may agree by chance in what lives at a few nodes: the largest slip and the largest W(x).
-Their uncertainty follows from how these differ from the nodes beside them. W and the largest
+Their uncertainty also follows from how these differ from the nodes beside them. W and the largest
 pressure have further terms, where the difference alone does not cover them.
 
 # notation: h, H element sizes of the run and of the coarse run; a half-width; A = 2/E*; f
@@ -18,18 +18,21 @@ coefficient of friction; U relative tangential displacement
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
+from halfplane_fe.contact import InterfaceState
+from halfplane_fe.edges import contact_edges
+from halfplane_fe.interface import Interface
 from halfplane_fe.resolution import SMOOTH_TIP, exponent_at_tip, flanks
 from halfplane_fe.run import PathRun
+from halfplane_fe.slip_between_nodes import largest_slip_of_cycle
 from meshes import MeshSettings, SurfaceGrading
 from scenes import Profile, Tolerances
 from scenes.array_types import Array, Indices, Mask
-from scenes.solution import range_of_slip
 
 # Refinement from the coarse run below which their difference gives no estimate.
 _LEAST_REFINEMENT = 1.4
@@ -127,18 +130,14 @@ RULES: dict[str, Rule] = {
 """By the name of the quantity."""
 
 
-# Slip is largest at an edge of contact, a part of an element beyond the last node that touches, and
-# it ends there between two instants. Share of how it changes from that node to the next, over the
-# way to the edge: 0.5 to 1.0 of it at constant P. The same where the edge is at the node. Share of
-# how much larger slip would be if the node opened an instant later: at most 0.8 where that is the
-# larger part. The root of squares counts. Seeds 284 and 285 of benchmarks/covered.py bodies,
-# coarse, and values.
-_SLIP_TO_EDGE = 1.0
-_SLIP_AT_NODE = 0.06
-_SLIP_BETWEEN_INSTANTS = 0.8
-# Distances of nodes over which that change is a mean: of one alone corners and mid-side nodes may
-# agree by chance.
-_NEXT_NODES = 2
+# The largest slip is that of straight lines between nodes, and from the last ones that touch to the
+# edge of contact (`slip_between_nodes`): slip next to the edge bends as the root of a distance
+# does. So a share of how it changes from node to node counts, times the root of their distance over
+# the half-width. Where that change is small by chance, the difference of two meshes counts, of an
+# error of the same order 1.5. Seeds 701 and 702 of benchmarks/covered.py values, and 701 of bodies,
+# coarse.
+_SLIP_BY_NEIGHBOURS = 0.45
+SLIP_RULE = Rule(order=1.5, factor=1.0)
 # W over A f^2 P^2, P the largest load, below which the largest slip has no estimate: of a tabulated
 # profile in full stick but for 1e-12 of A f^2 P^2 the mesh saw a thousandth of the slip.
 _LEAST_WORK_OF_SLIP = 1e-8
@@ -315,14 +314,11 @@ class RunValues:
     tangential_displacement, normal_approach
         (k,) [length]
     largest_slip
-        largest range of the slip of a node while it is in contact [length]; 0 where that is
+        largest range of the slip of any place while it is in contact [length]; 0 where that is
         round-off error of the slip
     slip_to_next_nodes
-        change of that range per distance of nodes, the mean over the two nodes next to that of the
-        largest one, on the side where it is less [length]
-    slip_between_instants
-        how much larger it would be if every node opened at the instant after its last contact, and
-        closed at the one before its first [length]
+        change of that range per distance of nodes, the mean over the two nodes inside of the place
+        [length]
     largest_dissipation_density
         largest W(x) [energy / area]
     number
@@ -336,7 +332,6 @@ class RunValues:
     normal_approach: Array
     largest_slip: float
     slip_to_next_nodes: float
-    slip_between_instants: float
     largest_dissipation_density: float
     number: int
     repeats: bool
@@ -365,7 +360,7 @@ class RunValues:
 
 def run_values(
     run: PathRun,
-    weights: Array,
+    interface: Interface,
     displacement_unit: float,
     stress_unit: float,
     cycle: int | None = None,
@@ -383,8 +378,8 @@ def run_values(
         - `cycle_starts`: index of the state at which each cycle starts;
         - `nodal_work_by_cycle`: (n,) friction work of the nodes, one array for each cycle;
         - `steady_from`: number, from 0, of the cycle that ended as it started; None without one.
-    weights
-        (n,) length of surface that each node stands for, over the unit of length
+    interface
+        places of the n nodes, and length of face that each stands for, over the unit of length
     displacement_unit, stress_unit
         what displacements and stresses of the run are multiplied by [length], [stress]
     cycle
@@ -399,20 +394,18 @@ def run_values(
         first_index : run.cycle_starts[cycle_number] + 1 if has_next_cycle else None
     ]
 
-    # Largest range of slip (largest minus least) of a node while it touches; then of a node that
-    # touches at an instant or at one next to it.
+    # Largest slip; 0 where it is round-off.
     time = np.array([state.time for state in states])
     slip = np.array([state.slip for state in states])
     is_closed = np.array([state.is_closed for state in states])
-    slip_range = range_of_slip(slip, is_closed)
-    largest_slip = float(slip_range.max())
-    slip_with_neighbours = float(range_of_slip(slip, _with_neighbours(is_closed)).max())
-    slip_between_instants = slip_with_neighbours - largest_slip
+    edges = _contact_edges(interface, states)
+    largest = largest_slip_of_cycle(interface.x, slip, is_closed, edges)
+    largest_slip = largest.value
     # _ROUND_OFF: relative round-off
     if largest_slip <= _ROUND_OFF * float(np.max(np.abs(slip))):
         largest_slip = 0.0
 
-    work_of_nodes = np.zeros_like(weights)
+    work_of_nodes = np.zeros_like(interface.face_lengths)
     if run.nodal_work_by_cycle:
         work_of_nodes = run.nodal_work_by_cycle[cycle_number - 1]
     return RunValues(
@@ -420,9 +413,8 @@ def run_values(
         tangential_displacement=np.array([state.shift for state in states]) * displacement_unit,
         normal_approach=np.array([state.approach for state in states]) * displacement_unit,
         largest_slip=largest_slip * displacement_unit,
-        slip_to_next_nodes=_change_beside_largest(slip_range) * displacement_unit,
-        slip_between_instants=slip_between_instants * displacement_unit,
-        largest_dissipation_density=float(np.max(work_of_nodes / weights))
+        slip_to_next_nodes=largest.change_to_nodes * displacement_unit,
+        largest_dissipation_density=float(np.max(work_of_nodes / interface.face_lengths))
         * displacement_unit
         * stress_unit,
         number=cycle_number,
@@ -430,22 +422,14 @@ def run_values(
     )
 
 
-def _change_beside_largest(values: Array) -> float:
-    """Mean change of nodal values (n,) from node to node over the two nodes next to the largest
-    one, on that side where it is less: on the other one the contact ends. NaN where neither side
-    has two nodes.
-
-    >>> _change_beside_largest(np.array([0.0, 1.0, 10.0, 9.0, 6.0]))
-    2.0
+def _contact_edges(interface: Interface, states: Sequence[InterfaceState]) -> Array:
+    """Left and right edge of contact in k states, (k, 2), by the form of pressure and gap at the
+    outermost nodes of the interface; scaled; NaN without contact.
     """
-    peak_node = int(np.argmax(values))
-    values_to_both_sides = (values[peak_node::-1], values[peak_node:])
-    changes = [
-        float(np.mean(np.abs(np.diff(side_values[: _NEXT_NODES + 1]))))
-        for side_values in values_to_both_sides
-        if len(side_values) > _NEXT_NODES
-    ]
-    return min(changes, default=math.nan)
+    pressure = np.array([state.pressure for state in states]) / interface.face_lengths
+    gap = np.array([state.gap for state in states])
+    is_closed = np.array([state.is_closed for state in states])
+    return contact_edges(interface.x, pressure, gap, is_closed, 1.0)
 
 
 @dataclass(frozen=True)
@@ -506,52 +490,38 @@ def slip_uncertainty(
     values: RunValues,
     coarse_values: RunValues | None,
     scaled_work: float,
-    nodes_to_edge: float,
-    *,
-    has_low_order: bool,
+    relative_spacing: float,
+    meshes: Meshes,
 ) -> float:
-    """Uncertainty of the largest slip by the nodes beside it and by the increments [length]; NaN
-    where next to nothing slips, and for errors of low order without a comparable coarse run.
+    """Uncertainty of the largest slip by the nodes beside it, and by the difference of two meshes
+    where both are of comparable load cycles [length]; NaN where next to nothing slips, and for
+    errors of low order without such a difference.
 
     Parameters
     ----------
     values, coarse_values
-        of the run and of the coarse run, None without one: largest range of slip of a node, its
-        mean change to the next nodes (`slip_to_next_nodes`), and how much larger it would be if
-        nodes touched from one instant earlier to one later (`slip_between_instants`)
+        of the run and of the coarse run, None without one: largest slip, and mean change of its
+        range to the next nodes (`slip_to_next_nodes`)
     scaled_work
         W over A f^2 P^2, A = 2/E*, f the coefficient of friction, P the largest load
-    nodes_to_edge
-        distance from the node of the largest slip to the edge of contact beyond it, over that of
-        the next node; at most 1
-    has_low_order
-        linear elements or a penalty layer: the difference from the coarse run counts in full
+    relative_spacing
+        distance of the nodes at the edges of contact, over the half-width
+    meshes
+        the two meshes: `refinement`, element size of the coarse run over that of the run, and
+        whether the difference counts in full (`has_low_order`: linear elements, penalty layers)
     """
     # _LEAST_WORK_OF_SLIP: W below which next to nothing slips
     if values.largest_slip == 0 or scaled_work < _LEAST_WORK_OF_SLIP:
         return math.nan
-    # the way to the edge, in distances of nodes, with fitted shares
-    node_distances_to_edge = _SLIP_TO_EDGE * nodes_to_edge + _SLIP_AT_NODE
-    slip_by_nodes = node_distances_to_edge * values.slip_to_next_nodes
-    # _SLIP_BETWEEN_INSTANTS: fitted share
-    slip_by_increments = _SLIP_BETWEEN_INSTANTS * values.slip_between_instants
-    # _ROUND_OFF: relative round-off
-    estimate = math.hypot(slip_by_nodes, slip_by_increments) + _ROUND_OFF * values.largest_slip
-    if not has_low_order:
-        return estimate
+    # _SLIP_BY_NEIGHBOURS: fitted share
+    estimate = _SLIP_BY_NEIGHBOURS * math.sqrt(relative_spacing) * values.slip_to_next_nodes
     if coarse_values is None or not values.is_comparable(coarse_values):
-        return math.nan
-    return max(estimate, values.difference("largest_slip", coarse_values))
-
-
-def _with_neighbours(is_closed: Mask) -> Mask:
-    """Nodes that touch at an instant, or at the one before or after it, a mask (k, n), from the
-    nodes that touch at each of k instants, a mask `is_closed` (k, n).
-    """
-    is_closed_nearby = is_closed.copy()
-    is_closed_nearby[1:] |= is_closed[:-1]
-    is_closed_nearby[:-1] |= is_closed[1:]
-    return is_closed_nearby
+        return math.nan if meshes.has_low_order else estimate
+    difference = values.difference("largest_slip", coarse_values)
+    estimate += float(
+        np.nan_to_num(SLIP_RULE.uncertainty(values.largest_slip, difference, meshes.refinement))
+    )
+    return max(estimate, difference) if meshes.has_low_order else estimate
 
 
 def _common_instants(instants: Array, other_instants: Array) -> tuple[Indices, Indices]:

@@ -17,15 +17,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-import halfplane_fe
 import semi_analytic
-from meshes import MeshSettings
 from reports.charts.templating import markdown_table
 from reports.comparison.budget import Budget, Term
 from reports.comparison.metrics import METRICS
 from reports.page.writing import code_commit
-from scenes import OPEN, HarmonicLoad, TimeSeriesLoad, load_scene, read_only_copy, unit_words
-from scenes.solution import range_of_slip
+from scenes import HarmonicLoad, TimeSeriesLoad, load_scene, read_only_copy, unit_words
 from semi_analytic import load_series
 from semi_analytic.fields import KernelIntegrals
 from semi_analytic.hertz import HertzContact
@@ -349,21 +346,6 @@ def test_the_harmonics_of_the_other_table_are_repeated_by_brute_force(
     assert list(map(float, truth.density_truth(scene, case["x"]))) == pytest.approx(
         exact, rel=0, abs=1e-12 * max(exact)
     )
-
-
-# - references of random bodies: the largest slip is that at the edge of contact, as theory's is
-def test_a_reference_continues_the_largest_slip_to_the_edge_of_contact(tool: Tool) -> None:
-    bodies = tool("random_bodies")
-    paper = load_scene("hertz-paper")
-    scene = paper.vary(load=paper.load.model_copy(update={"normal_amplitude": 0.0}))
-    mesh = dataclasses.replace(MeshSettings.preset("coarse"), edge_element_size=0.005, growth=0.1)
-    answer = halfplane_fe.solve(scene, mesh)
-    at_node = range_of_slip(
-        answer.slip[answer.last_cycle], answer.state[answer.last_cycle] != OPEN
-    ).max()
-    exact = semi_analytic.extremes(semi_analytic.solve(scene)).slip
-    assert abs(at_node / exact - 1) > 1e-3
-    assert bodies.slip_at_edge(answer) == pytest.approx(exact, rel=2e-4)
 
 
 # - faults planted in either engine: seen by a metric, and the right term of the error budget blamed

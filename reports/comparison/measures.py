@@ -504,8 +504,8 @@ def _difference_of_stick_zones(
 
 
 def largest_slip(pair: Pair) -> MetricValue:
-    """Largest range of the slip s that any point has while in contact, each solution over its own
-    contact: (result − reference)/reference.
+    """Largest range of the slip s that any place has while in contact, each solution over its own
+    contact: (result − reference)/reference. Of finite elements the places between nodes count too.
 
     No value where the finite elements slip by no more than round-off (1e-11 of their largest s) and
     the reference by more; none without friction, or where the result never has contact. Where the
@@ -524,11 +524,8 @@ def largest_slip(pair: Pair) -> MetricValue:
     if not is_closed_in_result.any():
         # _REASON_...: texts that become the note of a metric without a value
         return _metric_without_value(_REASON_NO_CONTACT)
-    # largest minus least s of each point over its instants in contact, (n,)
-    ranges_in_reference = range_of_slip(reference_cycle.slip, is_closed_in_reference)
-    ranges_in_result = range_of_slip(result_cycle.slip, is_closed_in_result)
-    reference_amount = float(ranges_in_reference.max())
-    result_amount = float(ranges_in_result.max())
+    reference_amount, _ = _largest_slip_of_cycle(pair, reference_cycle, is_closed_in_reference)
+    result_amount, place = _largest_slip_of_cycle(pair, result_cycle, is_closed_in_result)
     # `amounts` of the metric: the largest slip itself, in reference and result
     metric_value = _difference_of_largest_values(
         pair, "slip", reference_amount, result_amount, pair.scales.slip
@@ -539,7 +536,26 @@ def largest_slip(pair: Pair) -> MetricValue:
         round_off = _ROUND_OFF_OF_SLIP * float(np.max(np.abs(result_cycle.slip)))
         if result_amount <= round_off < metric_value.amounts[0]:
             return replace(metric_value, value=None, note=_REASON_NO_SLIP_RESOLVED)
-    return replace(metric_value, place=_place_of_largest_value(pair, ranges_in_result))
+    return replace(metric_value, place=place / pair.scales.half_width)
+
+
+def _largest_slip_of_cycle(pair: Pair, cycle: Cycle, is_closed: Mask) -> tuple[float, float]:
+    """Largest range of slip through a cycle, and its place x; `is_closed` (k, n) states whether a
+    point is in contact at an instant.
+
+    Finite elements, and a reference at their nodes, are continued to places between the nodes, up
+    to the edges of contact. An external result knows its own points alone: beside it these count.
+    """
+    import halfplane_fe
+
+    if not pair.has_external_result:
+        largest = halfplane_fe.largest_slip_of_cycle(
+            cycle.x, cycle.slip, is_closed, cycle.contact_edges
+        )
+        return largest.value, largest.x
+    slip_ranges = range_of_slip(cycle.slip, is_closed)
+    point = int(np.argmax(slip_ranges))
+    return float(slip_ranges[point]), float(cycle.x[point])
 
 
 def largest_slip_common(pair: Pair) -> MetricValue:

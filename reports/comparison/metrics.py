@@ -364,12 +364,12 @@ _ROWS = (
     Metric(
         key="largest_slip",
         label="Largest slip",
-        how="largest range of s of a point through the cycle, over that of the reference, − 1, each"
-        " over its own points",
+        how="largest range of s of a place through the cycle, over that of the reference, − 1, each"
+        " over its own contact",
         why="the slip amplitude of a fretting map",
         unit="of the reference",
         norm=_ONE_VALUE,
-        region="points while they are in contact; last cycle",
+        region="places while they are in contact; last cycle",
         needs=("slip", "state", WHOLE_CYCLE),
         measure=measures.largest_slip,
         quantity="slip",
