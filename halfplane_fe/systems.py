@@ -300,9 +300,7 @@ class _NestedCompliance:
         Forces at r = 0 are found first. Then the body is moved by the r at which all forces add up
         to the load. C is the compliance matrix (`self.compliance`).
 
-        No k needs a factorisation of its own: with C = L L^T the inverse of the leading k x k block
-        of C is X_k^T X_k, X_k being the leading block of L^-1 (`self.inverse_factor`). Prepared for
-        each k, in row k - 1, is a motion of the k held nodes by 1: the forces on them
+        Prepared for each k, in row k - 1, is a motion of the k held nodes by 1: the forces on them
         (`unit_motion_forces`), the sum of these (`load_per_motion`), and the displacements of all
         nodes by these forces (`unit_motion_displacements`).
 
@@ -342,16 +340,7 @@ class _NestedCompliance:
                 known_values[:n_held]
                 - self.compliance[:n_held, n_held:n_loaded] @ known_values[n_held:n_loaded]
             )
-            forces[:n_held] = 0.0
-            # X_k^T X_k times these displacements, 256 rows of X_k at a time.
-            for row_end in range(_ROWS_PER_BLOCK, n_held + _ROWS_PER_BLOCK, _ROWS_PER_BLOCK):
-                n_columns = min(row_end, n_held)
-                rows_of_inverse = self.inverse_factor[
-                    row_end - _ROWS_PER_BLOCK : n_columns, :n_columns
-                ]
-                forces[:n_columns] += rows_of_inverse.T @ (
-                    rows_of_inverse @ displacements_by_held_forces[:n_columns]
-                )
+            forces[:n_held] = self._held_forces(displacements_by_held_forces)
             displacements[n_held:] = self.compliance[n_held:, :n_loaded] @ forces[:n_loaded]
             motion_by_known_values = -forces.sum(axis=0) / self.load_per_motion[n_held - 1]
 
@@ -375,6 +364,24 @@ class _NestedCompliance:
             self.unit_motion_displacements[n_held - 1, n_held:] - 1, rigid_motion
         )
         return forces, rigid_motion, displacements
+
+    def _held_forces(self, displacements_of_held: Array) -> Array:
+        """Forces (k, m) on the first k nodes that displace these nodes by given amounts (k, m), in
+        m load cases, without forces on the others.
+
+        They are the inverse of the leading k x k block of the compliance C times the amounts. No k
+        needs a factorisation of its own: with C = L L^T that inverse is X_k^T X_k, X_k being the
+        leading block of L^-1 (`self.inverse_factor`). 256 rows of X_k are taken at a time.
+        """
+        n_held = len(displacements_of_held)
+        forces = np.zeros_like(displacements_of_held)
+        for row_end in range(_ROWS_PER_BLOCK, n_held + _ROWS_PER_BLOCK, _ROWS_PER_BLOCK):
+            n_columns = min(row_end, n_held)
+            rows_of_inverse = self.inverse_factor[row_end - _ROWS_PER_BLOCK : n_columns, :n_columns]
+            forces[:n_columns] += rows_of_inverse.T @ (
+                rows_of_inverse @ displacements_of_held[:n_columns]
+            )
+        return forces
 
 
 @dataclass(eq=False)

@@ -328,8 +328,33 @@ class BulkAndTilt(Frozen, Generic[V]):
         if not self.has_bulk_or_tilt:
             return path
         load_segments: tuple[LoadSegment, ...] = (*path.initial_loading, *path.cycle)
-        # Companions of the load segments, by attribute: two quantities beside P and Q, over the
-        # same time. "bulk" holds both bulk stresses, "tilt_and_moment" tilt and moment.
+        companions = self._companions_of(path, load_segments)
+        # Each load segment gets its companions; then the path is put together again.
+        complete_segments = [
+            replace(segment, **dict(zip(companions, companions_of_segment, strict=True)))
+            for segment, *companions_of_segment in zip(
+                load_segments, *companions.values(), strict=True
+            )
+        ]
+        n_initial_segments = len(path.initial_loading)
+        # `moment_is_given`: the moment is stated, and the tilt follows from it.
+        return LoadPath(
+            tuple(complete_segments[:n_initial_segments]),
+            tuple(complete_segments[n_initial_segments:]),
+            self.moment_is_given,
+        )
+
+    def _companions_of(
+        self, path: LoadPath, load_segments: Sequence[LoadSegment]
+    ) -> dict[str, Sequence[LoadSegment]]:
+        """Histories of bulk stress, tilt and moment over the segments of a load path, one for each
+        load segment, over the same time. They are what the load states, by attribute of a segment:
+
+        - "bulk": both bulk stresses
+        - "tilt_and_moment": tilt and moment
+
+        `load_segments` are all segments of the `path`: initial loading, then the cycle.
+        """
         companions: dict[str, Sequence[LoadSegment]] = {}
         # `line_of_action`: the line along which P acts, x, and the height at which Q acts; or None.
         if (line_of_action := self.line_of_action) is not None:
@@ -345,21 +370,7 @@ class BulkAndTilt(Frozen, Generic[V]):
             key_values = getattr(self, first_key), getattr(self, second_key)
             if key_values != (None, None):
                 companions[attribute] = self._companion_segments(path, load_segments, key_values)
-
-        # Each load segment gets its companions; then the path is put together again.
-        complete_segments = [
-            replace(segment, **dict(zip(companions, companions_of_segment, strict=True)))
-            for segment, *companions_of_segment in zip(
-                load_segments, *companions.values(), strict=True
-            )
-        ]
-        n_initial_segments = len(path.initial_loading)
-        # `moment_is_given`: the moment is stated, and the tilt follows from it.
-        return LoadPath(
-            tuple(complete_segments[:n_initial_segments]),
-            tuple(complete_segments[n_initial_segments:]),
-            self.moment_is_given,
-        )
+        return companions
 
     @abc.abstractmethod
     def path_of_loads(self) -> LoadPath:
@@ -1495,24 +1506,9 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
         ValueError
             For a function that is not finite, or too rough for its series.
         """
-        # The loads as functions from arrays of times to arrays of loads; so below are bulk and
-        # tilt.
-        functions = {
-            "normal_load": function_of_arrays(self.normal_load),
-            "tangential_load": function_of_arrays(self.tangential_load),
-        }
-        # BULK_AND_TILT_KEYS: keys of both bulk stresses, tilt, moment and line of action
-        for key in BULK_AND_TILT_KEYS:
-            key_value = getattr(self, key)
-            if callable(key_value):
-                functions[key] = function_of_arrays(key_value)
+        # 65 times, from 0 to the duration of the functions.
         sample_times = np.linspace(0, self.duration, 65)
-        for name, function in functions.items():
-            is_not_finite = ~np.isfinite(function(sample_times))
-            if np.any(is_not_finite):
-                raise ValueError(
-                    f"{name} is not finite at time {sample_times[is_not_finite][0]:.6g}"
-                )
+        functions = self._finite_functions(sample_times)
         # The value against which errors of a function are small: its own largest one, for Q that of
         # P.
         error_scales = {
@@ -1543,6 +1539,29 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
             _chebyshev_segment(begin, end, load_functions, load_scale)
             for begin, end in pairwise(interval_ends.tolist())
         ]
+
+    def _finite_functions(self, sample_times: Array) -> dict[str, Callable[[Array], Array]]:
+        """Functions of time of this load by their keys, P and Q first, then bulk stresses, tilt or
+        moment that are functions: each from an array of times to an array of values.
+
+        ValueError for a function that is not finite at one of the `sample_times`.
+        """
+        functions = {
+            "normal_load": function_of_arrays(self.normal_load),
+            "tangential_load": function_of_arrays(self.tangential_load),
+        }
+        # BULK_AND_TILT_KEYS: keys of both bulk stresses, tilt, moment and line of action
+        for key in BULK_AND_TILT_KEYS:
+            key_value = getattr(self, key)
+            if callable(key_value):
+                functions[key] = function_of_arrays(key_value)
+        for name, function in functions.items():
+            is_not_finite = ~np.isfinite(function(sample_times))
+            if np.any(is_not_finite):
+                raise ValueError(
+                    f"{name} is not finite at time {sample_times[is_not_finite][0]:.6g}"
+                )
+        return functions
 
     def path_of_loads(self) -> LoadPath:
         """Load path of P and Q over time: initial loading, unless P and Q start at 0, then their

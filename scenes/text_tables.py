@@ -576,19 +576,13 @@ def _layouts_with_headings_at(
     # SEPARATORS_IN_WORDS: tab, semicolon, comma, and None for blanks
     for separator in SEPARATORS_IN_WORDS:
         for headings in _possible_headings(heading_text, separator):
-            # Indices (from 0) of the columns that are read; None where a quantity has no column.
-            columns_read: tuple[int, ...] | None = tuple(range(len(headings)))
+            # Indices (from 0) of the columns that are read; None where these are no headings.
             if request.quantities:
                 columns_read = _columns_of_quantities(request, line_number, headings)
             else:
-                # How many headings are ones that this kind of table expects.
-                n_expected_headings = sum(map(request.kind.is_expected_heading, headings))
-                if (
-                    is_comment
-                    or len(headings) < 2
-                    or n_expected_headings < fewest_expected_headings
-                ):
-                    continue
+                columns_read = _columns_if_expected(
+                    request, headings, is_comment, fewest_expected_headings
+                )
             # Columns that are stated by number need no headings: `_layout_without_headings` finds
             # their rows.
             if columns_read is None or request.takes_columns_by_number:
@@ -617,6 +611,21 @@ def _layouts_with_headings_at(
             ):
                 continue
             yield layout, first_row_fits
+
+
+def _columns_if_expected(
+    request: _Request, headings: Sequence[str], is_comment: bool, fewest_expected_headings: int
+) -> tuple[int, ...] | None:
+    """Indices (from 0) of all columns of a text table of which every column is read; None where the
+    words of a line are not taken for headings.
+
+    They are taken for headings if they are two or more, not in a comment, and if at least
+    `fewest_expected_headings` of them are ones that this kind of table (`request.kind`) expects.
+    """
+    n_expected_headings = sum(map(request.kind.is_expected_heading, headings))
+    if is_comment or len(headings) < 2 or n_expected_headings < fewest_expected_headings:
+        return None
+    return tuple(range(len(headings)))
 
 
 class _NamedColumns(NamedTuple):
