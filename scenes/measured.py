@@ -301,8 +301,8 @@ class FromFile(Frozen):
 
     @model_validator(mode="after")
     def _read_file(self, validation: ValidationInfo) -> Self:
-        """Fill in the rows from the text file that the scene names, unless the scene itself states
-        them: each column is converted into the scene's units. Return this part of the scene.
+        """Return this part of the scene with its rows read from the text file that it names, each
+        column converted into the scene's units; unchanged where the scene states the rows itself.
 
         Columns of bulk stress, tilt or moment become the keys of these names. The key `read_as`
         then describes, for the user, how each column was read.
@@ -333,7 +333,7 @@ class FromFile(Frozen):
             name: self.optional_column_kinds[name] for name in optional_names
         }
         file_table = self._table_of(path, tuple(unit_kinds), stated_columns)
-        # (what, how) for the key `read_as`
+        # (what, how) for the key `read_as`; `_convert_columns` converts the table in place.
         descriptions = layout_in_words(path, file_table)
         descriptions += self._convert_columns(
             path, file_table, unit_kinds, _scene_units(validation)
@@ -618,8 +618,8 @@ class FromFile(Frozen):
     @model_validator(mode="after")
     def _require_valid_rows(self, validation: ValidationInfo) -> Self:
         """Return this part of the scene; refuse (ValueError) rows that are no valid measurement,
-        with the line of the file that they come from. Refuse, too, keys on how a file is read where
-        no file is named.
+        with the line of the file that they come from. Keys on how a file is read are refused too,
+        where no file is named.
 
         `self.table` is the name of the key that holds the rows. `file` is the name of the text
         file, None where the scene states the rows itself. `validation` holds the folder of the

@@ -683,15 +683,15 @@ class HarmonicSegment(LoadSegment):
         (normal_amplitude, normal_lag), (tangential_amplitude, tangential_lag) = (
             self._first_harmonics
         )
-        c_normal, c_tangential = combination
+        normal_coefficient, tangential_coefficient = combination
         # One load alone keeps the last digit of its phase.
-        if c_tangential == 0:
-            return c_normal * normal_amplitude, -normal_lag
-        if c_normal == 0:
-            return c_tangential * tangential_amplitude, -tangential_lag
+        if tangential_coefficient == 0:
+            return normal_coefficient * normal_amplitude, -normal_lag
+        if normal_coefficient == 0:
+            return tangential_coefficient * tangential_amplitude, -tangential_lag
         return cmath.polar(
-            c_normal * cmath.rect(normal_amplitude, -normal_lag)
-            + c_tangential * cmath.rect(tangential_amplitude, -tangential_lag)
+            normal_coefficient * cmath.rect(normal_amplitude, -normal_lag)
+            + tangential_coefficient * cmath.rect(tangential_amplitude, -tangential_lag)
         )
 
     @property
@@ -711,7 +711,7 @@ class HarmonicSegment(LoadSegment):
         Where both loads have one harmonic at most, `ellipse` is not None, and two cosines are
         enough.
         """
-        mean_normal, mean_tangential = self.mean
+        mean_normal_load, mean_tangential_load = self.mean
         if self.ellipse:
             times = _float_or_array(time)
             # Amplitude and phase lag [rad] of P, then of Q.
@@ -719,16 +719,16 @@ class HarmonicSegment(LoadSegment):
                 self._first_harmonics
             )
             return (
-                mean_normal + normal_amplitude * np.cos(times - normal_lag),
-                mean_tangential + tangential_amplitude * np.cos(times - tangential_lag),
+                mean_normal_load + normal_amplitude * np.cos(times - normal_lag),
+                mean_tangential_load + tangential_amplitude * np.cos(times - tangential_lag),
             )
         times = np.atleast_1d(np.asarray(time, dtype=float))
         z = np.exp(1j * times)
         # Fourier coefficients c_k of P and of Q, from the highest k down to 0, for Horner's scheme
         # in z.
         normal_terms, tangential_terms = self._horner_terms_of_loads
-        normal_load = mean_normal + _wave_sum_at(normal_terms, z, times)
-        tangential_load = mean_tangential + _wave_sum_at(tangential_terms, z, times)
+        normal_load = mean_normal_load + _wave_sum_at(normal_terms, z, times)
+        tangential_load = mean_tangential_load + _wave_sum_at(tangential_terms, z, times)
         shape = np.shape(time)
         return normal_load.reshape(shape), tangential_load.reshape(shape)
 
