@@ -327,19 +327,12 @@ def increment_energies(
         problem.interface, increments, movements, slip_sense, friction_work
     )
 
-    # What the curvature of the load path adds: while the node states before hold, and those after.
-    # Of this work of the loads, Q dU has what is left without the normal work.
+    # Friction work that the curvature of the load path adds, (m, n); Q dU with its part of that.
     curve_work = np.zeros_like(increments.slip_change)
     if areas_of_curve is not None:
-        work_before, work_after = _curve_work_by_node_states(
-            problem, increments, slip_sense, friction_work.mean_onset, areas_of_curve
+        curve_work, loop_work = _works_with_curve(
+            problem, increments, slip_sense, areas_of_curve, friction_work, loop_work
         )
-        # friction only takes energy
-        curve_work = np.maximum(
-            work_before.dissipation + work_after.dissipation, -friction_work.dissipation
-        )
-        loop_work = loop_work - work_before.normal_work - work_after.normal_work
-        loop_work += curve_work.sum(axis=1)
 
     elastic_energy, layer_energy = elastic_energies(problem, contact_states)
     return Energies(
@@ -455,6 +448,46 @@ def _loop_work_along_chord(
     shear_work_per_unit = interface.work_per_stress_and_tilt(0 * mean_q, mean_q)
     loop_work += (shear_work_per_unit * movements.stress_and_tilt_change)[:, :2].sum(axis=1)
     return np.asarray(loop_work)
+
+
+def _works_with_curve(
+    problem: ContactProblem,
+    increments: _Increments,
+    slip_sense: Indices,
+    areas_of_curve: Array,
+    friction_work: _FrictionWork,
+    loop_work: Array,
+) -> tuple[Array, Array]:
+    """Friction work of the nodes that the curvature of the load path adds to m increments, (m, n);
+    and the work `loop_work` (m,) with its part of that: Q dU, with that of shear in the slip by
+    bulk stress.
+
+    The loads do what friction takes. A part of it is normal work, and the rest is in `loop_work`.
+
+    Parameters
+    ----------
+    problem
+        the contact problem, with the rates of pressure and slip by the loads
+    increments
+        with open, stick or slip of the n nodes before and after
+    slip_sense
+        (m, n) 1 where a node slides forward as the increment was solved, -1 in reverse, 0 without
+        slip
+    areas_of_curve
+        (k, k, m) areas between path and chord, by pairs of the k loads
+    friction_work, loop_work
+        along the chord, which the increment solves
+    """
+    # while the nodes have their states from before the increment, and those after it
+    work_before, work_after = _curve_work_by_node_states(
+        problem, increments, slip_sense, friction_work.mean_onset, areas_of_curve
+    )
+    # friction only takes energy
+    curve_work = np.maximum(
+        work_before.dissipation + work_after.dissipation, -friction_work.dissipation
+    )
+    loop_work = loop_work - work_before.normal_work - work_after.normal_work
+    return curve_work, loop_work + curve_work.sum(axis=1)
 
 
 class _CurveWork(NamedTuple):

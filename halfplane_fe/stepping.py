@@ -782,16 +782,14 @@ def next_event(
 
     The gap of an open node, and the pressure of a closed one, are linear in the loads while the
     nodes keep their states. The node at which one of these reaches 0 first has the event. Its
-    instant is that at which the gap or pressure is 0 along the course of the loads, or P has the
-    value of the event. Where so few nodes hold that the bodies are free to move, no event is
-    predicted.
+    instant then follows from the course of the loads. Where so few nodes hold that the bodies are
+    free to move, no event is predicted.
 
     Parameters
     ----------
     problem
-        the contact problem; values are approach, U and tilt, then slip, pressure and shear (nodal
-        forces) and gap of the nodes, (3 + 4 n,); `rates` their derivatives by the loads at given
-        node states, `values_following` the values at other loads by these
+        the contact problem; its `values_following` are approach, U and tilt, then slip, pressure
+        and shear (nodal forces) and gap of the nodes, (3 + 4 n,), at other loads
     start_state
         state of the contact before the increment
     loads_at
@@ -824,14 +822,61 @@ def next_event(
     if first_event is None:
         return "regular", latest_end
 
-    # Its instant; `share` is the part of the increment up to it, linearly. Of like bodies under P
-    # and Q alone it depends on P; `coupling` (slip by pressure) is None of these.
+    values_at_start = gap_at_start if first_event.event == "touch" else pressure_at_start
+    time_of_event = _time_of_first_event(
+        problem,
+        start_state,
+        loads_at,
+        latest_end,
+        node_states,
+        first_event,
+        float(values_at_start[first_event.node]),
+    )
+    if start_state.time < time_of_event < latest_end:
+        return first_event.event, time_of_event
+    return "regular", latest_end
+
+
+def _time_of_first_event(
+    problem: ContactProblem,
+    start_state: InterfaceState,
+    loads_at: LoadsAt,
+    latest_end: float,
+    node_states: States,
+    first_event: _FirstEvent,
+    value_at_start: float,
+) -> float:
+    """Instant of an event that is predicted linearly within an increment; `latest_end` where P does
+    not come to the value of the event, or nothing reaches 0.
+
+    Of like bodies under P and Q alone it depends on P: it is where P has the value of the event. In
+    other cases nodes also meet by Q and by tilt, at constant P too. Then the gap or pressure of the
+    node of the event is followed along the loads, at its rates, to 0.
+
+    Parameters
+    ----------
+    problem
+        the contact problem; its `interface.coupling` (slip by pressure) is None of like bodies
+    start_state
+        state of the contact before the increment
+    loads_at
+        function of an instant: the scaled loads
+    latest_end
+        latest end of the increment
+    node_states
+        (n,) open, stick or slip that the nodes have on the way
+    first_event
+        the event, its node, and the share of the increment up to it, linearly
+    value_at_start
+        gap or pressure of the node at the start of the increment
+    """
+    loads_at_end = loads_at(latest_end)
     if len(start_state.loads) == 2 and problem.interface.coupling is None:
         normal_load = start_state.loads[0]
         load_at_end = loads_at_end[0]
         load_at_event = normal_load + first_event.share * (load_at_end - normal_load)
         if not min(normal_load, load_at_end) < load_at_event < max(normal_load, load_at_end):
-            return "regular", latest_end
+            return latest_end
         distance_at_start = normal_load - load_at_event
 
         def distance_to_event(time: float) -> float:
@@ -839,11 +884,7 @@ def next_event(
             return loads_at(time)[0] - load_at_event
 
     else:
-        # By Q and tilt nodes meet at constant P too: follow the gap or pressure of that node.
-        is_touch = first_event.event == "touch"
-        distance_at_start = float(
-            (gap_at_start if is_touch else pressure_at_start)[first_event.node]
-        )
+        distance_at_start = value_at_start
         rates_of_node = _rates_of_event(
             problem, start_state, loads_at_end, node_states, first_event
         )
@@ -854,14 +895,10 @@ def next_event(
                 np.subtract(loads_at(time), start_state.loads) @ rates_of_node
             )
 
-    # Instant at which the distance is zero, looked for near the share of the increment that the
-    # linear prediction gives.
-    time_of_event = time_of_zero(
+    # Where the distance is zero, looked for near the share that the linear prediction gives.
+    return time_of_zero(
         distance_to_event, start_state.time, latest_end, first_event.share, distance_at_start
     )
-    if start_state.time < time_of_event < latest_end:
-        return first_event.event, time_of_event
-    return "regular", latest_end
 
 
 class _FirstEvent(NamedTuple):
