@@ -1299,15 +1299,9 @@ def _values_over_time(request: Request, snapshot: Snapshot) -> dict[str, Array]:
         Where no half-width was found for a load.
     """
     contact = request.contact
-    # P_c, at which the contact is as wide as the stick zone; `slip_zone_load` is P - P_c.
-    stick_edge_load = snapshot.load - snapshot.slip_zone_load
     # a(P); NotFoundError where none is found
     half_width = _half_width(contact, snapshot.load)
-    instants_with_slip = np.flatnonzero(snapshot.slip_zone_load)
-    stick_half_width = half_width.copy()
-    stick_half_width[instants_with_slip] = _half_width(contact, stick_edge_load[instants_with_slip])
-    # no stick zone: all of the contact slips, and the face has no flat
-    stick_half_width[(stick_edge_load <= 0) & (stick_half_width == 0)] = np.nan
+    stick_half_width = _stick_half_width(contact, snapshot, half_width)
     # U over A/pi, U the tangential displacement, and normal approach: NaN unless asked for
     displacement_over_compliance = np.full(len(request.time), np.nan)
     approach = displacement_over_compliance
@@ -1397,6 +1391,22 @@ def _half_width(contact: Contact, load: Array) -> Array:
             f"no half-width was found for the normal load {float(load[numbers_not_found[0]]):.17g}"
         )
     return half_width
+
+
+def _stick_half_width(contact: Contact, snapshot: Snapshot, half_width: Array) -> Array:
+    """Half-widths of the stick zone at n instants, (n,) [length]: a(P_c), with P_c the load at the
+    stick edge; `half_width` (n,), that of contact, in full stick; NaN where nothing sticks.
+
+    `snapshot` has P as `load`, and P - P_c as `slip_zone_load`. A flat face sticks over its flat at
+    least, however small P_c. NotFoundError where no half-width is found.
+    """
+    stick_edge_load = snapshot.load - snapshot.slip_zone_load
+    instants_with_slip = np.flatnonzero(snapshot.slip_zone_load)
+    stick_half_width = half_width.copy()
+    stick_half_width[instants_with_slip] = _half_width(contact, stick_edge_load[instants_with_slip])
+    # no stick zone: all of the contact slips, and the face has no flat
+    stick_half_width[(stick_edge_load <= 0) & (stick_half_width == 0)] = np.nan
+    return stick_half_width
 
 
 def _fields_at_points(

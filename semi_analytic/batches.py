@@ -1474,8 +1474,8 @@ def _results_of_block(
             2 / (math.pi * batch.modulus) * members.loads.friction**2
         )
         rows_of_results[:, admissible_numbers] = results
-        unsettled_numbers = admissible_numbers[~np.isfinite(results[0])]
-        reason_codes[unsettled_numbers] = Reason.UNSETTLED
+        not_converged_numbers = admissible_numbers[~np.isfinite(results[0])]
+        reason_codes[not_converged_numbers] = Reason.UNSETTLED
     return rows_of_results, reason_codes
 
 

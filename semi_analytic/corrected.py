@@ -581,17 +581,22 @@ class _HalfPlanePath:
                 )
                 turning_times_of_punches.append(_turning_points(path_rows.time, bound_of_punch))
         turning_times = np.concatenate(turning_times_of_punches)
+        times_inside_steps = _times_inside_steps(turning_times, path_rows.time)
+        return self.rows(np.concatenate([path_rows.time, times_inside_steps]))
 
-        # Turning points next to the end of a step, within 2 % of it, are left out.
-        row_after = np.clip(
-            np.searchsorted(path_rows.time, turning_times), 1, len(path_rows.time) - 1
-        )
-        step_duration = path_rows.time[row_after] - path_rows.time[row_after - 1]
-        fraction_of_step = (turning_times - path_rows.time[row_after - 1]) / step_duration
-        is_inside_step = (fraction_of_step > _STEP_SHARE_AT_ROW) & (
-            fraction_of_step < 1 - _STEP_SHARE_AT_ROW
-        )
-        return self.rows(np.concatenate([path_rows.time, turning_times[is_inside_step]]))
+
+def _times_inside_steps(time: Array, step_ends: Array) -> Array:
+    """Those of the times (n,) that lie well inside one of the steps between `step_ends` (r,),
+    ascending: farther from both ends of the step than 2 % of its duration.
+    """
+    row_after = np.clip(np.searchsorted(step_ends, time), 1, len(step_ends) - 1)
+    step_duration = step_ends[row_after] - step_ends[row_after - 1]
+    fraction_of_step = (time - step_ends[row_after - 1]) / step_duration
+    # _STEP_SHARE_AT_ROW: 0.02
+    is_inside_step = (fraction_of_step > _STEP_SHARE_AT_ROW) & (
+        fraction_of_step < 1 - _STEP_SHARE_AT_ROW
+    )
+    return time[is_inside_step]
 
 
 def _turning_points(time: Array, values: Array) -> Array:
@@ -2369,9 +2374,9 @@ def _part_by_tilt_and_strain(paths: _Paths) -> TiltAndStrainPart:
     """Friction work and shift of the edges that tilt and bulk strain of the finite bodies cause.
     The uncertainty of that work includes what the curvatures of the bodies leave uncertain.
 
-    Taken in the second order of these small numbers. Where that does not hold, the work alone is
-    found by a numerical solution on grids, if the question asks for it. Where neither works, the
-    reason is returned instead of a number; nothing at all of bodies without tilt and strain.
+    Both are taken to the second order in tilt and strain. Where that does not hold, the work alone
+    is found by a numerical solution on grids, if the question asks for it. Where neither works, the
+    reason is returned instead of a number. For bodies without tilt and strain the part is empty.
 
     Parameters
     ----------
@@ -2396,7 +2401,7 @@ def _part_by_tilt_and_strain(paths: _Paths) -> TiltAndStrainPart:
     work_of_half_planes = paths.path_of_half_planes.work(paths.last_cycle)
     if not work_of_half_planes > 0:
         return part_by_tilt_and_strain
-    # Both sources of odd work are of half-planes without curvatures.
+    # Either way the work is that of half-planes without curvatures, which makes it uncertain.
     change_by_curvatures = paths.path_with_bodies.work(paths.last_cycle) / work_of_half_planes - 1
     # Fourth order over curvature at the largest contact half-width of the last cycle.
     ratio_of_fourth_order = ratio_of_next_order(effects, paths.largest_half_width)

@@ -717,33 +717,22 @@ def _work_at_kink(span_before: Span, span: Span, radius: float) -> Array:
 
     The memory curve M(eta) is the tangential force of the flat punches up to the load eta. On the
     outer and the inner side of the kink, d is the centre of stick and mu the steepness f - s M', s
-    the direction of slip. P_c is the load at the stick edge, which then is that of the kink.
-    The spans of slip before and after it have the stick edge on these two pieces. Zero where they
-    slip in different directions, where both are on one piece, and where M' does not jump. `radius`
-    is R of the parabola.
+    the direction of slip. P_c is the load at the stick edge, which then is that of the kink. Zero
+    where no kink is passed between the two spans. `radius` is R of the parabola.
     """
-    outer_piece = span_before.sticking_piece
-    inner_piece = span.sticking_piece
     zero_matrix = np.zeros((4, 4))
-    if span_before.direction != span.direction or outer_piece is None or inner_piece is None:
+    pieces_at_kink = _pieces_at_kink(span_before, span)
+    if pieces_at_kink is None:
         return zero_matrix
 
-    # bottom_load and top_load: loads eta at both ends of a piece.
-    # _EQUALITY_TOLERANCE: 1e-9, within which two loads, or two slopes over f, are equal.
-    load_tolerance = _EQUALITY_TOLERANCE * outer_piece.top_load
-    if inner_piece.top_load > outer_piece.bottom_load + load_tolerance:
-        return zero_matrix  # both spans are on one piece
-    if inner_piece.top_load - inner_piece.bottom_load <= load_tolerance:
-        return zero_matrix  # the stick edge stays at the upper end of a piece at the Coulomb limit
-
-    # The edge passes pieces at the Coulomb limit between both at once: they count as one kink.
+    outer_piece, _ = pieces_at_kink
     # At the instant at which the edge passes the kink, (1,).
     time_of_passage = np.array([span.begin.time])
     slip_zone_load = span.begin.normal_load - np.array([outer_piece.bottom_load])
     eta = np.array([outer_piece.bottom_load])
     stick_centres = []
     steepness_of_sides = []
-    for memory_piece in (outer_piece, inner_piece):
+    for memory_piece in pieces_at_kink:
         # Shift of the centre since the memory was set there, and the centre at that time.
         stick_edge = _stick_edge_at(span, memory_piece, time_of_passage, slip_zone_load, radius)
         centre_when_set = -radius * _tilt_coefficients(
@@ -756,6 +745,7 @@ def _work_at_kink(span_before: Span, span: Span, radius: float) -> Array:
     outer_steepness, inner_steepness = steepness_of_sides
     steepness_jump = outer_steepness - inner_steepness
     steepness_product = outer_steepness * inner_steepness
+    # _EQUALITY_TOLERANCE: 1e-9 of f, within which two slopes are equal.
     if abs(steepness_jump) <= _EQUALITY_TOLERANCE * span.friction or steepness_product <= 0:
         return zero_matrix
     centre_jump = stick_centres[0] - stick_centres[1]
@@ -763,15 +753,38 @@ def _work_at_kink(span_before: Span, span: Span, radius: float) -> Array:
     return _quadratic_form(weight, centre_jump, centre_jump)
 
 
+def _pieces_at_kink(span_before: Span, span: Span) -> tuple[Piece, Piece] | None:
+    """The two pieces of the memory curve, outer and inner, between which the stick edge passes from
+    one span of slip to the next; None where it passes no kink of the curve.
+
+    There is none where the spans slip in different directions, where nothing sticks in one of them,
+    and where the edge is on one piece in both. Pieces at the Coulomb limit between the two are
+    passed at once: they count as one kink.
+    """
+    outer_piece = span_before.sticking_piece
+    inner_piece = span.sticking_piece
+    if span_before.direction != span.direction or outer_piece is None or inner_piece is None:
+        return None
+
+    # bottom_load and top_load: loads eta at both ends of a piece.
+    # _EQUALITY_TOLERANCE: 1e-9 of a load, within which two loads are equal.
+    load_tolerance = _EQUALITY_TOLERANCE * outer_piece.top_load
+    if inner_piece.top_load > outer_piece.bottom_load + load_tolerance:
+        return None  # both spans are on one piece
+    if inner_piece.top_load - inner_piece.bottom_load <= load_tolerance:
+        return None  # the stick edge stays at the upper end of a piece at the Coulomb limit
+    return outer_piece, inner_piece
+
+
 def _refuse_return_to_limit(span_before: Span, span: Span, radius: float) -> None:
     """Refuse a load path on which slip returns, under other loads, to where an earlier stroke in
     the same direction ended: then the work by tilt and strain has no second-order form.
 
-    It is refused if the stick edge of a `span` of slip passes a piece of the memory curve that this
-    stroke has left at the Coulomb limit, and P and Q differ from those at its end. It is refused
-    too if that end was smooth, without a jump of the rates of the loads: tangential loads that are
-    left there would be passed. `span_before` ends where the `span` begins; `radius` is R of the
-    parabola.
+    It is refused if the stick edge of a `span` of slip passes a piece of the memory curve that the
+    earlier stroke has left at the Coulomb limit, and P and Q differ from those at the end of that
+    stroke. It is refused too if that end was smooth, without a jump of the rates of the loads:
+    tangential loads that are left there would be passed. `span_before` ends where the `span`
+    begins; `radius` is R of the parabola.
 
     Raises
     ------

@@ -1991,12 +1991,19 @@ def _gauss_rule_numbers(ellipses: Ellipses) -> NDArray[np.uint8]:
     half_sum_of_distances = np.full(len(length_of_reverse_slip), np.inf)
     singularities = (no_stick_in_slip, no_load_in_reverse_slip, no_load_in_early_forward_slip)
     for real_part, squared_imaginary_part in singularities:
-        distance_from_plus_1 = np.sqrt(np.square(real_part - 1) + squared_imaginary_part)
-        distance_from_minus_1 = np.sqrt(np.square(real_part + 1) + squared_imaginary_part)
-        half_sum_at_singularity = (distance_from_plus_1 + distance_from_minus_1) / 2
+        half_sum_at_singularity = _half_sum_of_distances(real_part, squared_imaginary_part)
         np.minimum(half_sum_of_distances, half_sum_at_singularity, out=half_sum_of_distances)
     # each rule has a least half sum of distances; the number of rules that need more
     return np.sum(half_sum_of_distances < _LEAST_HALF_SUMS_OF_DISTANCES, axis=0, dtype=np.uint8)
+
+
+def _half_sum_of_distances(real_part: Array | float, squared_imaginary_part: Array) -> Array:
+    """Half the sum of the distances of a complex place from 1 and from -1, the ends of the interval
+    of Gauss' rule, (m,), by its real part and the square of its imaginary part.
+    """
+    distance_from_plus_1 = np.sqrt(np.square(real_part - 1) + squared_imaginary_part)
+    distance_from_minus_1 = np.sqrt(np.square(real_part + 1) + squared_imaginary_part)
+    return np.asarray((distance_from_plus_1 + distance_from_minus_1) / 2)
 
 
 def _square_of_imaginary(least_load: Array, load_size: Array) -> Array:
