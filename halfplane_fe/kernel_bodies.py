@@ -827,7 +827,7 @@ def _mesh_for_kernels(
         factor on the size of all elements and on its growth: 1 of the fine mesh, 2 of the coarse
     """
     size_by_body = nearest_end(shape) / n_elements
-    # _N_ELEMENTS: 48; _FEWEST_ELEMENTS: 12
+    # _N_ELEMENTS: 48 at the usual fineness; _FEWEST_ELEMENTS: 12 of them over the reach
     size_by_reach = reach * _N_ELEMENTS / _FEWEST_ELEMENTS / n_elements
     element_size = size_factor * min(size_by_body, size_by_reach)
     grading = SurfaceGrading(inner=0.0, outer=reach, size=element_size, edge_size=element_size)

@@ -660,7 +660,7 @@ def face_kernels(
     half_length = _FITTED_REACH * nearest_end(shape)
     if size_factor > 1:
         half_length *= _FACTOR_OF_WIDER_FACE  # 1.25
-    # _N_ELEMENTS: 16
+    # _N_ELEMENTS: 16 elements on half of that part of the face
     size = size_factor * half_length / _N_ELEMENTS  # of the elements on that part of the face
     grading = SurfaceGrading(inner=0.0, outer=half_length, size=size, edge_size=size)
     # _SIZE_GROWTH: growth of the element size per distance, 0.1

@@ -393,7 +393,7 @@ def _scales_of_run(
 
     # Innermost place of an edge of contact or stick in the cycles, rounded down to a hundredth of
     # the half-width, so that no last digit of the coarse run moves the mesh.
-    # _ROUNDING_PARTS: 100
+    # _ROUNDING_PARTS: 100 parts of the half-width
     scaled_innermost_edge = _innermost_edge_of_cycles(scene, problem, run)
     scaled_innermost_edge = (
         np.floor(_ROUNDING_PARTS * scaled_innermost_edge / scaled_half_width)
@@ -528,7 +528,7 @@ def estimate_room(scene: Scene, work_counts: Counter[str]) -> RoomForContact:
                 return RoomForContact(scales.reach, least_face_half_width(scene), scales)
             if face_half_width == pair.largest_face_half_width:
                 raise _past_the_end(scene)
-        # _FAR_ENLARGEMENT: 2
+        # _FAR_ENLARGEMENT: twice the width
         face_half_width = min(face_half_width * _FAR_ENLARGEMENT, pair.largest_face_half_width)
 
 

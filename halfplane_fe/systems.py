@@ -1185,7 +1185,7 @@ class Systems:
         if n_cases_in_all > len(base.responses):
             # more room than is needed, so that it is seldom copied
             solved_responses = base.responses[: base.n_cases]
-            # _SPARE_ROOM: 1.5
+            # _SPARE_ROOM: 1.5 of the rows needed now
             base.responses = np.empty((int(_SPARE_ROOM * n_cases_in_all), 2 * n + 3))
             base.responses[: base.n_cases] = solved_responses
         base.responses[base.n_cases : n_cases_in_all] = new_responses

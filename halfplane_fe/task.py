@@ -105,7 +105,7 @@ def surface_grading(
     a = scales.half_width
     inner_end = scales.inner - 0.06 * a
     outer_end = scales.reach + 0.06 * a + 2 * mesh.edge_element_size * a
-    # _LEAST_RADIUS_RATIO: 1.5
+    # _LEAST_RADIUS_RATIO: the half-disc reaches to 1.5 of the outer end at least
     grading = SurfaceGrading(
         inner=inner_end if inner_end > 4 * mesh.element_size * a else 0.0,
         outer=outer_end,

@@ -457,7 +457,7 @@ class _HalvingLimits(NamedTuple):
         4e-15 of `scale`.
         """
         begins, ends, _ = intervals
-        # _SHORTEST_INTERVAL: 1e-14
+        # _SHORTEST_INTERVAL: 1e-14 of the length
         least_length = np.maximum(
             _SHORTEST_INTERVAL * (ends - begins), 4e-16 * np.maximum(np.abs(begins), np.abs(ends))
         )

@@ -324,7 +324,7 @@ class Frozen(BaseModel, metaclass=_RefusalsInOneSentence):
         """Refuse numbers of any key above 1e100 in size, since products of such numbers may
         overflow (ValueError); the value itself otherwise.
         """
-        # LARGEST_NUMBER: 1e100
+        # LARGEST_NUMBER: 1e100, whose square is still a number
         for number in _numbers_in(value):
             if abs(number) > LARGEST_NUMBER:
                 raise ValueError(

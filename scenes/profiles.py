@@ -704,7 +704,7 @@ class CallableProfile(Gap):
     def exponent(self) -> float:
         """Exponent of the power of x that the slope follows below the x at which its series begin.
 
-        It is that of the slopes there and at twice that x; 1 where the slope is 0 there.
+        It follows from the slopes at that x and at twice that x; 1 where the slope is 0 there.
         """
         # `interval_ends`: of the series, ascending
         begin_of_series = self._slope.interval_ends[0]

@@ -898,7 +898,7 @@ class HarmonicSegment(LoadSegment):
         the absolute terms that it is made of.
         """
         amplitude, lead = self.amplitude_and_lead(combination)
-        # _ROUND_OFF_SHARE: 1e-14
+        # _ROUND_OFF_SHARE: 1e-14 of the sum
         if abs(amplitude) <= _ROUND_OFF_SHARE * largest_amplitude:
             return []
         first_multiple = math.ceil((self.start + lead) / math.pi)

@@ -269,7 +269,7 @@ def text_table(
         # LARGEST_TEXT_BYTES: 268 MB
         require_readable_size(path, kind.role_of_file, LARGEST_TEXT_BYTES, kind.advice_on_size)
         with path.open("rb") as binary_stream:
-            # _MOST_BYTES_LOOKED_AT: 50,000
+            # _MOST_BYTES_LOOKED_AT: the first 50,000
             first_bytes = binary_stream.read(_MOST_BYTES_LOOKED_AT)
         # Character encodings that the file may have, likeliest first; each is tried in turn.
         encodings = _encodings_of(first_bytes)
