@@ -313,7 +313,7 @@ def _edges_of_run(
     confined_ends, is_by_slip = _confined_ends(
         ends, zone, edges["contact_edges"][is_in_cycle], half_planes=scene.bodies.half_planes
     )
-    _hold_permanent_stick(edges, confined_ends, zone, time, is_in_cycle)
+    _move_stick_edges_outwards(edges, confined_ends, zone, time, is_in_cycle)
     return edges, Edges(confined_ends.places, np.where(is_by_slip, ends.uncertainty, np.nan))
 
 
@@ -810,7 +810,7 @@ def permanent_stick_zone(run: PathRun) -> StickZone:
     return run.edge_excess_by_cycle[-1].stick_zone if has_last_cycle else NO_ZONE
 
 
-def _hold_permanent_stick(
+def _move_stick_edges_outwards(
     edges: dict[str, Array], permanent_edges: Edges, zone: StickZone, time: Array, is_in_cycle: Mask
 ) -> None:
     """Move the stick edges (k, 2) of the last cycle, in place, so that none lies inside the

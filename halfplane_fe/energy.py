@@ -717,10 +717,12 @@ def _integral_in_three_parts(
     last_onset: Array,
 ) -> Array:
     """Integral of p ds at the nodes in k increments, (k, n): to the first onset of slip, between
-    the first and the last one, and from there on. Pressure p and slip s are linear in each part.
+    the first and the last one, and from there on, with p and s linear in each part.
 
     Up to the first onset the node states from before the increment hold, from the last one on those
     after it. Both have known rates; what is left of the increment is the part between.
+
+    # notation: p pressure, s slip
 
     Parameters
     ----------

@@ -150,8 +150,8 @@ def trend(values: Sequence[float]) -> Trend:
 
 def is_ratcheting(drifts: Sequence[float], travel: float) -> bool:
     """Whether the contact ratchets: the tangential displacement U drifts by as much in each
-    revolution, instead of less and less. So it is if the last drift is above three times what the
-    trend of the drifts would still lose. False after a single revolution.
+    revolution, instead of less and less. So it is if the last drift is above three times what it
+    would still change by the trend of all drifts. False after a single revolution.
 
     Parameters
     ----------
@@ -719,8 +719,8 @@ def run_path(
 
 
 def _repeats(run: PathRun, uncertainty: Callable[[PathRun], float]) -> bool:
-    """Whether the last revolution ended as it started, to 5e-4 of the largest nodal force, and the
-    limit that the friction work of the revolutions tends to is within the uncertainty of its own.
+    """Whether the last revolution ended as it started, to 5e-4 of the largest nodal force, and its
+    friction work differs from the limit of all revolutions by no more than its uncertainty.
 
     Parameters
     ----------

@@ -17,7 +17,7 @@ import pytest
 import halfplane_fe
 import semi_analytic
 from halfplane_fe import SolverSettings, between_nodes, scales
-from halfplane_fe.answer import _hold_permanent_stick
+from halfplane_fe.answer import _move_stick_edges_outwards
 from halfplane_fe.between_nodes import (
     Edge,
     Excess,
@@ -576,7 +576,7 @@ def test_only_an_instant_with_slip_is_a_turn_of_slip() -> None:
         "stick_edge_uncertainty": np.full((3, 2), 0.1),
     }
     permanent = Edges(zone.places_by_load, np.full(2, 0.002))
-    _hold_permanent_stick(edges, permanent, zone, np.arange(3.0), np.ones(3, dtype=bool))
+    _move_stick_edges_outwards(edges, permanent, zone, np.arange(3.0), np.ones(3, dtype=bool))
     assert edges["stick_edges"][:, 1].tolist() == [0.7, 0.5, 1.0]
     assert edges["stick_edge_uncertainty"][1].tolist() == [0.002, 0.002]
     assert edges["stick_edge_uncertainty"][2].tolist() == [0.1, 0.1]
