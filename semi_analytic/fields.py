@@ -178,8 +178,9 @@ class ArcIntegrals:
         kernel
             "shear", "slip" or "shift" (displacement)
         piece
-            piece of the memory curve with the arc: `arc_times` are times of its ends on the load
-            segment of `anchor`, the instant at which the arc was made
+            piece of the memory curve with the arc, from its `bottom_load` on. `arc_times` are times
+            of its ends. `anchor` is the instant at the end of the arc, before any of it was cut
+            off, with its load segment
         x
             (k,) distances from the middle; not used for the displacement
         """
@@ -194,17 +195,16 @@ class ArcIntegrals:
         # dp/dP has the factor 1/pi before the inverse root.
         self._kernel_factor = 1 / math.pi if kernel == "shear" else 1.0
 
-        # The anchor is the instant at the end of the arc, before any of it was cut off.
+        # Turning point of P at, or just beyond, each end of the arc.
         first_time = piece.arc_times[0]
         last_time = piece.anchor.time
-        # Turning point of P at, or just beyond, each end of the arc.
         self._turn_at_begin = _turning_point(self._segment, first_time, last_time)
         self._turn_at_end = _turning_point(self._segment, last_time, first_time)
         panel_ends = _first_panel_ends(piece, contact.corner_loads)
-        # No panel crosses it: integrals near P_x take the turning point of P on their side of it.
-        time_of_middle_load = float(
-            time_of_load_on_arc(piece, (piece.bottom_load + piece.anchor.normal_load) / 2)
-        )
+        # Integrals near P_x take the turning point of P on their side of this time, the panel end
+        # that is nearest to the middle of the arc's loads.
+        middle_load = (piece.bottom_load + piece.anchor.normal_load) / 2
+        time_of_middle_load = float(time_of_load_on_arc(piece, middle_load))
         self._middle_time = float(panel_ends[np.argmin(np.abs(panel_ends - time_of_middle_load))])
         self._integrate_panels(panel_ends)
 
@@ -245,7 +245,7 @@ class ArcIntegrals:
         integrals = self._integrals_before_panel[panel_of_time]
         integrals += self._integrals_of_series(different_times, panel_of_time)
         integrals += self._near_integrals_in_panels(different_times, panel_of_time)
-        # _kernel_factor: 1/pi for the shear, else 1
+        # 1/pi for the shear, else 1
         return self._kernel_factor * integrals[number_in_times.ravel()]
 
     def _integrals_of_series(self, times: Array, panel_of_time: Indices) -> Array:
@@ -283,22 +283,25 @@ class ArcIntegrals:
         first_time_in_panel = np.flatnonzero(np.diff(panel_of_time, prepend=-1))
         range_begins = np.append(panel_ends[0], times[:-1])
         range_begins[first_time_in_panel] = panel_ends[panel_of_time[first_time_in_panel]]
-        range_number, point = np.nonzero(
-            self._is_near[panel_of_time] & (times > range_begins)[:, None]
-        )
+        has_length = (times > range_begins)[:, None]
+        range_number, point_number = np.nonzero(self._is_near[panel_of_time] & has_length)
         near_integrals = np.zeros((len(times), len(self._x)))
-        near_integrals[range_number, point], error_of_near_integrals = (
-            self._near_integrals_and_error(range_begins[range_number], times[range_number], point)
+        near_integrals[range_number, point_number], error_of_near_integrals = (
+            self._near_integrals_and_error(
+                range_begins[range_number], times[range_number], point_number
+            )
         )
         # These ranges have errors of their own: they are not the panels.
         self.error = max(
             self.error, self._error_of_panels + self._kernel_factor * error_of_near_integrals
         )
         # sums from the begin of each panel to each time
-        sums = np.cumsum(near_integrals, axis=0)
-        sums_before_panel = (sums - near_integrals)[first_time_in_panel]
+        sums_from_first_time = np.cumsum(near_integrals, axis=0)
+        sums_before_panel = (sums_from_first_time - near_integrals)[first_time_in_panel]
         n_times_in_panel = np.diff(np.append(first_time_in_panel, len(times)))
-        return np.asarray(sums - np.repeat(sums_before_panel, n_times_in_panel, axis=0))
+        return np.asarray(
+            sums_from_first_time - np.repeat(sums_before_panel, n_times_in_panel, axis=0)
+        )
 
     def _integrate_panels(self, panel_ends: Array) -> None:
         """Integrate the kernel times dQ over the arc, panel of time by panel, and store the
@@ -316,64 +319,64 @@ class ArcIntegrals:
         panels = self._resolved_panels(panel_ends[:-1], panel_ends[1:])
         self._is_near = panels.is_near
         self._panel_ends = np.append(panels.begin, panels.end[-1])
-        # Series of the integrals from the begin of each panel on; their sums at 1 are at its end.
-        # _PRIMITIVE_OF_SERIES: matrix from the coefficients of a series to those of its primitive.
+        # Series of the integral from the begin of each panel on. Its value at the end of the panel
+        # is the sum of its coefficients.
         self._primitives = panels.series @ _PRIMITIVE_OF_SERIES
+        panel_integrals = np.sum(self._primitives, axis=2)
         near_panel, near_point = np.nonzero(panels.is_near)
         near_integrals, error_of_near_integrals = self._near_integrals_and_error(
             panels.begin[near_panel], panels.end[near_panel], near_point
         )
-        panel_integrals = np.sum(self._primitives, axis=2)
         panel_integrals[near_panel, near_point] += near_integrals
         self._integrals_before_panel = np.cumsum(panel_integrals, axis=0) - panel_integrals
         error_of_series = float(np.max(np.sum(panels.error, axis=0), initial=0.0))
-        # _kernel_factor: 1/pi for the shear, else 1.
         self._error_of_panels = self._kernel_factor * (error_of_near_integrals + error_of_series)
         self.error = self._error_of_panels
 
     def _near_integrals_and_error(
-        self, begins: Array, ends: Array, point: Indices
+        self, begins: Array, ends: Array, point_number: Indices
     ) -> tuple[Array, float]:
         """Integrals of the kernel times dQ over ranges of time in which the edge of contact passes
         the point or nearly, (m,); and the estimated error of their sum at one point.
 
         The error comes from a sample of 40 ranges that are halved: 2.5 times the largest change,
-        times the root of the largest number of ranges at one point.
-
-        The kernel is the shear, slip or displacement by a unit of load on a flat punch. An arc is a
-        curved segment of the load path that was travelled in full stick.
+        times the root of the largest number of ranges at one point. The kernel is the shear, slip
+        or displacement by a unit of load on a flat punch.
 
         Parameters
         ----------
         begins, ends
             (m,) limits of each range of time
-        point
+        point_number
             (m,) number of the point of each range, among those of the arc
         """
         sampled_ranges = np.empty(0, dtype=int)
-        if len(point):
-            sampled_ranges = np.unique(np.linspace(0, len(point) - 1, _SAMPLED_RANGES).astype(int))
+        if len(point_number):
+            sampled_ranges = np.unique(
+                np.linspace(0, len(point_number) - 1, _SAMPLED_RANGES).astype(int)
+            )
         middles = (begins[sampled_ranges] + ends[sampled_ranges]) / 2
+        sampled_points = point_number[sampled_ranges]
         # In one call: all ranges, then lower and upper halves of the sample.
         integrals = self._near_integrals(
             np.concatenate([begins, begins[sampled_ranges], middles]),
             np.concatenate([ends, middles, ends[sampled_ranges]]),
-            np.concatenate([point, point[sampled_ranges], point[sampled_ranges]]),
+            np.concatenate([point_number, sampled_points, sampled_points]),
         )
         integrals_of_ranges, lower_halves, upper_halves = np.split(
-            integrals, [len(point), len(point) + len(sampled_ranges)]
+            integrals, [len(point_number), len(point_number) + len(sampled_ranges)]
         )
         changes = integrals_of_ranges[sampled_ranges] - lower_halves - upper_halves
         largest_error = _ERROR_OVER_CHANGE * float(np.max(np.abs(changes), initial=0.0))
-        most_ranges_of_point = np.max(np.bincount(point), initial=0)
+        most_ranges_of_point = np.max(np.bincount(point_number), initial=0)
         return integrals_of_ranges, largest_error * math.sqrt(most_ranges_of_point)
 
     def _resolved_panels(self, begins: Array, ends: Array) -> _Panels:
         """Panels of time along the arc, (n,) ascending, on which a Chebyshev series resolves the
         integrand at all points that the edge of contact does not pass nearby, with these series.
 
-        Panels between `begins` and `ends` (m,) are halved until the last coefficients of the series
-        no longer count, or no number lies between their ends.
+        Panels between `begins` and `ends` (m,) are halved, nine times at most, until the last
+        coefficients of the series no longer count, or no number lies between their ends.
 
         The integrand is the rate of Q times the kernel: the shear, slip or displacement at a point
         by a unit of load on a flat punch. An arc is a part of a curved load segment, travelled in
@@ -381,13 +384,12 @@ class ArcIntegrals:
         """
         resolved_panels: list[_Panels] = []
         largest_integral = 0.0
-        # _HALVINGS: 9
         for n_halvings in range(_HALVINGS + 1):
             panels = self._panels_with_series(begins, ends)
             largest_coefficient = float(np.max(np.abs(panels.series[:, :, 0]), initial=0.0))
             largest_integral = max(largest_integral, largest_coefficient * math.sqrt(len(begins)))
             middles = (begins + ends) / 2
-            # _RESOLVED_SHARE: 1e-14
+            # errors up to 1e-14 of the largest integral
             is_resolved = (
                 np.max(panels.error, axis=1, initial=0.0) <= _RESOLVED_SHARE * largest_integral
             )
@@ -418,9 +420,10 @@ class ArcIntegrals:
         coefficient_table[far_series.panel, far_series.point] = far_series.coefficients
         return _Panels(begins, ends, far_series.is_near, coefficient_table, series_errors)
 
-    def _near_integrals(self, begins: Array, ends: Array, point: Indices) -> Array:
+    def _near_integrals(self, begins: Array, ends: Array, point_number: Indices) -> Array:
         """Integrals of the kernel times dQ over m ranges of time in which the edge of contact
-        passes a point or nearly, (m,): range j from begins[j] to ends[j], at point number point[j].
+        passes a point or nearly, (m,): range j from begins[j] to ends[j], at the point of number
+        point_number[j].
 
         The variable of integration depends on the turning point of P, before or behind the arc. A
         range lies before or behind the middle of the arc and takes the turning point on its side.
@@ -428,20 +431,20 @@ class ArcIntegrals:
         The kernel is the shear, slip or displacement by a unit of load on a flat punch. An arc is a
         part of a curved load segment, travelled in full stick.
         """
-        # _turn_at_begin and _turn_at_end: turning points of P at both ends of the arc.
         integrals = np.empty(len(begins))
         is_behind_middle = begins >= self._middle_time
         for turning_point, is_on_side in (
             (self._turn_at_begin, ~is_behind_middle),
             (self._turn_at_end, is_behind_middle),
         ):
-            # Quadrature in a variable that depends on the turning point; _edge_loads: P_x of each
-            # point.
             near_integral = _NearIntegral(self._contact, self._kernel, self._segment, turning_point)
-            x_of_ranges = self._x[point[is_on_side]]
-            edge_loads_of_ranges = self._edge_loads[point[is_on_side]]
+            points_on_side = point_number[is_on_side]
+            # `_edge_loads`: load at which the edge of contact is at each point
             integrals[is_on_side] = near_integral.over_times(
-                begins[is_on_side], ends[is_on_side], x_of_ranges, edge_loads_of_ranges
+                begins[is_on_side],
+                ends[is_on_side],
+                self._x[points_on_side],
+                self._edge_loads[points_on_side],
             )
         return integrals
 
@@ -455,18 +458,20 @@ class ArcIntegrals:
         is_far, is_near = self._far_and_near_points(begins, ends)
         far_panel, far_point = np.nonzero(is_far)
         # at the Chebyshev nodes of each panel, (n, nodes): time, P, and dQ/dt times the length
-        time = begins[:, None] + (ends - begins)[:, None] * (1 + CHEBYSHEV_NODES) / 2
+        panel_length = (ends - begins)[:, None]
+        time = begins[:, None] + panel_length * (1 + CHEBYSHEV_NODES) / 2
         load = np.maximum(self._segment.loads(time)[0], 0.0)
-        force_rate = self._segment.rate_of(TANGENTIAL_LOAD, time) * (ends - begins)[:, None]
+        force_rate = self._segment.rate_of(TANGENTIAL_LOAD, time) * panel_length
         # what the kernels take for a(P)
         advance = self._contact.edge_advance(load)
         coefficients = np.empty((len(far_panel), CHEBYSHEV_DEGREE + 1))
-        # _NODES_AT_ONCE: two million, which bounds the memory.
+        # Two million nodes at once bound the memory.
         pairs_at_once = _NODES_AT_ONCE // (CHEBYSHEV_DEGREE + 1)
         for first_pair in range(0, len(far_panel), pairs_at_once):
             chunk = slice(first_pair, first_pair + pairs_at_once)
             panel_chunk = far_panel[chunk]
             point_chunk = far_point[chunk]
+            # `_edge_loads`: load at which the edge of contact is at each point
             kernel_values = _punch_kernel(
                 self._contact,
                 self._kernel,
@@ -512,10 +517,16 @@ def _first_panel_ends(piece: Piece, corner_loads: Array) -> Array:
     it, and more where it passes corners of the profile.
 
     A smooth part lies between the times at which P had the loads of two corners. Its panels have
-    equal lengths: one that began just behind a corner would not be smooth. `arc_times` of the piece
-    are times of its ends, `anchor` is the instant at the end before any of the arc was cut off.
-    `corner_loads` are those at which the edge of contact is at a corner. An arc is a part of a
-    curved load segment, travelled in full stick.
+    equal lengths: one that began just behind a corner would not be smooth.
+
+    Parameters
+    ----------
+    piece
+        piece of the memory curve with the arc, a part of a curved load segment travelled in full
+        stick: times of its ends (`arc_times`), and the instant at the end before any of the arc was
+        cut off (`anchor`)
+    corner_loads
+        loads at which the edge of contact is at a corner, ascending
     """
     assert piece.arc_times is not None  # for the type checker: only called for arcs
     first_time = piece.arc_times[0]
@@ -526,21 +537,19 @@ def _first_panel_ends(piece: Piece, corner_loads: Array) -> Array:
     corner_times = loads_within_arc
     if len(loads_within_arc):
         corner_times = time_of_load_on_arc(piece, loads_within_arc)
-    ends_of_smooth_parts = np.unique(
-        np.clip([first_time, *corner_times, last_time], first_time, last_time)
-    )
-    # _FIRST_PANELS: 12
+    part_ends = np.unique(np.clip([first_time, *corner_times, last_time], first_time, last_time))
+    # 12 panels for all of the arc
     panels_in_part = np.maximum(
-        np.ceil(np.diff(ends_of_smooth_parts) / (last_time - first_time) * _FIRST_PANELS), 1
+        np.ceil(np.diff(part_ends) / (last_time - first_time) * _FIRST_PANELS), 1
     ).astype(int)
-    begins_of_panels = [
-        np.linspace(begin_of_part, end_of_part, n_panels, endpoint=False)
-        for begin_of_part, end_of_part, n_panels in zip(
-            ends_of_smooth_parts[:-1], ends_of_smooth_parts[1:], panels_in_part, strict=True
+    panel_begins = [
+        np.linspace(part_begin, part_end, n_panels, endpoint=False)
+        for part_begin, part_end, n_panels in zip(
+            part_ends[:-1], part_ends[1:], panels_in_part, strict=True
         )
     ]
     # A smooth part that is hardly longer than round-off has no inner ends.
-    return np.unique([*np.concatenate(begins_of_panels), last_time])
+    return np.unique([*np.concatenate(panel_begins), last_time])
 
 
 @lru_cache(maxsize=16)  # kernels and points of one solution share its arcs
@@ -553,10 +562,11 @@ def _turning_point(segment: LoadSegment, arc_end: float, other_end: float) -> Tu
     segment hold beyond its ends too.
     """
     signed_duration = other_end - arc_end
-    time_increment = 1e-3 * signed_duration
     # P grows along the arc: a turning point at its begin is a least P (+1), at its end a largest
     # (-1).
     sign_of_turn = math.copysign(1.0, signed_duration)
+    # d2P/dt2 from the rates a thousandth of the arc apart
+    time_increment = 1e-3 * signed_duration
     turning_time = arc_end
     for _ in range(20):
         load_rate = float(segment.rate_of(NORMAL_LOAD, turning_time))
@@ -568,14 +578,16 @@ def _turning_point(segment: LoadSegment, arc_end: float, other_end: float) -> Tu
             if second_derivative_of_load * sign_of_turn > 0
             else math.inf
         )
-        # A step of Newton's method that leads too far away, or into the arc: no turning point here.
-        if abs(newton_step) > abs(signed_duration) or (
-            arc_end - turning_time + newton_step
-        ) * sign_of_turn < -abs(time_increment):
+        # A step that leads too far away, or into the arc: there is no turning point.
+        is_too_far = abs(newton_step) > abs(signed_duration)
+        if is_too_far or (arc_end - turning_time + newton_step) * sign_of_turn < -abs(
+            time_increment
+        ):
             return TurningPoint(arc_end, float(segment.loads(arc_end)[0]), sign_of_turn, other_end)
         turning_time -= newton_step
         if abs(newton_step) <= 1e-15 * (abs(turning_time) + abs(signed_duration)):
             break
+    # Round-off may have led it into the arc.
     turning_time = min(turning_time, arc_end) if signed_duration > 0 else max(turning_time, arc_end)
     return TurningPoint(
         turning_time, float(segment.loads(turning_time)[0]), sign_of_turn, other_end
@@ -649,13 +661,12 @@ class _NearIntegral:
         """Integrals of dQ/dt K(x, P(t)) over time, (m,), by Gauss' rule in a variable s in which
         the integrand is smooth, where the edge of contact passes the point or nearly.
 
-        K is the shear, slip or displacement at x by a unit of load on a flat punch.
+        K is the shear, slip or displacement at x by a unit of load on a flat punch. Where K is not
+        0 for z^2 > e^2, s = ln(z + sqrt(z^2 - e^2)) but for a constant; where it is not for z^2 <
+        e^2, s = arcsin(z/e).
 
         # notation: P_t load at the turning point of P, z^2 = |P - P_t|, P_x load at which the edge
         #           of contact is at x, e^2 = P_x - P_t beside a least P, P_t - P_x beside a largest
-
-        Where the kernel K is not 0 for z^2 > e^2, s = ln(z + sqrt(z^2 - e^2)) but for a constant;
-        where it is not for z^2 < e^2, s = arcsin(z/e).
 
         Parameters
         ----------
@@ -666,39 +677,41 @@ class _NearIntegral:
         """
         if not len(begin_time):
             return np.zeros(0)
+        # its load P_t; its sign, +1 beside a least P, -1 beside a largest
         turning_point = self.turning_point
         z_at_begin = self._z_at(begin_time)
         z_at_end = self._z_at(end_time)
         least_z = np.minimum(z_at_begin, z_at_end)
         largest_z = np.maximum(z_at_begin, z_at_end)
-        # sign: +1 beside a least P, -1 beside a largest; load: P_t.
         squared_e = turning_point.sign * (edge_load - turning_point.load)
         # An e of 0 would stretch the variable for ever.
         least_square = 1e-36 * largest_z**2
         squared_e = np.where(np.abs(squared_e) < least_square, least_square, squared_e)
-        # The part on the side of P_x where the kernel is not 0: z^2 > e^2 or z^2 < e^2.
+        # the part of each range where K is not 0, in s
         limit_function = _limits_beyond if self.acts_beyond_e else _limits_within
-        # Limits in s, and the integrals there.
         begin_s, end_s = limit_function(least_z, largest_z, squared_e)
         return self._over_ranges_of_s(begin_s, end_s, x, squared_e)
 
     def _over_ranges_of_s(self, begin_s: Array, end_s: Array, x: Array, squared_e: Array) -> Array:
-        """Integrals of dQ/ds K(x, P) over ranges of the integration variable s, (m,), from
-        `begin_s` to `end_s`, each at its own point `x` and with its own e^2; 0 for a range without
-        length.
+        """Integrals of dQ/ds K(x, P) over ranges of the integration variable s, (m,), each at its
+        own point; 0 for a range without length. The integrand is smooth in s.
 
-        The integrand is smooth in s. Gauss' rule takes the more nodes the longer a range is. A rule
-        for singular ends takes its place in rough ranges, close to a logarithm of the slip kernel.
-        e^2 (`squared_e`) is the distance, with its sign, of P_x from the turning point of P. P_x is
-        the load at which the edge of contact is at the point.
+        K is the shear, slip or displacement at x by a unit of load on a flat punch. Gauss' rule
+        takes the more nodes the longer a range is. A rule for singular ends takes its place in
+        rough ranges, close to a logarithm of the slip kernel.
 
-        K is the shear, slip or displacement at x by a unit of load on a flat punch.
+        Parameters
+        ----------
+        begin_s, end_s
+            (m,) ends of the ranges
+        x, squared_e
+            (m,) the point, and e^2: the distance, with its sign, of P_x from the turning point of
+            P. P_x is the load at which the edge of contact is at the point
         """
         is_rough = self._is_rough(begin_s, end_s - begin_s, squared_e)
-        # All nodes of all ranges: s, weight, and the number of the range.
         nodes = _nodes_of_ranges(begin_s, end_s, is_rough)
         integrals = np.zeros(len(begin_s))
-        # _NODES_AT_ONCE: two million, which bounds the memory.
+        # Two million nodes at once bound the memory.
         for first_node in range(0, len(nodes.s), _NODES_AT_ONCE):
             chunk = slice(first_node, first_node + _NODES_AT_ONCE)
             range_number = nodes.range_number[chunk]
@@ -773,24 +786,29 @@ def _nodes_of_ranges(begin_s: Array, end_s: Array, is_rough: NDArray[np.bool_]) 
     where `is_rough`, (m,); none where a range has no length. One array for all, since a call for
     each rule would take longer than its arithmetic.
     """
-    # _NODES_BY_LENGTH: longest range for each number of Gauss nodes; graded_nodes: nodes and
-    # weights of the rule for singular ends.
     s_length = end_s - begin_s
-    rule_of_range = np.searchsorted(
+    # _NODES_BY_LENGTH: longest range for each number of Gauss nodes
+    gauss_rule_of_range = np.searchsorted(
         [longest_length for longest_length, _ in _NODES_BY_LENGTH], s_length
     )
     rough_ranges = np.flatnonzero((s_length > 0) & is_rough)
+    # of each rule: numbers of its ranges, and nodes and weights, (ranges, nodes) each
     ranges_by_rule = [rough_ranges]
     nodes_by_rule = [graded_nodes(begin_s[rough_ranges], end_s[rough_ranges])]
     for rule_number, (_, n_nodes) in enumerate(_NODES_BY_LENGTH):
-        ranges_of_rule = np.flatnonzero((s_length > 0) & ~is_rough & (rule_of_range == rule_number))
+        ranges_of_rule = np.flatnonzero(
+            (s_length > 0) & ~is_rough & (gauss_rule_of_range == rule_number)
+        )
         if not len(ranges_of_rule):
             continue
-        unit_nodes, weights = gauss_rule(n_nodes)
+        unit_nodes, unit_weights = gauss_rule(n_nodes)
         length_column = s_length[ranges_of_rule, None]
         ranges_by_rule.append(ranges_of_rule)
         nodes_by_rule.append(
-            (begin_s[ranges_of_rule, None] + length_column * unit_nodes, length_column * weights)
+            (
+                begin_s[ranges_of_rule, None] + length_column * unit_nodes,
+                length_column * unit_weights,
+            )
         )
     range_of_nodes = [
         np.repeat(range_numbers, s.shape[1])
@@ -1018,29 +1036,26 @@ class KernelIntegrals:
         part_numbers = np.flatnonzero((slope != 0) & (upper_load != lower_load))
         is_short = np.zeros(len(part_numbers), dtype=bool)
         if self.kernel == "slip" and isinstance(self.contact, PunchSuperposition):
-            # Parts shorter than 1 % of their upper load.
-            load_range = upper_load[part_numbers] - lower_load[part_numbers]
-            # Not across a corner of the profile, or close behind one: there a(P) is not smooth.
-            corner_loads = self.contact.corner_loads
-            n_corners_below_part = np.searchsorted(
-                corner_loads, lower_load[part_numbers] - load_range
-            )
-            n_corners_up_to_part_end = np.searchsorted(corner_loads, upper_load[part_numbers])
-            is_short = (load_range < _SHARE_OF_SHORT_PART * upper_load[part_numbers]) & (
-                n_corners_below_part == n_corners_up_to_part_end
-            )
-        # By differences of integrals from 0 on, and by integrals over the parts themselves.
-        long_parts = part_numbers[~is_short]
-        short_parts = part_numbers[is_short]
-        if len(long_parts):
-            integrals = self._difference_of_integrals(
-                lower_load[long_parts], upper_load[long_parts]
-            )
-            straight_integrals[long_parts] = slope[long_parts, None] * integrals
-        if len(short_parts):
-            integrals = self._short_slip_integrals(lower_load[short_parts], upper_load[short_parts])
-            straight_integrals[short_parts] = slope[short_parts, None] * integrals
+            is_short = self._is_short_part(lower_load[part_numbers], upper_load[part_numbers])
+        for parts, integrate in (
+            (part_numbers[~is_short], self._difference_of_integrals),
+            (part_numbers[is_short], self._short_slip_integrals),
+        ):
+            if len(parts):
+                integrals = integrate(lower_load[parts], upper_load[parts])
+                straight_integrals[parts] = slope[parts, None] * integrals
         return straight_integrals
+
+    def _is_short_part(self, lower_load: Array, upper_load: Array) -> NDArray[np.bool_]:
+        """Whether ranges between two loads (n,) are shorter than 1 % of the upper load, and neither
+        contain nor closely follow the load of a corner of the profile, where a(P) is not smooth.
+        """
+        load_range = upper_load - lower_load
+        corner_loads = self.contact.corner_loads
+        n_corners_below_range = np.searchsorted(corner_loads, lower_load - load_range)
+        n_corners_up_to_end = np.searchsorted(corner_loads, upper_load)
+        is_within_share = load_range < _SHARE_OF_SHORT_PART * upper_load
+        return np.asarray(is_within_share & (n_corners_below_range == n_corners_up_to_end))
 
     def _difference_of_integrals(self, lower_load: Array, upper_load: Array) -> Array:
         """Integral of the kernel K d eta between two loads, for n pairs of loads and at each of k
@@ -1066,27 +1081,29 @@ class KernelIntegrals:
         """
         contact = self.contact
         edge_loads = contact.load(self.x)
-        # Per range and point: upper limit, v at the lower load, and e.
+        # (n, k): upper limit, v at the lower load, and e
         end_load = np.minimum(upper_load[:, None], edge_loads)
         v_at_lower_load = np.sqrt(np.maximum(end_load - lower_load[:, None], 0.0))
+        e_of_pairs = np.sqrt(np.maximum(edge_loads - end_load, 0.0))
         integrals = np.zeros(end_load.shape)
-        e_of_points = np.sqrt(np.maximum(edge_loads - end_load, 0.0))
-        is_near = e_of_points < 0.5 * v_at_lower_load
         # The range of s is the longer the nearer P_x is: it takes more nodes then.
+        is_near = e_of_pairs < 0.5 * v_at_lower_load
         for is_in_group, n_nodes in ((~is_near, 12), (is_near, 32)):
-            range_number, point = np.nonzero((v_at_lower_load > 0) & is_in_group)
-            e = np.maximum(
-                e_of_points[range_number, point], 1e-4 * v_at_lower_load[range_number, point]
-            )
+            pairs = np.nonzero((v_at_lower_load > 0) & is_in_group)
+            point_number = pairs[1]
+            e = np.maximum(e_of_pairs[pairs], 1e-4 * v_at_lower_load[pairs])
             gauss_nodes, gauss_weights = gauss_rule(n_nodes)
-            s_length = np.arcsinh(v_at_lower_load[range_number, point] / e)[:, None]
+            s_length = np.arcsinh(v_at_lower_load[pairs] / e)[:, None]
             v = e[:, None] * np.sinh(s_length * gauss_nodes)
             dv_ds = e[:, None] * np.cosh(s_length * gauss_nodes)
-            # P_x - eta, and what the slip kernel takes for a(eta).
-            load_below_edge = np.square(v) + np.square(e_of_points[range_number, point])[:, None]
-            advance = contact.edge_advance(end_load[range_number, point, None] - np.square(v))
-            arccosh_ratio = contact.arccosh_ratio(self.x[point, None], load_below_edge, advance)
-            integrals[range_number, point] = np.sum(
+            # P_x - eta, and what the slip kernel takes for a(eta)
+            load_below_edge = np.square(v) + np.square(e_of_pairs[pairs])[:, None]
+            advance = contact.edge_advance(end_load[pairs][:, None] - np.square(v))
+            arccosh_ratio = contact.arccosh_ratio(
+                self.x[point_number, None], load_below_edge, advance
+            )
+            # d eta = 2 v dv
+            integrals[pairs] = np.sum(
                 gauss_weights * s_length * 2 * v * dv_ds * arccosh_ratio, axis=1
             )
         return integrals
@@ -1113,24 +1130,23 @@ class KernelIntegrals:
             is the uppermost piece that sticks, else its top load
         """
         integrals: list[Array | float] = [0.0] * len(pieces_and_upper_loads)
+        # for each arc, by its segment, begin and end: its pieces, with the number of their pair
         pieces_of_arc: dict[tuple[int, float, float], list[tuple[int, Piece]]] = {}
         for pair_number, (piece, upper_load) in enumerate(pieces_and_upper_loads):
-            # anchor: instant at the end of the arc before any of it was cut off; arc_times: times
-            # of the ends of what is left, on the load segment.
             if isinstance(piece, Piece) and piece.arc_times is not None:
+                # `anchor`: instant at the end of the arc before any of it was cut off
                 arc_key = (id(piece.anchor.segment), piece.arc_times[0], piece.anchor.time)
                 pieces_of_arc.setdefault(arc_key, []).append((pair_number, piece))
+                if arc_key not in self._arcs:
+                    arc = ArcIntegrals(self.contact, self.kernel, piece, self.x)
+                    self._arcs[arc_key] = piece, arc
             elif piece.bend:
                 integrals[pair_number] = self._parabola_integral(piece, upper_load)
         for arc_key, numbered_pieces in pieces_of_arc.items():
-            _, piece = numbered_pieces[0]
-            if arc_key not in self._arcs:
-                self._arcs[arc_key] = piece, ArcIntegrals(self.contact, self.kernel, piece, self.x)
-            arc_integrals = self._integrals_up_to_loads(
-                self._arcs[arc_key][1],
-                piece,
-                [pieces_and_upper_loads[pair_number][1] for pair_number, _ in numbered_pieces],
-            )
+            _, arc = self._arcs[arc_key]
+            _, first_piece = numbered_pieces[0]
+            upper_loads = [pieces_and_upper_loads[number][1] for number, _ in numbered_pieces]
+            arc_integrals = self._integrals_up_to_loads(arc, first_piece, upper_loads)
             for (pair_number, _), arc_integral in zip(numbered_pieces, arc_integrals, strict=True):
                 integrals[pair_number] = arc_integral
         return integrals
