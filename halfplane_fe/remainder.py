@@ -827,8 +827,10 @@ def effects_of_both_bodies(
     Parameters
     ----------
     lower_numbers, upper_numbers
-        numbers of each body in its own frame, each with an uncertainty; of fourth order those by
-        x^4 + s^4 and, mixed, by x^2 s^2. Where they are one object, both differences are 0
+        numbers of each body in its own frame, each with an uncertainty. Those called fourth and
+        mixed are coefficients of x^4 + s^4 and of x^2 s^2, x and s being the places of displacement
+        and force. `unknowns` and `factorisations` count the linear systems that were solved. Where
+        both are one object, both differences are 0
     scene
         its datum length, the distance from a force at which a half-plane's surface counts as
         unmoved, and its elastic constants

@@ -222,7 +222,7 @@ def find_scales(scene: Scene, work_counts: Counter[str]) -> Scales:
     How much of the face the coarse mesh covers follows from the contact itself, found in a few
     normal solutions. Where the approach is prescribed (`load.states_approach`), the load is an
     unknown: a first run with the load of half-planes finds it, a second one is scaled by it.
-    `work_counts` counts condensations.
+    `work_counts` counts condensations, the effort of the computation.
 
     Raises
     ------
@@ -242,8 +242,8 @@ def _load_of_approach(scene: Scene, work_counts: Counter[str]) -> float:
     approach: the load that presses two half-planes together by the largest approach.
 
     The approach of a half-plane is relative to its surface at a datum length from the contact. The
-    load is found by bracketing its logarithm. `work_counts` counts condensations;
-    `scene` has the rig, bodies, materials and profile.
+    load is found by bracketing its logarithm. `work_counts` counts condensations, the effort of the
+    computation; `scene` has the rig, bodies, materials and profile.
 
     Raises
     ------
@@ -325,7 +325,7 @@ def _scales_at(scene: Scene, load_unit: float, work_counts: Counter[str]) -> Sca
     load_unit
         largest normal load, which loads are divided by [force per thickness]
     work_counts
-        counts condensations
+        counts of condensations, the effort of the computation; added to here
 
     Raises
     ------
@@ -490,9 +490,10 @@ def estimate_room(scene: Scene, work_counts: Counter[str]) -> RoomForContact:
     """Quick estimate of the largest contact on bodies of finite size, and a check that their faces
     are wide enough for it.
 
-    One cycle of a dozen increments is followed on a coarse mesh; of a record of more than 16 rows
-    of measured loads the rows of extreme loads. The finely meshed part of the face is doubled in
-    width until the contact does not touch its ends. `work_counts` counts condensations.
+    One cycle of a dozen increments is followed on a coarse mesh. A record of more than 16 rows of
+    measured loads is shortened to the rows of extreme loads. The finely meshed part of the face is
+    doubled in width until the contact does not touch its ends. `work_counts` counts condensations,
+    the effort of the computation.
 
     Returns
     -------
@@ -586,7 +587,7 @@ def _with_extreme_rows(scene: Scene) -> Scene:
     # Rows (n, 3) that the load path goes through: with bulk stress or tilt all from the key
     # `start` to `end`, else those left after means and reduction. Further columns (n,) by name.
     first_row, row_beyond = load_record.row_bounds()
-    counted_rows = (
+    rows_of_path = (
         load_record.rows.values[first_row:row_beyond]
         if load_record.has_bulk_or_tilt
         else load_record.kept_rows()
@@ -599,19 +600,19 @@ def _with_extreme_rows(scene: Scene) -> Scene:
 
     # Numbers of the extreme rows of each column. For Q/P, P is at least 1e-6 of its largest value
     # (_LEAST_LOAD_RATIO).
-    safe_normal_load = np.maximum(counted_rows[:, 1], _LEAST_LOAD_RATIO * counted_rows[:, 1].max())
+    safe_normal_load = np.maximum(rows_of_path[:, 1], _LEAST_LOAD_RATIO * rows_of_path[:, 1].max())
     columns = [
-        counted_rows[:, 1],
-        counted_rows[:, 2],
-        counted_rows[:, 2] / safe_normal_load,
+        rows_of_path[:, 1],
+        rows_of_path[:, 2],
+        rows_of_path[:, 2] / safe_normal_load,
         *further_columns.values(),
     ]
-    row_numbers = {0, len(counted_rows) - 1}
+    row_numbers = {0, len(rows_of_path) - 1}
     for column in columns:
         row_numbers |= {int(np.argmin(column)), int(np.argmax(column))}
     extreme_rows = sorted(row_numbers)
     short_record = TimeSeriesLoad(
-        rows=counted_rows[extreme_rows],
+        rows=rows_of_path[extreme_rows],
         repeats=load_record.repeats,
         **{name: tuple(column[extreme_rows].tolist()) for name, column in further_columns.items()},
         **{

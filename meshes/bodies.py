@@ -252,7 +252,7 @@ def number_of_body_nodes(grading: SurfaceGrading, growth: float, order: int) -> 
         (2 * grading.inner, grading.size),
     ):
         if surface_length > 0:
-            # _FAR_RADIUS: a thousand times `outer`, beyond which few nodes are added
+            # _FAR_RADIUS: a thousand times `outer`, for bodies that are no half-discs
             r = g * min(grading.radius, _FAR_RADIUS * grading.outer) / h
             # the terms pi d and L of the integrand
             integral_around_ends = math.pi / g**2 * (math.log1p(r) - r / (1 + r))
