@@ -221,8 +221,8 @@ def _bounds_of_runs(mask: Mask) -> Iterator[tuple[int, int]]:
     >>> list(_bounds_of_runs(np.array([True, True, False, True])))
     [(0, 2), (3, 4)]
     """
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(int)))
-    yield from zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
+    bounds = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(int)))
+    yield from zip(bounds[::2].tolist(), bounds[1::2].tolist(), strict=True)
 
 
 def _parts_of_swings(swings: _Swings, unit: str) -> list[RecordPart]:

@@ -146,8 +146,8 @@ def _label(number: float) -> str:
     if 0 < abs(number) < 1e-3:
         text = np.format_float_scientific(number, precision=5, trim="-")
     if "e" in text:
-        mantissa, power = text.split("e")
-        text = f"{mantissa}e{int(power)}"
+        mantissa, exponent = text.split("e")
+        text = f"{mantissa}e{int(exponent)}"
     return text.replace("-", "−")
 
 

@@ -304,9 +304,9 @@ def with_uncertainty(value: float, uncertainty: float | None) -> str:
         return f"{minus(f'{value:.3g}')} ± {minus(f'{uncertainty:.2g}')}"
     if uncertainty == 0:
         return f"{minus(f'{value:.3g}')} ± 0"
-    power = math.floor(math.log10(uncertainty))  # of ten, of the first digit of u
-    begins_with_one = round(uncertainty / 10**power, 6) < 2
-    decimals = max(0, -power + begins_with_one)
+    exponent = math.floor(math.log10(uncertainty))  # of ten, of the first digit of u
+    begins_with_one = round(uncertainty / 10**exponent, 6) < 2
+    decimals = max(0, -exponent + begins_with_one)
     if decimals > 6:  # a power of ten is easier to read than many zeros
         significant_digits = 2
         if abs(value) > uncertainty:

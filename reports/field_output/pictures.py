@@ -96,8 +96,14 @@ class PanelWords(NamedTuple):
 
 def round_down(value: float) -> float:
     """The largest of 1, 2, 5 times a power of ten that is not above `value`."""
-    power = 10.0 ** np.floor(np.log10(value))
-    return float(max(step * power for step in (1, 2, 5) if step * power <= value * (1 + 1e-9)))
+    power_of_ten = 10.0 ** np.floor(np.log10(value))
+    return float(
+        max(
+            leading_digit * power_of_ten
+            for leading_digit in (1, 2, 5)
+            if leading_digit * power_of_ten <= value * (1 + 1e-9)
+        )
+    )
 
 
 def picture(skins: Sequence[Skin], window: Window, width: int) -> NDArray[np.uint8]:

@@ -217,13 +217,13 @@ def _values_on_face(
     `blocks` hold values at nodes, a block for each time. `face` states its nodes and the factor of
     each quantity.
     """
-    rows, depth, plane_notes = one_plane(mesh.points, face.rows)
+    rows, extent_along_z, plane_notes = one_plane(mesh.points, face.rows)
     fields: dict[str, Array] = {}
     for quantity, component in _COMPONENT_BY_QUANTITY[blocks[0].name].items():
         values = np.array([mesh.values_at_nodes(block, component)[rows] for block in blocks])
         fields[quantity] = face.factors[quantity] * values
     times = np.array([block.time for block in blocks])
-    return _FaceValues(mesh.points[rows, 0], depth, fields, times), plane_notes
+    return _FaceValues(mesh.points[rows, 0], extent_along_z, fields, times), plane_notes
 
 
 def _require_finite_values(file: FrdFile) -> None:
@@ -358,9 +358,9 @@ def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
         quantity: _factor_with_sign(mapping, quantity, points.body) * values
         for quantity, values in values_by_quantity.items()
     }
-    depth = float(np.ptp(mesh.points[:, 2]))
+    extent_along_z = float(np.ptp(mesh.points[:, 2]))
     times = np.array([table.time for table in tables.stress])
-    face_values = _FaceValues(points.x, depth, fields, times)
+    face_values = _FaceValues(points.x, extent_along_z, fields, times)
     return _result_of_face(path, mapping, "CalculiX", face_values, printed_file, notes)
 
 
@@ -614,7 +614,7 @@ class _FaceValues(NamedTuple):
     ----------
     x
         (n_points,) in the file's unit of length
-    depth
+    extent_along_z
         extent of the mesh along z in that unit, 0 for a plane mesh
     fields
         pressure, shear and slip, (n_times, n_points) each, in the scene's units and signs
@@ -623,7 +623,7 @@ class _FaceValues(NamedTuple):
     """
 
     x: Array
-    depth: float
+    extent_along_z: float
     fields: dict[str, Array]
     times: Array
 
@@ -659,7 +659,9 @@ def _result_of_face(
     load_notes: list[str] = []
     if printed_file is not None:
         # P and Q per thickness, at the times of the face values
-        loads, load_notes = _pair_loads(printed_file, mapping, face_values.times, face_values.depth)
+        loads, load_notes = _pair_loads(
+            printed_file, mapping, face_values.times, face_values.extent_along_z
+        )
         series |= loads
     if mapping.times is not None:
         series["time"] = stated_times(str(path), mapping, len(face_values.times))
@@ -711,15 +713,15 @@ def _forces_on_lower_body(pair_forces: Sequence[PairForce], times: Array) -> lis
 
 
 def _pair_loads(
-    file: DatFile, mapping: Mapping, times: Array, depth: float
+    file: DatFile, mapping: Mapping, times: Array, extent_along_z: float
 ) -> tuple[dict[str, Array], list[str]]:
     """Loads P and Q by name, (n_times,) each [force/thickness], from the total force on the one
     contact pair in a .dat file; and notes. No loads where the file lacks the force of some time;
     InputError for several contact pairs of which the mapping names none.
 
-    P and Q are the force of the upper body on the lower one, P positive in compression. `depth` is
-    the extent of the mesh along z, 0 for a plane mesh; it is the thickness where the mapping states
-    none.
+    P and Q are the force of the upper body on the lower one, P positive in compression.
+    `extent_along_z` is the extent of the mesh along z, 0 for a plane mesh; it is the thickness
+    where the mapping states none.
     """
     pair_forces = _forces_of_one_pair(file, mapping)
     forces_on_lower = _forces_on_lower_body(pair_forces, times)
@@ -733,9 +735,9 @@ def _pair_loads(
     force_on_lower = np.array(forces_on_lower)
     thickness_source = "mapping"
     thickness = 1.0
-    if depth > 0 and "thickness" not in mapping.model_fields_set:
+    if extent_along_z > 0 and "thickness" not in mapping.model_fields_set:
         thickness_source = "mesh"
-        thickness = depth * (mapping.factors.length or 1.0)
+        thickness = extent_along_z * (mapping.factors.length or 1.0)
     loads = {
         "normal_load": converted_values(mapping, "normal_load", -force_on_lower[:, 1] / thickness),
         "tangential_load": converted_values(

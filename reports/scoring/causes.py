@@ -130,8 +130,8 @@ def _start_sizes_of_factor(discrepancy: Discrepancy) -> Sequence[float]:
 def _start_sizes_of_units(discrepancy: Discrepancy) -> Sequence[float]:
     """The power of ten that the sum of the pressures is near to."""
     ratio, _, _ = _compared_load_width_and_centre(discrepancy)
-    power = nearest_power_of_ten(ratio)
-    return () if power is None else (float(np.log(power)),)
+    power_of_ten = nearest_power_of_ten(ratio)
+    return () if power_of_ten is None else (float(np.log(power_of_ten)),)
 
 
 def nearest_power_of_ten(factor: float) -> float | None:

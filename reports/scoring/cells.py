@@ -35,8 +35,8 @@ _ROUND_OFF = 1e-9
 
 def cell_centres_and_width(reach: float, count: int) -> tuple[Array, float]:
     """Middles (count,) and width of equal cells between -reach and reach [length]."""
-    edges = np.linspace(-reach, reach, count + 1)
-    return (edges[1:] + edges[:-1]) / 2, float(edges[1] - edges[0])
+    cell_borders = np.linspace(-reach, reach, count + 1)
+    return (cell_borders[1:] + cell_borders[:-1]) / 2, float(cell_borders[1] - cell_borders[0])
 
 
 def influence_matrix(scene: Scene, cell_centres: Array, cell_width: float) -> Array:

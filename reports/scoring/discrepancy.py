@@ -205,10 +205,10 @@ class Discrepancy:
 
         # notation: f coefficient of friction
         """
-        friction = self.comparison.scales.friction
+        friction_coefficient = self.comparison.scales.friction
         pressure_norm = l2_norm(self.x, self.reference_tractions[PRESSURE])
         # ||p_0|| and f ||p_0|| at each of the k instants, (2, k)
-        norms_of_reference = pressure_norm * factors_of_tractions(1, friction)[:, :, 0]
+        norms_of_reference = pressure_norm * factors_of_tractions(1, friction_coefficient)[:, :, 0]
         norms_of_difference = l2_norm(self.x, self.result_tractions - self.reference_tractions)
         relative_errors = quotient(norms_of_difference, norms_of_reference)
         pressure_error, shear_error = np.nanmax(relative_errors, axis=1, initial=0.0).tolist()

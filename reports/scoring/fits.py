@@ -401,13 +401,15 @@ class Search:
         except InputError:
             return None
         # largest ratio of shear noise to pressure noise, each over its scale: 5/f
-        friction = self.discrepancy.comparison.scales.friction
+        friction_coefficient = self.discrepancy.comparison.scales.friction
         return Fit(
             causes,
             sizes,
             predicted_tractions,
             residuals=self.discrepancy.residuals(predicted_tractions),
-            largest_noise_ratio=LARGEST_NOISE_RATIO / friction if friction else np.inf,
+            largest_noise_ratio=LARGEST_NOISE_RATIO / friction_coefficient
+            if friction_coefficient
+            else np.inf,
         )
 
 

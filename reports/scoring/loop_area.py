@@ -139,9 +139,9 @@ def polygon_area(
     ]
     error_by_misclosure = 0.0
     if len(rows_at_end):
-        noise = (displacement_noise, load_noise)
+        noise_deviations = (displacement_noise, load_noise)
         displacement, load, error_by_misclosure = _closed_loop_and_misclosure_error(
-            displacement, load, cycles_passed, rows_at_end, cycles_at_end, noise
+            displacement, load, cycles_passed, rows_at_end, cycles_at_end, noise_deviations
         )
     elif cycles_at_end - cycles_passed[-1] > missing_cycles:
         # the loop may lie anywhere between the chord and its end tangents
@@ -171,7 +171,7 @@ def _closed_loop_and_misclosure_error(
     cycles_passed: Array,
     rows_at_end: NDArray[np.intp],
     cycles_at_end: float,
-    noise: tuple[float, float],
+    noise_deviations: tuple[float, float],
 ) -> tuple[Array, Array, float]:
     """Close a measured loop of Q over U at the end of its last whole cycle. Returns U and Q of the
     rows up to there, with an interpolated closing point as the last, and the error of the area
@@ -189,14 +189,14 @@ def _closed_loop_and_misclosure_error(
         indices of the rows at or after the end of the last whole cycle
     cycles_at_end
         cycles passed at that end
-    noise
+    noise_deviations
         sigma of U and of Q
 
     # notation: Q tangential load, sigma standard deviation of the noise, U relative tangential
     #           displacement
     """
     row_after, fraction_of_step, tolerated_misclosure = _end_of_cycle(
-        displacement, load, cycles_passed, rows_at_end, cycles_at_end, noise
+        displacement, load, cycles_passed, rows_at_end, cycles_at_end, noise_deviations
     )
     displacement_at_end, load_at_end = (
         float(
@@ -222,7 +222,7 @@ def _end_of_cycle(
     cycles_passed: Array,
     rows_at_end: NDArray[np.intp],
     cycles_at_end: float,
-    noise: tuple[float, float],
+    noise_deviations: tuple[float, float],
 ) -> tuple[int, float, float]:
     """Where the last whole cycle of a measured loop ends, between two rows: the index of the row
     behind, and the fraction of the step from the row before, 0 to 1. With them the tolerated
@@ -240,10 +240,10 @@ def _end_of_cycle(
         each row
     rows_at_end
         indices of the rows at or after `cycles_at_end`
-    noise
+    noise_deviations
         standard deviations of the noise of U and of Q
     """
-    displacement_noise, load_noise = noise
+    displacement_noise, load_noise = noise_deviations
     row_after = int(rows_at_end[0])
     cycles_before = cycles_passed[row_after - 1]
     cycles_of_step = max(cycles_passed[row_after] - cycles_before, 1e-300)

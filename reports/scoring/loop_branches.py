@@ -464,7 +464,7 @@ def _crossings_of_middle(
     )
 
 
-def sizes_of_cycles(values: Array, load: Array, time: Array, noise: float) -> Array:
+def sizes_of_cycles(values: Array, load: Array, time: Array, load_noise: float) -> Array:
     """Size of each of the k cycles of a quantity of a measured loop, such as U: its standard
     deviation over the time of the cycle, (k,), in the units of `values`.
 
@@ -475,12 +475,12 @@ def sizes_of_cycles(values: Array, load: Array, time: Array, noise: float) -> Ar
     ----------
     values
         (n,) the quantity at the rows
-    load, time, noise
+    load, time, load_noise
         tangential load Q (n,), its time, and the standard deviation of its noise
 
     # notation: U relative tangential displacement
     """
-    least_load, largest_load = _least_and_largest_load(load, noise)
+    least_load, largest_load = _least_and_largest_load(load, load_noise)
     middle_load = (least_load + largest_load) / 2
     # last row before and first row after each crossing
     rows_before, rows_after, _ = _crossings_of_middle(load, least_load, largest_load)
@@ -705,6 +705,7 @@ def _turning_point(
     half_duration = float(np.median(durations)) / 2
     begin_rows = np.searchsorted(time, middle_times - half_duration)
     end_rows = np.searchsorted(time, middle_times + half_duration)
+    # height: Q, with the other sign at a lowest turning point
     rows_around_top = _RowsAroundTop(
         height=sign * load,
         # -1 and 1 at the crossings beside the nearest of the middle times

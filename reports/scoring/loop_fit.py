@@ -247,28 +247,28 @@ class LoopsOverFriction:
         roots_of_log = _ROOT_STEP * np.round(roots_of_log / _ROOT_STEP)
         return self.friction_at_gross_sliding(highest_load, lowest_load) * np.exp(roots_of_log**2)
 
-    def _displacement_at_step(self, step: int) -> Array:
-        """U (m,) of the scene with f = sliding exp(root^2), the root being `step` times
-        `_ROOT_STEP`; U is even in the root.
+    def _displacement_at_step(self, root_number: int) -> Array:
+        """U (m,) of the scene with f = f_s exp(r^2), f_s that of gross sliding and the root r =
+        0.02 times `root_number` (`_ROOT_STEP`). U is even in r. What was computed is cached.
         """
-        step = abs(step)
-        if step not in self.displacement_by_step:
-            self.displacement_by_step[step] = self.displacement_with_friction(
-                self.sliding_friction * math.exp((_ROOT_STEP * step) ** 2)
+        root_number = abs(root_number)
+        if root_number not in self.displacement_by_step:
+            self.displacement_by_step[root_number] = self.displacement_with_friction(
+                self.sliding_friction * math.exp((_ROOT_STEP * root_number) ** 2)
             )
-        return self.displacement_by_step[step]
+        return self.displacement_by_step[root_number]
 
     def displacement(self, friction: float) -> Array:
         """U (m,) of the scene with the friction coefficient f [length]: interpolated by a cubic
         between loops of theory at steps of sqrt(ln(f/f of gross sliding)).
         """
         # the root for this f, in steps of 0.02
-        root = self._root_in_steps(friction)
-        step = round(root)
-        if abs(root - step) < 1e-9:
-            return self._displacement_at_step(step)
-        weights, _ = _cubic_weights(root - math.floor(root))
-        return np.asarray(weights @ self._displacements_around(root))
+        root_in_steps = self._root_in_steps(friction)
+        root_number = round(root_in_steps)
+        if abs(root_in_steps - root_number) < 1e-9:
+            return self._displacement_at_step(root_number)
+        weights, _ = _cubic_weights(root_in_steps - math.floor(root_in_steps))
+        return np.asarray(weights @ self._displacements_around(root_in_steps))
 
     def displacement_by_log_friction(self, friction: float) -> Array:
         """Derivative (m,) of U of the scene by ln f [length], f being the friction coefficient: by
@@ -288,11 +288,11 @@ class LoopsOverFriction:
         """
         return math.sqrt(max(math.log(friction / self.sliding_friction), 0.0)) / _ROOT_STEP
 
-    def _displacements_around(self, root: float) -> Array:
+    def _displacements_around(self, root_in_steps: float) -> Array:
         """U (4, m) at the two steps on each side of a root, which is counted in steps."""
-        step = math.floor(root)
+        root_number = math.floor(root_in_steps)
         return np.array(
-            [self._displacement_at_step(step + neighbour) for neighbour in (-1, 0, 1, 2)]
+            [self._displacement_at_step(root_number + neighbour) for neighbour in (-1, 0, 1, 2)]
         )
 
     def ends_of_branch(self, *, is_rising: bool) -> tuple[int, int]:

@@ -957,7 +957,7 @@ def _misfit_of_loop(distances: Distances, sigma: RowNoise, least_noise: RowNoise
     return replace(larger_misfit, systematic_rms=0.0) if digits_explain_all else larger_misfit
 
 
-def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
+def best_loop(rows: MeasuredRows, memory_curve: MemoryCurve) -> BestLoop:
     """Find the loop that fits measured rows of Q over U best, with the noise of U and Q. Loops slip
     partially, or slide as a whole at their ends (gross). Loop and noise are found by turns until
     the noise changes by less than 5 %.
@@ -967,7 +967,7 @@ def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
     rows
         U, Q, the steps `resolution` that their digits resolve, and the rig's compliance, None
         where it is fitted
-    curve
+    memory_curve
         memory curve of theory at constant P: U over half the change of Q since a turning point,
         from which loops are built (Masing's rule)
 
@@ -984,10 +984,10 @@ def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
     n_fitted = len(_fitted_parameters(rows, is_gross=False))
     degrees_of_freedom = len(rows.displacement) - n_fitted
     search, fits = _fits_with_likeliest_noise(
-        _Search(rows, curve, sigma), least_noise, degrees_of_freedom
+        _Search(rows, memory_curve, sigma), least_noise, degrees_of_freedom
     )
     parameters = fits.better_fit.parameters
-    distances = distances_from_loop(rows, curve, parameters, search.sigma)
+    distances = distances_from_loop(rows, memory_curve, parameters, search.sigma)
     return BestLoop(
         search=search,
         fits=fits,
@@ -1099,7 +1099,8 @@ def fit_with_interval(best_loop: BestLoop, error_of_theory: float) -> MasingFit:
     )
     first_step = float(np.clip(2 * standard_errors[LOG_F] * widening, 1e-9, 0.3))
     friction = math.exp(best_loop.parameters[LOG_F])
-    # (7,) of the loop at an end of the interval, None where the sum never rises so far
+    # (7,) of the loop at an end of the interval, found towards smaller f (-1) and larger f (1);
+    # None where the sum never rises so far
     parameters_at_lower_end = search.interval_end(fits, -1.0, admitted_rise, first_step)
     parameters_at_upper_end = search.interval_end(fits, 1.0, admitted_rise, first_step)
     # error of f: the plateaus of a gross loop, at Q = f P, are rounded to the last digit of Q
@@ -1135,7 +1136,7 @@ def fit_with_interval(best_loop: BestLoop, error_of_theory: float) -> MasingFit:
     )
 
 
-def _error_by_digits(rows: MeasuredRows, curve: MemoryCurve, sigma: RowNoise) -> float:
+def _error_by_digits(rows: MeasuredRows, memory_curve: MemoryCurve, sigma: RowNoise) -> float:
     """Error of f (95 %) of a gross loop, whose contact slides as a whole, by the last digit of Q:
     all rows of a plateau have the same digits where no noise moves them. 0 where noise does.
 
@@ -1143,7 +1144,7 @@ def _error_by_digits(rows: MeasuredRows, curve: MemoryCurve, sigma: RowNoise) ->
     ----------
     rows
         `resolution` holds the steps of U and of Q that the digits of the rows resolve
-    curve
+    memory_curve
         `sliding_friction_per_load` is f at which the contact just slides as a whole, over the range
         of Q
     sigma
@@ -1161,7 +1162,7 @@ def _error_by_digits(rows: MeasuredRows, curve: MemoryCurve, sigma: RowNoise) ->
         return 0.0
     # f = R/(2 P), and R is the difference of two plateaus that are rounded alike.
     # _SHARE_OF_STEP: a plateau lies within 0.475 of a step in 95 %
-    return 2 * _SHARE_OF_STEP * step_of_load * curve.sliding_friction_per_load
+    return 2 * _SHARE_OF_STEP * step_of_load * memory_curve.sliding_friction_per_load
 
 
 def _parameter_changes_by_residuals(search: _Search, parameters: Array, is_gross: bool) -> Array:

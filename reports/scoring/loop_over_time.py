@@ -62,8 +62,8 @@ def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
 
     # notation: P normal load
     """
-    # where the rows lie on the scene's cycle. Their Q is `load_scale` times the scene's, at the
-    # same P: so is f.
+    # where the rows lie on the scene's cycle. Their Q is `load_scale` times the scene's plus
+    # `offset`, at the same P: so f is `load_scale` times the scene's.
     alignment = _required_alignment(loop, scene)
     search = _Search(loop, scene, cycle_loads(scene)[1], rig_compliance)
     # the least f of the scene: below it the contact slides as a whole at the scene's loads

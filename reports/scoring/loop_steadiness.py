@@ -265,7 +265,7 @@ class Trend:
         return difference < _ERRORS_OF_SAME_TREND * math.hypot(self.error, other.error)
 
 
-def trend_of_sizes(values: Array, load: Array, time: Array, noise: float) -> Trend | None:
+def trend_of_sizes(values: Array, load: Array, time: Array, load_noise: float) -> Trend | None:
     """How the cycles of a measured loop grow or shrink in U or Q: the growth of their size in each
     cycle over the median size, with its standard error, by the straight line through their sizes.
 
@@ -276,7 +276,7 @@ def trend_of_sizes(values: Array, load: Array, time: Array, noise: float) -> Tre
     ----------
     values
         (n,) Q or U of the rows
-    load, time, noise
+    load, time, load_noise
         Q (n,) and its time, by which cycles are found, and the standard deviation of the noise of Q
 
     Examples
@@ -292,7 +292,7 @@ def trend_of_sizes(values: Array, load: Array, time: Array, noise: float) -> Tre
     # notation: Q tangential load, U relative tangential displacement
     """
     # size of each cycle, (k,)
-    sizes = sizes_of_cycles(values, load, time, noise)
+    sizes = sizes_of_cycles(values, load, time, load_noise)
     if len(sizes) < 2:
         return None
     # each cycle begins half a cycle after the one before
@@ -311,7 +311,7 @@ def trend_of_sizes(values: Array, load: Array, time: Array, noise: float) -> Tre
 
 
 def lasting_growth(
-    displacement: Array, load: Array, time: Array, first_row: int, noise: float
+    displacement: Array, load: Array, time: Array, first_row: int, load_noise: float
 ) -> Literal["", "grow", "shrink"]:
     """Whether the cycles of a measured loop "grow" or "shrink" in Q or U, over all rows and perhaps
     at the same rate from the row `first_row` on. Then the rows before it are no run-in. "" where
@@ -323,7 +323,7 @@ def lasting_growth(
         U, Q and time of the rows, (n,) each
     first_row
         index of the first row behind the supposed run-in
-    noise
+    load_noise
         standard deviation of the noise of Q
 
     # notation: Q tangential load, U relative tangential displacement
@@ -331,9 +331,9 @@ def lasting_growth(
     for values in (load, displacement):
         # growth of the size of a cycle over the median one, with its error; None for fewer than
         # two
-        trend_of_all_rows = trend_of_sizes(values, load, time, noise)
+        trend_of_all_rows = trend_of_sizes(values, load, time, load_noise)
         trend_of_later_rows = trend_of_sizes(
-            values[first_row:], load[first_row:], time[first_row:], noise
+            values[first_row:], load[first_row:], time[first_row:], load_noise
         )
         if trend_of_all_rows is None or trend_of_later_rows is None:
             continue
@@ -344,7 +344,7 @@ def lasting_growth(
 
 
 def differences_of_cycles_in_words(
-    displacement: Array, load: Array, time: Array, noise: float
+    displacement: Array, load: Array, time: Array, load_noise: float
 ) -> str:
     """How the cycles of a measured loop differ from each other in size, in words: "its cycles grow:
     U of one cycle goes up and down by ... % more than of another". "" where they are alike. The
@@ -354,12 +354,12 @@ def differences_of_cycles_in_words(
     ----------
     displacement, load, time
         relative tangential displacement U, load Q and time of the rows, (n,) each
-    noise
+    load_noise
         standard deviation of the noise of Q
     """
     for name, values in (("Q", load), ("U", displacement)):
         # (k,), each of a cycle that begins half a cycle after the one before
-        sizes = sizes_of_cycles(values, load, time, noise)
+        sizes = sizes_of_cycles(values, load, time, load_noise)
         if len(sizes) < 2:
             return ""
         median_size = float(np.median(sizes))
@@ -388,13 +388,13 @@ def differences_of_cycles_in_words(
             return f"its period is another, every second cycle is alike: {extent_words}"
         return f"its cycles differ: {extent_words}"
     # neither shows a difference alone: both together may
-    return _growth_through_noise(displacement, load, time, noise)
+    return _growth_through_noise(displacement, load, time, load_noise)
 
 
-def _growth_through_noise(displacement: Array, load: Array, time: Array, noise: float) -> str:
+def _growth_through_noise(displacement: Array, load: Array, time: Array, load_noise: float) -> str:
     """How the cycles of a measured loop grow or shrink, in words, where the trends of U and Q
-    together are beyond their noise though neither is alone; "" where they are not. `noise` is the
-    standard deviation of Q.
+    together are beyond their noise though neither is alone; "" where they are not. `load_noise` is
+    the standard deviation of Q.
 
     The trend is the growth of the size of a cycle over the median size, in each cycle; a size is
     the standard deviation of U or Q through it.
@@ -402,13 +402,13 @@ def _growth_through_noise(displacement: Array, load: Array, time: Array, noise: 
     # notation: Q tangential load, U relative tangential displacement
     """
     # rate, with its standard error; None for fewer than two sizes
-    trends = [trend_of_sizes(values, load, time, noise) for values in (load, displacement)]
+    trends = [trend_of_sizes(values, load, time, load_noise) for values in (load, displacement)]
     known_trends = [trend for trend in trends if trend is not None]
     if not known_trends:
         return ""
     largest_trend = max(known_trends, key=lambda trend: abs(trend.rate))
     sum_of_squared_ratios = sum((trend.rate / trend.error) ** 2 for trend in known_trends)
-    n_cycles = len(sizes_of_cycles(load, load, time, noise)) / 2
+    n_cycles = len(sizes_of_cycles(load, load, time, load_noise)) / 2
     # the limit 11, which chance exceeds in 0.4 % of loops
     if sum_of_squared_ratios < _SQUARES_OF_CERTAIN_TRENDS:
         return ""

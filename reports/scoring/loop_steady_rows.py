@@ -700,6 +700,8 @@ def _fit_at_constant_load(
     ]
     if fit.is_gross:
         sentences.append(_sentence_on_slide(fit, scene))
+    # Q of the file is `load_scale` times that of the scene, plus `offset`; `misfit`: how the
+    # distances of neighbouring rows from the loop go together
     return _rows_without_drift(candidate.rows, fit.drift), FittedLoop(
         scene=scene,
         friction=fit.friction,
@@ -829,6 +831,8 @@ def _fit_where_load_varies(
         ),
         *sentences_on_scale(load_scale),
     ]
+    # Q of the file is `load_scale` times that of the scene, plus `offset`; `misfit`: how the
+    # distances of neighbouring rows from the loop go together
     return FittedLoop(
         scene=scene,
         friction=fit.friction,

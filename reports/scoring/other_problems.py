@@ -402,7 +402,9 @@ def _fit_of_sphere(discrepancy: Discrepancy) -> ProblemFit | None:
         * closed_form.half_widths[:, None]
         * np.sqrt(np.maximum(1 - xi**2, 0.0))
     )
-    force = float(np.max(2 / 3 * np.pi * closed_form.half_widths**3 * pressure_over_half_width))
+    largest_force = float(
+        np.max(2 / 3 * np.pi * closed_form.half_widths**3 * pressure_over_half_width)
+    )
     return ProblemFit(
         # shear as in the reference; one size, the half-width, for each instant
         predicted_tractions=_tractions_with(discrepancy, PRESSURE, pressure),
@@ -410,7 +412,7 @@ def _fit_of_sphere(discrepancy: Discrepancy) -> ProblemFit | None:
         n_sizes=len(pressure),
         # in contact in the result, in the reference or with this pressure
         judged_points=_points_in_contact(discrepancy, pressure),
-        sentence_values={"force": force},
+        sentence_values={"force": largest_force},
     )
 
 

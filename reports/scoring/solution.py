@@ -446,7 +446,7 @@ def reference_by_same_rule(
 
 
 def _instants_with_judged_stick(
-    reference: ContactSolution, reference_by_rule: ContactSolution, length: float
+    reference: ContactSolution, reference_by_rule: ContactSolution, half_width: float
 ) -> Mask:
     """Whether stick edges are compared at each instant, (n_steps,): where the rule by which those
     of an external result are found gives the reference's own, to 0.05 a_ref. All instants where
@@ -457,7 +457,7 @@ def _instants_with_judged_stick(
     reference, reference_by_rule
         the reference with its own stick edges (n_steps, 2), NaN without a stick zone; and with
         those by the rule
-    length
+    half_width
         reference half-width a_ref
     """
     stick_error = reference.stick_edges - reference_by_rule.stick_edges
@@ -465,7 +465,7 @@ def _instants_with_judged_stick(
     rule_has_stick_zone = ~np.isnan(reference_by_rule.stick_edges[:, 0])
     largest_errors = np.max(np.abs(np.nan_to_num(stick_error)), axis=1)
     is_judged = has_stick_zone == rule_has_stick_zone
-    is_judged &= largest_errors <= _LARGEST_STICK_ERROR_SHARE * length
+    is_judged &= largest_errors <= _LARGEST_STICK_ERROR_SHARE * half_width
     if 2 * is_judged.sum() <= len(is_judged):
         return np.ones_like(is_judged)
     return is_judged
@@ -475,7 +475,7 @@ def _sentence_on_edges(
     reference: ContactSolution,
     reference_by_rule: ContactSolution,
     has_judged_stick: Mask,
-    length: float,
+    half_width: float,
 ) -> str:
     """A sentence for the reader of a comparison: by how much the rule for edges errs at the contact
     edge and at the stick edge of the reference, and how many stick edges are not judged.
@@ -486,13 +486,13 @@ def _sentence_on_edges(
         the reference with its own edges (n_steps, 2), and with those by the rule
     has_judged_stick
         (n_steps,) whether the stick edges of an instant are compared
-    length
+    half_width
         reference half-width a_ref, by which errors are divided
     """
     contact_error = reference.contact_edges - reference_by_rule.contact_edges
     stick_error = (reference.stick_edges - reference_by_rule.stick_edges)[has_judged_stick]
-    largest_contact_error = float(np.nanmax(np.abs(contact_error), initial=0.0)) / length
-    largest_stick_error = float(np.nanmax(np.abs(stick_error), initial=0.0)) / length
+    largest_contact_error = float(np.nanmax(np.abs(contact_error), initial=0.0)) / half_width
+    largest_stick_error = float(np.nanmax(np.abs(stick_error), initial=0.0)) / half_width
     sentence = (
         "States and edges follow from one rule in the result and in the reference; against the"
         f" reference's own it errs by up to {largest_contact_error:.1e} a_ref at the contact edge"
@@ -649,7 +649,12 @@ _IN_CONTACT = (
 
 
 def zones_of_tractions(
-    x: Array, pressure: Array, shear: Array, slip: Array | None, friction: float, time: Array
+    x: Array,
+    pressure: Array,
+    shear: Array,
+    slip: Array | None,
+    friction_coefficient: float,
+    time: Array,
 ) -> Zones:
     """States (open, stick, slip), contact edges and stick edges at every instant, from tractions on
     points, (n_steps, n_points), and from slip where there is one; with the rule in words.
@@ -661,12 +666,12 @@ def zones_of_tractions(
     that of (f p - |q|)^2 is, each no farther than the next point. The outermost points show the
     mesh: a parabola of p^2 through those behind them gives the contact edge where it fits.
 
-    # notation: f = `friction`, p pressure, q shear
+    # notation: f = `friction_coefficient`, p pressure, q shear
     """
     is_touching = pressure > LEAST_TOUCHING_SHARE * pressure.max(axis=1, keepdims=True)
     # slip_direction: sign of the slip, 1 forward
     is_slipping, slip_direction, rule_in_words = _slipping_points(
-        pressure, shear, slip, is_touching, friction, time
+        pressure, shear, slip, is_touching, friction_coefficient, time
     )
     # OPEN, STICK, SLIP_FORWARD, SLIP_REVERSE: numbers of the states
     state = np.full(pressure.shape, OPEN, dtype=np.int8)
@@ -676,7 +681,7 @@ def zones_of_tractions(
 
     # edges at each instant k, left and right
     is_sticking = is_touching & ~is_slipping
-    margin_to_limit = np.maximum(friction * pressure - np.abs(shear), 0.0)
+    margin_to_limit = np.maximum(friction_coefficient * pressure - np.abs(shear), 0.0)
     contact_edges = np.empty((len(pressure), 2))
     stick_edges = np.empty((len(pressure), 2))
     for k in range(len(pressure)):
@@ -696,7 +701,7 @@ def _slipping_points(
     shear: Array,
     slip: Array | None,
     is_touching: Mask,
-    friction: float,
+    friction_coefficient: float,
     time: Array,
 ) -> tuple[Mask, Array, str]:
     """Which points slip at each instant, the sign of their slip (1 forward), both (n_steps,
@@ -714,19 +719,21 @@ def _slipping_points(
         (n_steps, n_points); slip None where it is not known
     is_touching
         (n_steps, n_points) points in contact
-    friction
+    friction_coefficient
         coefficient f
     time
         (n_steps,) of the instants
 
     # notation: p pressure, q shear
     """
-    is_slipping = is_touching & (np.abs(shear) >= (1 - _SHARE_BELOW_LIMIT) * friction * pressure)
+    is_slipping = is_touching & (
+        np.abs(shear) >= (1 - _SHARE_BELOW_LIMIT) * friction_coefficient * pressure
+    )
     slip_direction = np.sign(shear)
     # _IN_CONTACT: words on which points are in contact
     rule_in_words = _IN_CONTACT
     sources_in_words = "tractions"
-    if friction:
+    if friction_coefficient:
         rule_in_words += f"; it slips where |q| is at least {1 - _SHARE_BELOW_LIMIT:g} f p"
     if slip is not None and len(slip) > 1:
         # change of slip since the instant before, (n_steps - 1, n_points)
@@ -741,7 +748,7 @@ def _slipping_points(
         is_moving = (
             np.abs(movement) > _LEAST_SHARE_OF_MOVEMENT * largest_movement
         ) & is_fast_instant
-        if friction:
+        if friction_coefficient:
             moves_with_shear = is_moving & (np.sign(movement) == slip_direction[1:])
             is_slipping = np.vstack([is_slipping[:1], is_slipping[1:] & moves_with_shear])
             sources_in_words = "tractions and slip"
@@ -754,7 +761,7 @@ def _slipping_points(
         else:
             is_slipping = np.vstack([is_slipping[:1], is_moving])
             slip_direction = np.vstack([slip_direction[:1], np.sign(movement)])
-    elif friction:
+    elif friction_coefficient:
         rule_in_words += (
             "; for want of slip, a point that just came to rest still counts as slipping"
         )

@@ -519,8 +519,8 @@ def points_near_edges(discrepancy: Discrepancy) -> NDArray[np.bool_]:
 
 def _wider_spacing(x: Array) -> Array:
     """(n,) the wider of the two spacings beside each point [length]."""
-    steps = np.diff(x)
-    return np.maximum(np.append(steps, steps[-1]), np.insert(steps, 0, steps[0]))
+    spacings = np.diff(x)
+    return np.maximum(np.append(spacings, spacings[-1]), np.insert(spacings, 0, spacings[0]))
 
 
 def tractions_of_coarse_mesh(

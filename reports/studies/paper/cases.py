@@ -461,13 +461,15 @@ class Formulas:
         if phase == "IJ":
             # P where Q - f P had the same value before I, the begin of forward slip
             return self.loads(self.mirrored_time(t))[0]
-        friction = self.case.friction
+        friction_coefficient = self.case.friction
         normal_load, tangential_load = self.loads(t)
         if phase == "EG":
-            return (tangential_load + friction * normal_load - self.q_plus_f_p("E", -1)) / (
-                2 * friction
-            )
-        return (self.q_plus_f_p("G", 1) - tangential_load + friction * normal_load) / (2 * friction)
+            return (
+                tangential_load + friction_coefficient * normal_load - self.q_plus_f_p("E", -1)
+            ) / (2 * friction_coefficient)
+        return (self.q_plus_f_p("G", 1) - tangential_load + friction_coefficient * normal_load) / (
+            2 * friction_coefficient
+        )
 
     def stick_edge_load_rate(self, phase: str, t: ArrayLike) -> Array:
         """Rate in time of the normal load whose contact half-width is that of the stick zone. The
@@ -477,11 +479,13 @@ class Formulas:
         if phase == "IJ":
             # minus dP/dt at a time as long before I, the begin of forward slip, as t is after it
             return -self.rates(self.mirrored_time(t))[0]
-        friction = self.case.friction
+        friction_coefficient = self.case.friction
         normal_rate, tangential_rate = self.rates(t)
         if phase == "EG":
-            return (friction * normal_rate + tangential_rate) / (2 * friction)
-        return (friction * normal_rate - tangential_rate) / (2 * friction)
+            return (friction_coefficient * normal_rate + tangential_rate) / (
+                2 * friction_coefficient
+            )
+        return (friction_coefficient * normal_rate - tangential_rate) / (2 * friction_coefficient)
 
     def multiplier_c(self, phase: str, t: ArrayLike) -> Array:
         """C of the paper's equation (14), as printed, the factor of dP in the increment of slip. It
@@ -606,14 +610,16 @@ def _sweep(case: Case, largest_ratio: float = 6.0, n_ratios: int = 33) -> Sweep:
     # Ratios, (m, n_ratios). The first is 1e-9, relative, above the limit of gross sliding: at the
     # limit itself round-off would decide whether the contact slides.
     # FRICTIONS: 1, 0.8, 0.6 and 0.4
-    friction = np.array(FRICTIONS)
-    ratio = sliding_limit(friction)[:, None] * (1 + 1e-9)
+    friction_coefficients = np.array(FRICTIONS)
+    ratio = sliding_limit(friction_coefficients)[:, None] * (1 + 1e-9)
     ratio = ratio * (largest_ratio / ratio) ** (np.linspace(0, 1, n_ratios) ** 2)
 
     # P0 is `ratio` times P1: the radius falls as P0 grows, so that a(P0) stays
     profile = case.scene.profile.model_dump()
     arguments = case.circle_arguments(
-        friction[:, None], ratio, profile=profile | {"radius": profile["radius"] * 3 / ratio}
+        friction_coefficients[:, None],
+        ratio,
+        profile=profile | {"radius": profile["radius"] * 3 / ratio},
     )
 
     # W over A P1^2, max W(x) over A P1^2/a0
@@ -621,7 +627,13 @@ def _sweep(case: Case, largest_ratio: float = 6.0, n_ratios: int = 33) -> Sweep:
     peak = semi_analytic.peak_dissipation(**arguments)
     work = semi_analytic.dissipation(**arguments).value / work_scale
     # the last one: place of the peak between permanent stick edge (0) and largest contact (1)
-    arrays = (friction, ratio, work, peak.value * case.unit_length / work_scale, peak.fraction)
+    arrays = (
+        friction_coefficients,
+        ratio,
+        work,
+        peak.value * case.unit_length / work_scale,
+        peak.fraction,
+    )
     return Sweep(*(read_only_copy(array) for array in arrays))
 
 

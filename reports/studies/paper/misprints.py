@@ -669,35 +669,34 @@ def _gap_for_slope(case: Case) -> VerdictAndNumbers:
     does neither.
 
     Returns whether it is proven, and numbers by name. "right" is the error with the slope,
-    "printed" the lesser one of both gaps. The others are errors and powers of the length by which
-    the slip grows. `case` is the paper's ellipse of loads on one profile; `unit_length` is a0.
+    "printed" the lesser one of both gaps. The others are errors, and exponents n of the slip, which
+    grows as length^n. `case` is the paper's ellipse of loads on one profile; `unit_length` is a0.
     """
-    # half-plane theory's slip of that point between these events; all lengths and loads times ten,
-    # it grows by this power of ten
+    # half-plane theory's slip of that point between these events, and its exponent
     large_case = case.scaled_ten_times()
     engine_slip = _slip_after_j(case)
-    power_of_engine = math.log10(_slip_after_j(large_case) / engine_slip)
+    exponent_of_engine = math.log10(_slip_after_j(large_case) / engine_slip)
 
-    # slip by equation (15) with each reading of h_o: relative error, and power of ten
+    # slip by equation (15) with each reading of h_o: relative error, and exponent
     errors = {}
-    powers = {}
+    exponents = {}
     for reading in ("slope", "gap of the increment", "gap of the punch"):
         slip_by_15 = _slip_by_15(case, 0.8 * case.unit_length, reading)
         slip_of_large_case = _slip_by_15(large_case, 0.8 * large_case.unit_length, reading)
         errors[reading] = _relative_error(slip_by_15, engine_slip)
-        powers[reading] = math.log10(slip_of_large_case / slip_by_15)
+        exponents[reading] = math.log10(slip_of_large_case / slip_by_15)
 
     error_of_slope = errors.pop("slope")
     least_error_of_gaps = min(errors.values())
     numbers = {
         "right": error_of_slope,
         "printed": least_error_of_gaps,
-        "power of the slip": power_of_engine,
+        "power of the slip": exponent_of_engine,
     }
-    numbers |= {f"power with the {reading}": power for reading, power in powers.items()}
+    numbers |= {f"power with the {reading}": exponent for reading, exponent in exponents.items()}
     numbers |= {f"error with the {reading}": error for reading, error in errors.items()}
     # AGREEMENT_TOLERANCE: 1e-9
-    grows_alike = abs(powers["slope"] - power_of_engine) <= AGREEMENT_TOLERANCE
+    grows_alike = abs(exponents["slope"] - exponent_of_engine) <= AGREEMENT_TOLERANCE
     # the errors prove it if that of the slope is at most 1e-9, that of both gaps above 1e-3
     return is_misprint_proven(error_of_slope, least_error_of_gaps) and grows_alike, numbers
 

@@ -706,13 +706,13 @@ def _shares_along(axis: ChartAxis, coordinates: Array) -> Array:
 
 
 def bar_curve(x: Array, lower_ends: Array, upper_ends: Array, look: str) -> Curve:
-    """Upright bars from `lower_ends` to `upper_ends` at each x, (n,) each, as one broken curve in a
-    look of the style sheet.
+    """Upright bars from `lower_ends` to `upper_ends` at each x, (n,) each, as one curve in a look
+    of the style sheet, which breaks (NaN) after each bar.
     """
-    gap = np.full(len(x), np.nan)
+    breaks = np.full(len(x), np.nan)
     return Curve(
-        np.column_stack([x, x, gap]).ravel(),
-        np.column_stack([lower_ends, upper_ends, gap]).ravel(),
+        np.column_stack([x, x, breaks]).ravel(),
+        np.column_stack([lower_ends, upper_ends, breaks]).ravel(),
         f"{look} bar-line",
     )
 
