@@ -1141,10 +1141,12 @@ def _least_stick_load(spans: Sequence[Span]) -> float:
 
 
 def _force_error(snapshot: Snapshot) -> Array:
-    """M(P) - Q at the instants of a curved path, (n,): the tangential force that the memory curve
-    carries, minus Q. It is 0 but for round-off [force per thickness]. The snapshot holds P, Q and
-    the load P - P_c of the slip zones. It also holds the pieces of memory curves in which the stick
-    edge P_c is, with the indices of their instants.
+    """Error of tangential equilibrium at the instants of a curved path, M(P) - Q, (n,): the
+    tangential force that the memory curve carries, minus Q [force per thickness].
+
+    It is 0 but for round-off. The snapshot holds P, Q and the load P - P_c of the slip zones. It
+    also holds the pieces of memory curves in which the stick edge P_c is, with the indices of their
+    instants.
     """
     slope_of_slip = snapshot.direction * snapshot.friction
     force_error = slope_of_slip * snapshot.slip_zone_load - snapshot.force
@@ -1205,9 +1207,10 @@ def _work_of_spans(spans: Sequence[Span], request: Request) -> _WorkOfCycle:
 
 
 def _ellipse_of_segment(segment: LoadSegment, friction: float) -> Ellipses | None:
-    """The ellipse P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase) that a segment of the load path
-    describes, for the formulas of steady ellipses, as an array of one. None where the segment is no
-    ellipse.
+    """The load ellipse that a segment of the load path describes, as the formulas of steady
+    ellipses take it, in arrays of one; None where the segment is no ellipse.
+
+    It is P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase), with the means and amplitudes of P and Q.
     """
     ellipse = segment.ellipse
     if ellipse is None:
@@ -1465,10 +1468,11 @@ def _fields_at_points(
 def _pressure_of(
     request: Request, snapshot: Snapshot, loads_and_edges: Mapping[str, Array]
 ) -> Array:
-    """Contact pressure at the instants and distances of a request, (n, k) [stress]; with bulk
-    stress and tilt from the edges and half-widths of the tilted contact in `loads_and_edges`.
-    `distance` (k,) are the different |x| (x with bulk stress and tilt; `bulk_tilt_path` is None
-    without these), `snapshot.load` (n,) is P.
+    """Contact pressure at the instants and distances of a request, (n, k) [stress].
+
+    With bulk stress and tilt it follows from the edges and half-widths of the tilted contact, in
+    `loads_and_edges`; `bulk_tilt_path` is None without these. `distance` (k,) are the different
+    |x|, or x with bulk stress and tilt; `snapshot.load` (n,) is P.
     """
     if request.bulk_tilt_path is None:
         return request.contact.pressure(request.distance, snapshot.load[:, None])
@@ -1715,12 +1719,12 @@ def _neglected_loads(bulk_tilt_path: OneCurve | None) -> Iterator[str]:
 def _notes_of_path(
     question: Question, followed_path: LoadSeries | History, n_rows: int, n_rows_left_out: int
 ) -> Iterator[str]:
-    """Sentences for the notes of an answer. One where friction work was wanted and the last cycle
-    of a periodic path is not steady. One where the answer to a measurement is given at `n_rows` of
-    its rows only, without `n_rows_left_out`.
+    """Sentences for the notes of an answer on its path: that the last cycle is not steady, and that
+    rows of a measurement are left out.
 
-    The question tells which fields are wanted; `covered` are the cycles of the answer,
-    `steady_from` is the first steady one, None without one.
+    The first comes if friction work was wanted and the path is periodic. The second states the
+    `n_rows` of the answer and the `n_rows_left_out`. The question tells which fields are wanted;
+    `covered` are the cycles of the answer, `steady_from` is the first steady one, None without one.
     """
     is_steady = (
         followed_path.steady_from is not None

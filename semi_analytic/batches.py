@@ -372,9 +372,8 @@ def _second_maximum(
     """Second largest maximum over x of the friction work per area W(x), times pi E*/(2 f^2), of
     each load ellipse, and its |x|, (m,) each. NaN where there is one maximum only.
 
-    A maximum counts as another one if W falls between it and the largest by more than 1e-3 of the
-    largest W, and by more than twice the error of that. E* is the composite modulus, f the
-    friction.
+    A maximum counts as another one if W falls enough between it and the largest: by more than 1e-3
+    of the largest W, and by more than twice its error. E* is the composite modulus, f the friction.
 
     Parameters
     ----------
@@ -1418,8 +1417,8 @@ def _results_of_members(
     loads: EllipseLoads,
     wanted_results: _MemberResults,
 ) -> tuple[list[Array], NDArray[np.int8]]:
-    """What is wanted of each member of a batch of steady load ellipses, such as its friction work,
-    and the code of the `Reason` why a member has no result, 0 else.
+    """Results of each member of a batch of steady load ellipses, such as its friction work; and the
+    code of the `Reason` why a member has none, 0 else.
 
     All arrays have the broadcast shape of the inputs and are read-only. A member without results
     has NaN. Keys of the profile and loads may be arrays that broadcast.
@@ -1560,9 +1559,11 @@ class _Batch:
     def members_of(
         self, loads: LoadArrays, parameters: list[Array]
     ) -> tuple[NDArray[np.int8], Indices, Members]:
-        """The members of a block of a batch whose loads and profile are admissible, from `loads`
-        and `parameters` of the profile, (m,) each. Loads are P0, P1, Q0, Q1 and the phase of P = P0
-        + P1 cos t, Q = Q0 + Q1 cos(t - phase), and f.
+        """The members of a block of a batch whose loads and profile are admissible, with their
+        steady load ellipses; and why the others are not.
+
+        `loads` and `parameters` of the profile are (m,) each. Loads are P0, P1, Q0, Q1 and the
+        phase of P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase), and f.
 
         Returns
         -------
@@ -1668,10 +1669,12 @@ def _has_invalid_loads(loads: LoadArrays) -> NDArray[np.bool_]:
 def _is_beyond_units(
     kind: str, parameters: list[Array], modulus: float, mean_normal_load: Array
 ) -> NDArray[np.bool_]:
-    """Whether P0 (`mean_normal_load`) in the profile's own unit of load is too small or too large
-    to be squared, or NaN, for each member of a batch, (m,). The unit is E* = `modulus` times the
-    unit of height. LARGEST_NUMBER is 1e100; `_UNITS_AND_RATIOS` gives the units of length and
-    height of the profile first.
+    """Whether P0 in the profile's own unit of load is too small or too large to be squared, or NaN,
+    for each member of a batch, (m,).
+
+    P0 is `mean_normal_load`. The unit is E* = `modulus` times the unit of height.
+    `_UNITS_AND_RATIOS` gives the units of length and height of the profile first. LARGEST_NUMBER is
+    1e100.
     """
     with np.errstate(all="ignore"):
         _, height_unit, *_ = _UNITS_AND_RATIOS[kind](*parameters)

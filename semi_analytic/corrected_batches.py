@@ -239,8 +239,8 @@ def works_of_ellipses(
     contact: SymmetricContact,
     modulus: float,
 ) -> WorkOfEllipses:
-    """Friction work of a steady cycle in forward and in reverse slip, times pi/A = pi E*/2, and
-    half-width of permanent stick, for m elliptic load paths on one profile, (m,) each.
+    """Friction work of forward and of reverse slip in a steady cycle, and half-width of permanent
+    stick, for m elliptic load paths on one profile, (m,) each. Works are times pi/A = pi E*/2.
 
     Finite bodies add `curvatures` to gap and faces. Values are NaN where the contact is wider than
     the profile or than twice that of half-planes, or would split. The half-width is 0 where no

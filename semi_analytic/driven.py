@@ -1162,8 +1162,8 @@ class _StepSolver:
         return self._cached_edge_s(normal_load, gap_curvature)
 
     def _integrate_new_pieces(self) -> None:
-        """Store int ln(2 L/c) dF and int (c^2/2) dF up to the top of each new piece of memory
-        curve, for the displacement U and the second moment of the shear traction.
+        """Store the integrals of new pieces of memory curve that the displacement U and the second
+        moment of the shear need: int ln(2 L/c) dF and int (c^2/2) dF up to the top of each.
 
         F(c) is the locked-in tangential force of the flat punches up to half-width c. On a piece dF
         = profile_slope d eta + parabola_slope dG, with eta and G the loads that press the profile

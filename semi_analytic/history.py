@@ -145,10 +145,12 @@ class Span:
         return float(np.max(self.slip_zone_load(np.linspace(self.begin.time, self.end.time, 3))))
 
     def curve(self, time: float) -> Curve:
-        """The memory curve, the tangential force locked in up to each normal load, at a time of the
-        segment; None out of contact. `sticking_piece` is the uppermost piece of it that still
-        sticks, P_c the load at the stick edge. A span without slip keeps what lies below P, a span
-        with slip is at the friction limit, dM/d eta = +-f, from P_c = P - `slip_zone_load` up.
+        """The memory curve M(eta), the tangential force of the flat punches up to the load eta, at
+        a time of the segment; None out of contact.
+
+        In a span without slip it is what lies below P. In a span with slip it is at the Coulomb
+        limit, dM/d eta = +-f, from the stick edge P_c = P - `slip_zone_load` up. `sticking_piece`
+        is the uppermost piece that still sticks.
         """
         # P and Q at the time
         instant_at_time = instant(self.segment, time)

@@ -105,9 +105,11 @@ def _shear_and_slip_of_punches(x: Array, half_widths: Array, modulus: float) -> 
 
 
 def _integrals_over_hats(half_widths: Array, primitive: Array, moment_primitive: Array) -> Array:
-    """Integrals over half-widths c of a kernel times each hat function, (k, m) at k points. A hat
-    is 1 at one half-width and 0 at the others. Given are the primitives over c of the kernel and of
-    c times it at the `half_widths` (m + 1,), (k, m + 1) each.
+    """Integrals over half-widths c of a kernel times each hat function, (k, m) at k points.
+
+    A hat is 1 at one of the `half_widths` (m + 1,) and 0 at the others, straight in between. The
+    kernel is given by primitives over c at the half-widths, (k, m + 1): `primitive` of the kernel,
+    `moment_primitive` of c times it.
     """
     lower_width = half_widths[:-1]
     interval_length = np.diff(half_widths)

@@ -214,8 +214,8 @@ class Stroke:
         return total_work
 
     def displacement_and_moment_change(self, u: Array) -> Array:
-        """Change of the tangential displacement U [length] and of the moment m_q = int x q dx of
-        the shear q since the stroke began, (2, n), at fractions u (n,) of the stroke.
+        """Change of the tangential displacement U [length] and of the moment m_q of the shear since
+        the stroke began, (2, n), at fractions u (n,) of the stroke; m_q = int x q dx.
 
         With the normal approach h and the moment m_p = int x p dx of a frictionless contact,
 
@@ -326,10 +326,10 @@ class Stroke:
 
 def strokes_in_phase(scene: Scene) -> tuple[Stroke, Stroke] | None:
     """The forward and the reverse stroke of a cycle with P, Q, bulk strain and tilt in phase, and
-    slip in one direction on both sides of the stick zone. None for any other cycle, for a path
-    without a cycle, without friction, and where Q rests or P reaches 0.
+    slip in one direction on both sides of the stick zone; None for any other cycle.
 
-    In phase means that these four lie on one line between two turning points, each half of the
+    There are none either without a cycle or without friction, and where Q rests or P reaches 0. In
+    phase means that these four lie on one line between two turning points, each half of the
     cycle going along it once. Samples are (4, n): P, Q, bulk strain and tilt.
     """
     friction_coefficient = scene.friction.coefficient
@@ -384,8 +384,10 @@ def _go_to_and_fro_on_line(
 
 def work_by_loads(strokes: tuple[Stroke, Stroke]) -> float:
     """Friction work of a cycle from its loads [energy per thickness]: the closed integral of Q
-    dU - m_q d eps, by parts, with the displacement U and the moment m_q = int x q dx of the shear.
-    It needs no slip: a second route to the same work. eps is the bulk strain, q the shear.
+    dU - m_q d eps, by parts.
+
+    U is the displacement, m_q = int x q dx the moment of the shear q, eps the bulk strain. The
+    integral needs no slip: it is a second route to the same work.
     """
     # 48 nodes along a stroke
     nodes, weights = _end_root_quadrature(STROKE_NODE_COUNT)

@@ -179,11 +179,12 @@ class Piece(NamedTuple):
         )
 
     def slope_at(self, eta: Array) -> Array:
-        """dM/d eta of the memory curve's piece at loads eta (n,): (n,), M(eta) the tangential force
-        of the flat punches up to the load eta. On an arc it is dQ/dP of the load path, taken as 0
-        where both loads turn at once. `anchor` is the instant (P as `normal_load`) from which the
-        piece is measured; `slope` is dM/d eta there, `bend` half of d2M/d eta2. `arc_times` is None
-        but for an arc. `time_of_load_on_arc` gives the time of the load path at which P was eta.
+        """Slope dM/d eta of this piece of the memory curve at loads eta (n,): (n,).
+
+        M(eta) is the tangential force of the flat punches up to the load eta. `slope` is the slope
+        at the `anchor`, the instant (P as `normal_load`) from which the piece is measured; `bend`
+        is half of d2M/d eta2. A piece with `arc_times` is an arc, a part of the load path itself:
+        its slope is dQ/dP there, taken as 0 where both loads turn at once.
         """
         if self.arc_times is None:
             return self.slope + 2 * self.bend * (eta - self.anchor.normal_load)
@@ -246,10 +247,11 @@ def time_of_load_on_arc(piece: Piece, load: ArrayLike) -> Array:
 
 
 def force_up_to(curve: Curve, eta: ArrayLike) -> Array:
-    """Tangential force M(eta) of the flat punches up to the load eta, at loads eta in [0, P], any
-    shape [force per thickness]. `pieces` yields the pieces of the curve, each from its
-    `bottom_load` to its `top_load` in eta, without the bottom itself; `force_on_piece` gives M on
-    one of them.
+    """Tangential force M(eta) that the flat punches up to the load eta carry by a memory curve, at
+    loads eta in [0, P], any shape [force per thickness].
+
+    `pieces` yields the pieces of the curve, each from its `bottom_load` to its `top_load` in eta,
+    without the bottom itself; `force_on_piece` gives M on one of them.
 
     >>> from scenes import StraightSegment
     >>> segment = StraightSegment(
@@ -295,12 +297,13 @@ def unload_to(curve: Curve, load: float) -> Curve:
 
 
 def load_in_stick(curve: Curve, segment: LoadSegment, begin: float, end: Instant) -> Piece:
-    """The memory curve M(eta) after loading in full stick: the path of P and Q from time `begin` of
-    a load segment to the instant `end` becomes the uppermost piece, M = Q at eta = P. A piece holds
-    the curve below, its top load and the instant from which it is measured. `curve` is the memory
-    before, None if out of contact.
+    """The memory curve after loading in full stick: the path of P and Q becomes its uppermost
+    piece, M = Q at eta = P.
 
-    M(eta) is the tangential force of the flat punches up to the load eta.
+    M(eta) is the tangential force of the flat punches up to the load eta. The path goes from the
+    time `begin` of a load segment to the instant `end`. `curve` is the memory before, None if out
+    of contact. A piece holds the curve below, its top load and the instant from which it is
+    measured.
 
     >>> from scenes import StraightSegment
     >>> segment = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
@@ -400,8 +403,8 @@ def slip_combination_on_piece(
 def load_of_slip_zone(
     piece: Piece, direction: int, friction: float, segment: LoadSegment, time: ArrayLike
 ) -> Array:
-    """Load P - P_c of the slip zones at `time` (any shape) on a load segment, while the stick edge
-    is inside one piece of the memory curve M(eta) [force per thickness].
+    """Load P - P_c of the slip zones, while the stick edge is inside one piece of the memory curve
+    M(eta), at `time` (any shape) on a load segment [force per thickness].
 
     M(eta) is the tangential force of the flat punches up to the load eta, P_c the load at the stick
     edge. There s M(P_c) - f P_c = s Q - f P, s the `direction` of slip, f `friction`.
@@ -444,16 +447,15 @@ def load_of_slip_zone(
 def _load_of_slip_zone_on_arc(
     arc: Piece, direction: int, friction: float, segment: LoadSegment, time: ArrayLike
 ) -> Array:
-    """Load P - P_c of the slip zones at `time` (any shape) on a load segment, while the stick edge
-    is inside an arc of the memory curve [force per thickness]. The memory curve is the tangential
-    force of the flat punches up to each load; an arc is a path of P and Q that was passed in full
-    stick.
+    """Load P - P_c of the slip zones, while the stick edge is inside an arc of the memory curve, at
+    `time` (any shape) on a load segment [force per thickness].
 
-    P_c is the load P of the arc at the time at which s Q - f P was what it is now, s the
-    `direction` of slip, f `friction`. If P and Q are a single wave on one segment, that time is the
-    mirror image of `time` about the extreme of s Q - f P; else it is found by iteration along the
-    arc. A segment's `change_of` is the change of a weighted sum of P and Q between two times,
-    `time_of` its inverse.
+    The memory curve is the tangential force of the flat punches up to each load. An arc of it is a
+    path of P and Q that was passed in full stick. P_c is the load P of the arc at the time at which
+    s Q - f P was what it is now, s the `direction` of slip, f `friction`. If P and Q are a single
+    wave on one segment, that time is the mirror image of `time` about the extreme of s Q - f P.
+    Else it is found by iteration along the arc. A segment's `change_of` is the change of a weighted
+    sum of P and Q between two times, `time_of` its inverse.
     """
     # times on the load segment of the piece's `anchor`, the instant at the end of the arc
     arc_begin, arc_end = _times_of_arc(arc)

@@ -536,11 +536,11 @@ class _StickEdge:
 def _stick_edge_at(
     span: Span, memory_piece: Piece, time: Array, slip_zone_load: Array, radius: float
 ) -> _StickEdge:
-    """Steepness of the memory curve at the stick edge, changes of P and Q since it was set there,
-    and shift of the centre of stick since then, at times (n,) of a span of slip. The load at the
-    edge, P_c = P - `slip_zone_load` (n,), lies on a piece of the memory curve.
+    """The stick edge at times (n,) of a span of slip: steepness of the memory curve there, and how
+    P, Q and the centre of stick have changed since the memory was set there.
 
-    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. It was
+    The load at the edge, P_c = P - `slip_zone_load` (n,), lies on the `memory_piece`. The memory
+    curve M(eta) is the tangential force of the flat punches up to the load eta. It was
     set at P_c in stick when P grew to P_c, or by slip at the end of a stroke; m is that instant.
     Since then tilt and strain shift the centre of stick by v = -R (a_s - a_s,m)/mu. a_s = f alpha -
     s eps, mu = f - s M' is the steepness, s the direction of slip, R the `radius` of the parabola.
@@ -780,10 +780,10 @@ def _refuse_return_to_limit(span_before: Span, span: Span, radius: float) -> Non
     """Refuse a load path on which slip returns, under other loads, to where an earlier stroke in
     the same direction ended: then the work by tilt and strain has no second-order form.
 
-    It is refused if the stick edge of a `span` of slip passes a piece of the memory curve that the
-    earlier stroke has left at the Coulomb limit, and P and Q differ from those at the end of that
-    stroke. It is refused too if that end was smooth, without a jump of the rates of the loads:
-    tangential loads that are left there would be passed. `span_before` ends where the `span`
+    The stick edge of a `span` of slip then passes a piece of the memory curve that the earlier
+    stroke has left at the Coulomb limit. The path is refused if P and Q differ from those at the
+    end of that stroke. It is refused too if that end was smooth, without a jump of the rates of the
+    loads: tangential loads that are left there would be passed. `span_before` ends where the `span`
     begins; `radius` is R of the parabola.
 
     Raises
@@ -921,10 +921,10 @@ def _smooth_end_at_anchor(
 
 
 def _work_at_stroke_end(span: Span, radius: float, n_panels: int) -> Array:
-    """Matrix (4, 4) of the friction work that tilt and strain add at the smooth end of the stroke
-    that ends with a `span` of slip, over (alpha_P, alpha_Q, e_P, e_Q); zero where the end is not
-    smooth. At a smooth end the rates of the loads do not jump.
+    """Matrix (4, 4) of the friction work that tilt and strain add at the smooth end of a stroke,
+    over (alpha_P, alpha_Q, e_P, e_Q); zero where the end is not smooth.
 
+    The stroke ends with the `span` of slip. At a smooth end the rates of the loads do not jump.
     alpha_P, alpha_Q are tilts of the faces by unit loads P and Q, e_P, e_Q bulk strains. The two
     sides of the slip zone stop one after the other, which leaves tangential loads dT on flat
     punches at loads eta. Their work is f int (P - eta) dT. `n_panels` are those of this integral;
@@ -982,8 +982,8 @@ def _work_at_passed_end(span: Span, radius: float, n_panels: int) -> Array:
 
 
 def _load_when_stick_edge_at(eta: Array, span: Span, memory_piece: Piece) -> Array:
-    """Normal load P at the times of a span of slip at which the stick edge is at the loads `eta`
-    (n,) of a piece of the memory curve, (n,) [force per thickness].
+    """Normal load P when the stick edge passes the loads `eta` (n,) of a piece of the memory curve,
+    in a span of slip, (n,) [force per thickness].
 
     The memory curve M(eta) is the tangential force of the flat punches up to the load eta. The
     stick edge is at eta when s Q - f P of the path equals s M(eta) - f eta, s the direction of
@@ -1045,8 +1045,8 @@ def _one_sided_slip_coefficients(span: Span, radius: float, modulus: float) -> I
 def _contact_edge_slip_coefficients(
     span: Span, direction: int, time: Array, slip_rate_length: Array, modulus: float
 ) -> Array:
-    """Slip rate at an edge of contact that tilt and strain cause, over the one that the loads
-    cause, as coefficients (n, 4) of (alpha_P, alpha_Q, e_P, e_Q), at times (n,) of a span.
+    """Slip rate at an edge of contact by tilt and strain, divided by that by the loads, at times
+    (n,) of a span: coefficients (n, 4) of (alpha_P, alpha_Q, e_P, e_Q).
 
         a_s' sqrt(a^2 - c^2) / ((A/pi) |N'| arccosh(a/c))
 

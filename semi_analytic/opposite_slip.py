@@ -88,8 +88,8 @@ def loads_of_slip_depths(left_depth: Array, right_depth: Array) -> tuple[Array, 
 
 
 def slip_depths_of_loads(e: Array, force: Array) -> tuple[Array, Array]:
-    """Depths d1 and d2 of the slip zones at the left and the right end of a Hertzian contact
-    -1 < x < 1, (n,) each, that slip in opposite directions, from the loads.
+    """Depths d1 and d2 of the slip zones of a Hertzian contact -1 < x < 1 whose left and right end
+    slip in opposite directions, (n,) each, from the loads.
 
     `e` < 0 is the dimensionless bulk strain eps/(A f k a), `force` is Q/(f P), (n,) each. A = 2/E*,
     k = E*/(2 R), R the radius of the parabola, a the half-width of contact. `loads_of_slip_depths`
@@ -112,13 +112,13 @@ def slip_depths_of_loads(e: Array, force: Array) -> tuple[Array, Array]:
 
 
 def _depths_by_newton(loads: Array) -> Array:
-    """Depths (2, n) of the slip zones at the left and the right end of the contact -1 < x < 1 under
-    `loads` (2, n), dimensionless bulk strain e < 0 and Q/(f P), by Newton's method. The contact of
-    a parabola is in units of its half-width.
+    """Depths of the slip zones at the left and the right end of a Hertzian contact, (2, n), under
+    given bulk strain and tangential load, by Newton's method.
 
-    The loads grow in steps, each starting from the solution of the step before. Where the method
-    fails the result is NaN or no solution. `loads_of_slip_depths` gives the loads under which slip
-    has given depths.
+    The contact is -1 < x < 1 in units of its half-width; `loads` (2, n) are the dimensionless bulk
+    strain e < 0 and Q/(f P). The loads grow in steps, each starting from the solution of the step
+    before. Where the method fails the result is NaN or no solution. `loads_of_slip_depths` gives
+    the loads under which slip has given depths.
     """
     e, force_over_limit = loads
     # first guess, for a twelfth of the loads
@@ -190,10 +190,12 @@ def _gauss_nodes(begin: Array, end: Array) -> tuple[Array, Array]:
 def _stick_edge_series(
     strain_per_unloading: float, force_per_unloading: float, largest_unloading: float
 ) -> tuple[PiecewiseSeries, PiecewiseSeries]:
-    """Left and right stick edges b1/a and b2/a of a Hertzian contact |x| < a as piecewise Chebyshev
-    series of the unloading P - eta = |Q|/f, from 0 to `largest_unloading`. -e and Q/(f P) are the
-    two factors times P - eta, e the dimensionless bulk strain. `slip_depths_of_loads` gives the
-    depths of both slip zones over a.
+    """Left and right stick edges b1/a and b2/a of a Hertzian contact |x| < a, as functions of the
+    unloading P - eta = |Q|/f, from 0 to `largest_unloading`: piecewise Chebyshev series.
+
+    The dimensionless bulk strain e and Q/(f P) grow with the unloading: -e is
+    `strain_per_unloading` times it, Q/(f P) `force_per_unloading` times it. `slip_depths_of_loads`
+    gives the depths of both slip zones over a.
     """
 
     def stick_edges(unloading: Array) -> tuple[Array, Array]:
@@ -481,10 +483,13 @@ class OppositeSlip(TiltedProfile):
         return np.asarray(-np.sum(weights * self.log_datum_ratio(eta), axis=-1))
 
     def dissipation_kernel(self, load: ArrayLike, slip_zone_load: ArrayLike) -> Array:
-        """Kernel of the friction work, Lam = int over eta from P_c to P of g(P_c) - g(eta), P_c =
-        load - slip_zone_load [force per thickness]. g is the rate of (U + kappa m_q) pi/A per load
-        on the stick zone I(eta), that after |Q| = f (P - eta). U is the tangential displacement,
-        m_q the moment of the shear, kappa the bulk strain over Q, A = 2/E*.
+        """Kernel Lam of the friction work under the loads P and P_c [force per thickness], P_c the
+        load at the stick edge.
+
+        Lam is the integral of g(P_c) - g(eta) over eta from P_c = load - slip_zone_load to P. g is
+        the rate of (U + kappa m_q) pi/A per load on I(eta), the stick zone after |Q| = f (P - eta).
+        U is the tangential displacement, m_q the moment of the shear, kappa the bulk strain over Q,
+        A = 2/E*.
         """
         load, slip_zone_load = np.broadcast_arrays(
             np.asarray(load, dtype=float), np.asarray(slip_zone_load, dtype=float)

@@ -136,8 +136,10 @@ class Ellipses:
     @property
     def slip_zone_load_scale(self) -> Array:
         """Size of the load P - P_c of the slip zones, by which methods are chosen, (m,) [force per
-        thickness]. It is the largest of u and v sin^2(D/2), at the ends of the slip phases E-G and
-        J-M, and of 2 P1 sin(t_E) sin(s) within I-J: the largest P - P_c, or half of it at least.
+        thickness]: the largest P - P_c in the cycle, or half of it at least.
+
+        It is the largest of u sin^2(D/2) and v sin^2(D/2), at the ends of the slip phases E-G and
+        J-M, and of 2 P1 sin(t_E) sin(s) within I-J.
 
         # notation: u and v (`forward_amplitude`, `reverse_amplitude`) amplitudes of (Q -+ f P)/f; D
         #           (`slip_angle`) length of E-G and of J-M [rad]; P1 (`load_amplitude`) amplitude
@@ -185,12 +187,12 @@ class Ellipses:
 def ellipses_of(
     mean: Array, amplitude: Array, tangential_amplitude: Array, phase: Array, friction: Array
 ) -> Ellipses:
-    """Loads and angles at which slip begins and ends in the steady cycle of m elliptic load loops
-    P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase).
+    """Steady cycles of m elliptic load loops P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase): their
+    loads, and the angles at which slip begins and ends.
 
-    Among them are the amplitudes u, v of (Q -+ f P)/f and the load P_T of the permanent stick zone.
-    Reverse slip begins at the time t_E and lasts through the angle D. Q0 does not change the steady
-    state.
+    Among these are the amplitudes u, v of (Q -+ f P)/f and the load P_T of the permanent stick
+    zone. Reverse slip begins at the time t_E and lasts through the angle D. Q0 does not change the
+    steady state.
 
     Parameters
     ----------
@@ -750,8 +752,8 @@ _RELATIVE_ERROR_OF_LAM_RULES = 5e-11
 
 
 def roundoff_error(ellipses: Ellipses, work: Array) -> Array:
-    """Upper bound of the round-off error of the friction work of a cycle, `work` = W pi E*/(2 f^2),
-    (m,) [force^2 per thickness^2], by the last digits of loads and angles.
+    """Upper bound of the round-off error of the friction work W of a cycle, by the last digits of
+    loads and angles, (m,). `work` is W pi E*/(2 f^2) [force^2 per thickness^2], as is the error.
 
     # notation: u and v (`forward_amplitude`, `reverse_amplitude`) amplitudes of (Q -+ f P)/f; D
     #           (`slip_angle`) length of the phases E-G and J-M [rad], pi - D of I-J; P1, Q1
@@ -912,11 +914,12 @@ def dissipation_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
 
 
 def dissipation_and_error(ellipses: Ellipses, contact: SymmetricContact) -> Array:
-    """Friction work W pi E*/(2 f^2) of forward and of reverse slip per steady cycle of m ellipses,
-    and an upper bound of the error of their sum, (3, m) [force^2 per thickness^2], for any profile.
+    """Friction work of forward and of reverse slip in a steady cycle, for any profile, and an upper
+    bound of the error of their sum, (3, m) for m load ellipses.
 
-    NaN where the quadrature does not converge. `contact` is the normal contact P(a) of the profile,
-    `relative_roundoff` the relative error of P(a).
+    All are times pi E*/(2 f^2) [force^2 per thickness^2]. NaN where the quadrature does not
+    converge. `contact` is the normal contact P(a) of the profile, `relative_roundoff` the relative
+    error of P(a).
     """
     # rows: forward work, reverse work, error of their sum
     works_and_error = np.empty((3, len(ellipses.mean_load)))
@@ -1000,10 +1003,10 @@ def _work_by_table(
     ellipses: Ellipses, contact: SymmetricContact, log_table: LogHalfWidth, slip_zone_share: Array
 ) -> Array:
     """Friction work of forward and of reverse slip times pi E*/(2 f^2), and an upper bound of the
-    error of their sum, (3, m), with the kernel Lam = int ln(a(eta)/a(P_c)) d eta by a table of ln
-    a.
+    error of their sum, (3, m), from a table of ln a.
 
-    a is the contact half-width, P_c the load at the stick edge. `slip_zone_share` (m,) is the
+    The kernel of the work is Lam = int ln(a(eta)/a(P_c)) d eta over the loads from P_c to P. a is
+    the contact half-width, P_c the load at the stick edge. `slip_zone_share` (m,) is the
     largest P - P_c over the mean load, to a factor of two. Lam by the series of the `log_table` has
     the last digits of P - P_c times the slope of ln a, not of itself: that error is added.
     """
@@ -1860,8 +1863,8 @@ def _blocks_of_kinds(kind_of_ellipse: NDArray[np.uint8]) -> Iterator[tuple[int, 
 
 
 def _works_of_sums(ellipses: Ellipses, sums_by_phase: Array) -> tuple[Array, Array]:
-    """Friction work W pi E*/(2 f^2) of forward and of reverse slip of m ellipses, (m,) each, from
-    sums over quadrature nodes without the factors that are constant in a phase.
+    """Friction work of forward and of reverse slip of m ellipses, times pi E*/(2 f^2), (m,) each:
+    sums over quadrature nodes times the factors that are constant in a phase of slip.
 
     # notation: u, v (`forward_amplitude`, `reverse_amplitude`) amplitudes of (Q -+ f P)/f; P0, P1
     #           mean and amplitude of P; D (`slip_angle`) length of reverse slip E-G and of later
@@ -2272,11 +2275,11 @@ class LamTable:
         """Number of the table's cell in which each load lies, and its position from -1/2 to 1/2 in
         the cell, shape of `load`.
 
-        Both come from the bits of the number: its exponent and the leading bits of its fraction
-        count the cells, and the other bits of the fraction are the position. AssertionError for a
-        load outside the table. A cell is a sixteenth of an octave: _CELL_BITS = 4 leading bits of
-        the fraction; `_first_cell` is the number of the first. _BITS_OF_ONE are the bits of 1.0,
-        _FRACTION_BITS those behind the leading four.
+        A cell is a sixteenth of an octave. So the bits of the floating-point number give both: the
+        exponent and the leading _CELL_BITS = 4 bits of the fraction count the cells, the other bits
+        are the position. `_first_cell` is the number of the first cell. _BITS_OF_ONE are the bits
+        of 1.0, _FRACTION_BITS those behind the leading four. AssertionError for a load outside the
+        table.
         """
         bits = load.view(np.int64)
         # the other bits of the fraction become a number from 1 to 2
