@@ -112,6 +112,7 @@ def surface_grading(
         size=mesh.element_size * a * ratio,
         edge_size=mesh.edge_element_size * a * ratio,
         radius=max(mesh.far_radius * a, _LEAST_RADIUS_RATIO * outer_end),
+        growth=mesh.growth,
     )
     return replace(grading, halvings=tip_halvings(profile, grading.size_at_middle))
 
