@@ -689,4 +689,4 @@ def test_the_largest_tension_of_unlike_bodies_is_that_at_the_turn_of_the_loads()
     values, uncertainties = halfplane_fe.edge_tension(answer, [turn])
     assert largest.value == pytest.approx(values.max(), rel=1e-4)
     assert largest.uncertainty > 0.9 * uncertainties.flat[np.argmax(values)]
-    assert largest.uncertainty < 0.01 * largest.value
+    assert largest.uncertainty < 0.02 * largest.value

@@ -704,7 +704,7 @@ def test_tension_of_layers_half_as_thick_as_the_contact_is_covered():
     coarse, fine = tensions
     assert abs(coarse.value - fine.value) < coarse.uncertainty
     assert fine.uncertainty < 1.5e-3 * fine.value
-    assert coarse.uncertainty < 5e-2 * coarse.value
+    assert coarse.uncertainty < 5.5e-2 * coarse.value
     by_theory = semi_analytic.extremes(semi_analytic.solve(scene)).edge_tension
     assert fine.value > 1.3 * by_theory  # bases so near raise the pressure
 
