@@ -1471,9 +1471,9 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
         """Return this load; refuse (ValueError with time and values) functions of time whose P or Q
         jumps, also from the end of a cycle that repeats to its begin.
         """
-        # Successive pieces of the load history, each smooth; of a cycle also the first one again.
+        # Successive segments of the load history, each smooth, and the one after each: after the
+        # last one of a cycle the first again. `duration`: time that the functions cover.
         segments = self._segments()
-        # `duration`: time that the functions cover.
         next_segments = [
             *segments[1:],
             *([segments[0].shifted(self.duration)] if self.repeats else []),

@@ -821,6 +821,51 @@ def rows_of_turning_points(values: Array, threshold: float) -> Rows:
     return np.array(turning_rows, dtype=np.int64)
 
 
+def _line_fits(loads: Array, first_row: int, last_row: int, tolerance_and_roundoff: Array) -> bool:
+    """Whether the straight line in the P-Q plane between two rows of a load path passes all rows
+    between them in order, within a tolerance of each load.
+
+    Positions on the line go from 0 at its begin to 1 at its end. Near each row between, those
+    within the tolerance are an interval. The line fits if ascending positions can be chosen, one in
+    each interval.
+
+    Parameters
+    ----------
+    loads
+        (n, 2) P and Q of all rows [force per unit thickness]
+    first_row, last_row
+        row numbers of begin and end of the line
+    tolerance_and_roundoff
+        (2,) largest distance in P and in Q
+    """
+    # Change of P and Q along the line, and the loads of rows between, from its begin.
+    change_along_line = loads[last_row] - loads[first_row]
+    loads_from_first_row = loads[first_row + 1 : last_row] - loads[first_row]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        # Positions on the line at which a load is just within the tolerance of a row.
+        position_at_lower_bound = (
+            loads_from_first_row - tolerance_and_roundoff
+        ) / change_along_line
+        position_at_upper_bound = (
+            loads_from_first_row + tolerance_and_roundoff
+        ) / change_along_line
+    # A load that does not change along the line allows all positions or none.
+    is_constant = change_along_line == 0
+    if np.any(np.abs(loads_from_first_row[:, is_constant]) > tolerance_and_roundoff[is_constant]):
+        return False
+    least_position = np.max(
+        np.where(is_constant, 0.0, np.minimum(position_at_lower_bound, position_at_upper_bound)),
+        axis=1,
+        initial=0.0,
+    )
+    largest_position = np.min(
+        np.where(is_constant, 1.0, np.maximum(position_at_lower_bound, position_at_upper_bound)),
+        axis=1,
+        initial=1.0,
+    )
+    return bool(np.all(np.maximum.accumulate(least_position) <= largest_position))
+
+
 def rows_within_tolerance(loads: Array, tolerance: Array) -> Rows:
     """Row numbers (m,) of a load path that are enough to follow it: straight lines in the P-Q plane
     between these rows pass all others in their order, within a tolerance of each load.
@@ -839,62 +884,21 @@ def rows_within_tolerance(loads: Array, tolerance: Array) -> Rows:
     # Round-off: 1e-12 of the largest load.
     tolerance_and_roundoff = tolerance + _ROUND_OFF_SHARE * np.max(np.abs(loads), initial=0.0)
 
-    def line_fits(first_row: int, last_row: int) -> bool:
-        """Whether a straight line in the P-Q plane, from row `first_row` to `last_row` of `loads`
-        (P, Q), passes all rows between in order, within the tolerance of each load.
-
-        Positions on the line go from 0 at its begin to 1 at its end. Those within the tolerance of
-        a row are an interval; a position in each of these intervals must be possible so that they
-        ascend. `tolerance_and_roundoff` (2,) are the tolerances of P and Q.
-        """
-        # Change of P and Q along the line, and the loads of rows between, from its begin.
-        change_along_line = loads[last_row] - loads[first_row]
-        loads_from_first_row = loads[first_row + 1 : last_row] - loads[first_row]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            # Positions on the line at which a load is just within the tolerance of a row.
-            position_at_lower_bound = (
-                loads_from_first_row - tolerance_and_roundoff
-            ) / change_along_line
-            position_at_upper_bound = (
-                loads_from_first_row + tolerance_and_roundoff
-            ) / change_along_line
-        # A load that does not change along the line allows all positions or none.
-        is_constant = change_along_line == 0
-        if np.any(
-            np.abs(loads_from_first_row[:, is_constant]) > tolerance_and_roundoff[is_constant]
-        ):
-            return False
-        least_position = np.max(
-            np.where(
-                is_constant, 0.0, np.minimum(position_at_lower_bound, position_at_upper_bound)
-            ),
-            axis=1,
-            initial=0.0,
-        )
-        largest_position = np.min(
-            np.where(
-                is_constant, 1.0, np.maximum(position_at_lower_bound, position_at_upper_bound)
-            ),
-            axis=1,
-            initial=1.0,
-        )
-        return bool(np.all(np.maximum.accumulate(least_position) <= largest_position))
-
     # From each kept row, double the number of rows that a line spans until it fits no more.
     kept_rows = [0]
     last_row = len(loads) - 1
     while kept_rows[-1] < last_row:
         first_row = kept_rows[-1]
         n_rows_that_fit = 1
-        while first_row + 2 * n_rows_that_fit <= last_row and line_fits(
-            first_row, first_row + 2 * n_rows_that_fit
+        while first_row + 2 * n_rows_that_fit <= last_row and _line_fits(
+            loads, first_row, first_row + 2 * n_rows_that_fit, tolerance_and_roundoff
         ):
             n_rows_that_fit *= 2
         # A line over n_rows_too_many does not fit, or goes beyond the last row: bisection.
         n_rows_too_many = min(2 * n_rows_that_fit, last_row - first_row + 1)
         while n_rows_too_many - n_rows_that_fit > 1:
             n_rows_tried = (n_rows_that_fit + n_rows_too_many) // 2
-            if line_fits(first_row, first_row + n_rows_tried):
+            if _line_fits(loads, first_row, first_row + n_rows_tried, tolerance_and_roundoff):
                 n_rows_that_fit = n_rows_tried
             else:
                 n_rows_too_many = n_rows_tried
