@@ -851,11 +851,7 @@ class ContactProblem:
         number of nodes that still changed their state. All is scaled.
         """
         self.work_counts["alternating solves"] += 1
-        # bulk stresses of both bodies, and the tilt: given, or at first that of `start_state`
-        stresses_and_tilt = replace(start_state, loads=loads).stresses_and_tilt
-        if len(loads) > 2 and not self.has_given_moment:
-            # _TILT_OR_MOMENT: place of tilt or moment among the five loads
-            stresses_and_tilt[2] = loads[_TILT_OR_MOMENT]
+        stresses_and_tilt = self._stresses_and_first_tilt(start_state, loads)
         shear = start_state.shear
         shift = start_state.shift  # tangential displacement of the upper body
         is_closed = start_state.is_closed
@@ -891,6 +887,21 @@ class ContactProblem:
             if not n_changing:
                 return _Outcome(state, turn_number, 0)
         return _Outcome(None, self.max_iterations, n_changing)
+
+    def _stresses_and_first_tilt(
+        self, start_state: InterfaceState, loads: tuple[float, ...]
+    ) -> Array:
+        """Bulk stresses of the lower and the upper body under new loads, and the tilt, (3,),
+        scaled. Where the moment is given, not the tilt, that of `start_state` is a first estimate.
+
+        `loads` are P and Q, with bulk stress or tilt also the bulk stresses, and tilt or moment;
+        without these all three are 0.
+        """
+        stresses_and_tilt = replace(start_state, loads=loads).stresses_and_tilt
+        if len(loads) > 2 and not self.has_given_moment:
+            # _TILT_OR_MOMENT: place of tilt or moment among the five loads
+            stresses_and_tilt[2] = loads[_TILT_OR_MOMENT]
+        return stresses_and_tilt
 
     def _gap_without_pressure(self, shear: Array, shift: float) -> Array:
         """Initial gap of the n nodes plus what known nodal shear (n,) and tangential displacement

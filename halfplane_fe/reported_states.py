@@ -275,21 +275,32 @@ def _slip_limits(
         largest_sliding_slip[block] = np.abs(slip * sense).max(axis=1)
         largest_slip = max(largest_slip, float(np.abs(slip).max()))
 
-    # Largest value in each revolution; 0 is the initial loading.
+    largest_slip_per_load = _largest_in_revolution(
+        largest_sliding_slip / load_changes, cycle_starts
+    )
+    # _LEAST_SPEED_SHARE: 1e-2
+    least_fast_slip = _LEAST_SPEED_SHARE * largest_slip_per_load * load_changes
+    return largest_slip, least_fast_slip
+
+
+def _largest_in_revolution(values: Array, cycle_starts: Sequence[int]) -> Array:
+    """For each of m increments, (m,), the largest of the non-negative `values` (m,) in its
+    revolution. The initial loading, before the first revolution, counts as one.
+
+    `cycle_starts` are the numbers of the increments with which revolutions start.
+
+    >>> _largest_in_revolution(np.array([5.0, 1.0, 3.0, 2.0]), [1]).tolist()
+    [5.0, 3.0, 3.0, 3.0]
+    """
     starts = np.asarray(cycle_starts, dtype=int)
-    revolution_of_increment = np.searchsorted(starts, np.arange(n_increments), side="right")
-    slip_per_load = largest_sliding_slip / load_changes
-    largest_slip_per_load = np.array(
+    revolution_of_increment = np.searchsorted(starts, np.arange(len(values)), side="right")
+    largest_of_revolution = np.array(
         [
-            slip_per_load[revolution_of_increment == number].max(initial=0.0)
+            values[revolution_of_increment == number].max(initial=0.0)
             for number in range(len(cycle_starts) + 1)
         ]
     )
-    # _LEAST_SPEED_SHARE: 1e-2
-    least_fast_slip = (
-        _LEAST_SPEED_SHARE * largest_slip_per_load[revolution_of_increment] * load_changes
-    )
-    return largest_slip, least_fast_slip
+    return largest_of_revolution[revolution_of_increment]
 
 
 def slip_since_stop(slip: Array, travel_before: Array | float) -> Array:
