@@ -614,8 +614,8 @@ def _fields_of_nodes(
 
 
 def is_loaded_in_last_cycle(scene: Scene, time: Array, normal_load: Array) -> Mask:
-    """Which of n ascending instants are in the last cycle of the load path and under load, (n,);
-    the begin of the cycle is not. None are where the path does not repeat.
+    """Which of n ascending instants are in the last cycle of the load path and under load, (n,).
+    The start of the cycle does not count; where the path does not repeat, no instant does.
 
     `time` and `normal_load` are (n,), of the instants; `scene` has the path with its period.
     """

@@ -135,7 +135,7 @@ class CurvatureJumpKernels:
             4/(pi^2 E') (Phi(x) - Phi(s))/(x - s),    E' = E/(1 - nu^2)
             2 R Phi = (x + b)^2 ln|x + b| - (x - b)^2 ln|x - b|
 
-        Returned are three (n, m) [1 / stress]: inwards by a pressing force, along x by a force
+        There are three, (n, m) each [1 / stress]: inwards by a pressing force, along x by a force
         along x, along x by a pressing force.
         """
         depth = arc_depth(x, self.radius, self.flat_half_length)
