@@ -43,9 +43,9 @@ def reported_states(
     """Node states as they are reported to the user, open, stick or slip, (m + 1, n): a node that
     slides so little that it may be round-off or error of the mesh sticks.
 
-    Slip by the error of the mesh is known only between bodies of one shape and material, where
-    half-plane theory holds. Between others pressing alone makes nodes slip, and slowly so near the
-    stick edge: there only round-off is removed.
+    Slip by the error of the mesh can be told only between like bodies, where half-plane theory
+    holds. Between others pressing alone makes nodes slip, and slowly so near the stick edge: there
+    only round-off is removed.
 
     Parameters
     ----------

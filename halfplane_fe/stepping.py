@@ -230,8 +230,8 @@ def increments_along(
 def _end_by_turn_of_slip(
     problem: ContactProblem, start_state: InterfaceState, loads_at: LoadsAt, latest_end: float
 ) -> float:
-    """Instant at which the next increment shall end at the latest: where the slip of the nodes that
-    slide at its start is largest, since prescribed movements turn round; else `latest_end`.
+    """Latest instant at which the next increment may end: `latest_end`, or before it where the slip
+    of the nodes that slide at its start is largest, because prescribed movements turn round.
 
     The slip is the sum over these nodes, each weighted by its pressure and counted in its
     direction of sliding. It is predicted as if every node went on sliding, sticking or being open.
