@@ -945,10 +945,10 @@ def _follow_part(
 
 
 def _empty_loop_integral(series: LoadSeries, request: Request) -> LoopWorkOfSeries | None:
-    """The closed integral of Q dU of the last cycle, without any block of its load steps yet; U is
-    the relative tangential displacement. None where the integral is not asked for, or the cycle is
-    not steady or has no load.
+    """A sum for the closed integral of Q dU over the last cycle, without any block of its load
+    steps yet; U is the relative tangential displacement.
 
+    None where the integral is not asked for, or the cycle is not steady or has no load.
     `covered` are the cycles that the answer covers, `covered_parts` their numbers among the parts
     of the path; `steady_from` is the first steady cycle, None without one.
     """
@@ -1692,10 +1692,12 @@ def _largest_piece_count(snapshot: Snapshot, instants: Indices) -> int:
 
 
 def _errors_of_neglect(request: Request) -> dict[str, float]:
-    """Relative errors of the fields of friction, by name, where loads below round-off were left out
-    so that the frictional state is one memory curve. Empty where they are negligible, below 1e-12
-    in all. A memory curve is the tangential force, or the bulk strain, locked in up to each load.
-    `bulk_tilt_path` of the request is None without bulk stress and tilt.
+    """Relative errors of the fields of friction, by name, by small loads that were left out so that
+    one memory curve is enough.
+
+    Empty where these are negligible, below 1e-12 in all. A memory curve is the tangential force, or
+    the bulk strain, locked in up to each load. `bulk_tilt_path` of the request is None without bulk
+    stress and tilt.
     """
     if request.bulk_tilt_path is None:
         return {}

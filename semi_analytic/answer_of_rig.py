@@ -471,9 +471,8 @@ class _Energy(NamedTuple):
 
 
 def _energy_of(followed_rig: _FollowedRig) -> _Energy:
-    """Energy of the last cycle of a rig, or of all of a path that has no steady cycle. It holds the
-    friction work, the closed integral of the loads over their displacements, and relative errors of
-    both and of Q.
+    """Energy of the last cycle of a rig, or of all of a path that has no steady cycle: friction
+    work, closed integral of the loads over their displacements, and relative errors.
 
     The work is the sum of the work by steps, of what tilt and bulk strain of the bodies add, and of
     what the terms of their effects beyond the curvatures, x^4, add [energy per thickness]. The
@@ -554,8 +553,8 @@ class _ChangeByBodies(NamedTuple):
     def of_driven_path(
         cls, rig: RiggedScene, driven_path: DrivenPath, cycle_rows: slice
     ) -> _ChangeByBodies:
-        """Change of the friction work of slip by the finite bodies of a rig, in some rows of a
-        path, against half-planes under the same P and Q.
+        """Change of the friction work by the finite bodies of a rig, in some rows of a path,
+        against half-planes under the same P and Q; without gross sliding.
 
         The effects of the bodies are a series in x: curvatures of the faces, x^2, then the next
         order, x^4. All values are 0 for half-planes, where the bodies slide as a whole, and where
@@ -787,9 +786,10 @@ def _times_near_slide_ends(driven_path: DrivenPath) -> Array:
 
 def _times_in_all_cycles(scene: Scene, time: Array, n_cycles: int) -> Array:
     """Given times (n,) moved by whole periods into every cycle of the path of the actuators, cycle
-    after cycle, (k,). Before them come those given times that lie in the initial loading, as they
-    are; they are moved into the cycles, too.
+    after cycle, (k,).
 
+    Before them come those given times that lie in the initial loading, as they are; they are moved
+    into the cycles, too.
     A path that does not repeat gets its times back. `n_cycles` is the number of cycles.
     """
     path = scene.load.path_of_actuators()

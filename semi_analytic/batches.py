@@ -278,13 +278,13 @@ def _largest_maximum(
     is_unknown: NDArray[np.bool_],
     density_at: Callable[..., Array],
 ) -> _Peaks:
-    """The largest maximum over x of the friction work per area W(x), times pi E*/(2 f^2), of each
-    load ellipse, with its error from above and its |x|, (m,) each.
+    """The largest maximum over x of the friction work per area W(x) of each load ellipse, with its
+    error from above and its place |x|, (m,) each.
 
-    W is 0 where nothing slips, NaN where it `is_unknown` (m,) at some sample. The error adds how
-    far W may rise between the last three places about the maximum, the quadrature error and
-    round-off. Where no maximum was found it is the largest W that may be lost in the last digits.
-    E* is the composite modulus, f the friction.
+    W comes times pi E*/(2 f^2). It is 0 where nothing slips, NaN where it `is_unknown` (m,) at some
+    sample. The error adds how far W may rise between the last three places about the maximum, the
+    quadrature error and round-off. Where no maximum was found it is the largest W that may be lost
+    in the last digits. E* is the composite modulus, f the friction.
 
     Parameters
     ----------
@@ -1026,9 +1026,11 @@ def _works_of_members(members: Members) -> Array:
 
 
 def _works_with_effects(curvatures_per_load: Curvatures, members: Members) -> Array:
-    """Friction work of one steady cycle of each member of a batch, times pi E*/(2 f^2), on finite
-    bodies, whose loads add `curvatures_per_load` to gap and faces, (5, m). The rows are the work,
-    its parts by forward and by reverse slip, the error of the work, and the permanent stick load.
+    """Friction work of one steady cycle of each member of a batch on finite bodies, whose loads add
+    `curvatures_per_load` to gap and faces, (5, m).
+
+    The rows are the work, its parts by forward and by reverse slip, the error of the work, and the
+    permanent stick load. The first four come times pi E*/(2 f^2).
 
     The work is that on half-planes, exact, plus the change by the curvatures. One quadrature rule
     gives the works with and without curvatures, so that its error nearly cancels in the change. A
@@ -1118,9 +1120,10 @@ def _change_by_curvatures(
 
 
 def _loads_in_units(members: Members, group: ShapeGroup) -> EllipseOfLoads:
-    """P0, P1, Q0, Q1, phase and friction of the members of a group, as columns (k, 1); loads over
-    the unit of load of each member. `members` has the loads of all as given, the group the numbers
-    of its own.
+    """Loads of the members of a group in the unit of load of each, as columns (k, 1): P0, P1, Q0
+    and Q1, with phase and coefficient of friction.
+
+    `members` has the loads of all members as given, the group the numbers of its own.
     """
     loads_of_group = LoadArrays(*(load_array[group.members, None] for load_array in members.loads))
     load_units = np.reshape(group.load_unit, (-1, 1)) * np.ones((len(group.members), 1))

@@ -894,8 +894,8 @@ class PathSeries:
         return shear_signs
 
     def _excess_over_limit(self, row_numbers: Indices, n_places: int) -> tuple[Array, Array]:
-        """Largest excess of the shear of the memory curve over the Coulomb limit, max(|q| - f p)
-        [stress], and the sign of q there, at instants `row_numbers`, (n,) each.
+        """By how much the shear of the memory curve exceeds the Coulomb limit, max(|q| - f p)
+        [stress], and the sign of q there, at the instants of these numbers, (n,) each.
 
         The memory curve is the locked-in tangential force of the flat punches up to each
         half-width. The maximum is over `n_places` places from the middle to the edge of the path's
@@ -1632,8 +1632,8 @@ def _require_symmetric(question: Question) -> None:
 def punch_table_of(
     contact: SymmetricContact, modulus: float, path_rows: PathRows, curvatures: Curvatures
 ) -> PunchTable:
-    """Table of the flat punches that make up the contact, wide enough for the largest contact of a
-    load path, with the curvatures of finite bodies and without.
+    """Table of the flat punches that make up the contact, wide enough for every instant of a load
+    path, with the curvatures of finite bodies and without.
 
     A negative curvature of the gap widens the contact. The table is widened until its punches carry
     P at every instant: eta + kn G + n4 G_4 >= P at its end. eta, G and G_4 are the loads that press
@@ -1706,9 +1706,10 @@ def _require_one_contact(
     lower_bound_of_curvature: Array,
     gap_fourth_coefficient: Array,
 ) -> None:
-    """Refuse curvatures under which the contact would split: InputError unless the load that flat
-    punches of half-width up to c carry, eta + kn G + n4 G_4, grows with c. It is checked at the
-    instants of the least kn and of the least n4.
+    """Refuse curvatures of finite bodies under which the contact would split, by InputError.
+
+    It does not split if the load up to each half-width c, eta + kn G + n4 G_4, grows with c. This
+    is checked at the instants of the least kn and of the least n4.
 
     Parameters
     ----------
@@ -2661,12 +2662,12 @@ def admissibility_checks_of(
 
 def _relative_missing_force(followed_path: FollowedPath, row_numbers: Indices) -> Array:
     """Error of tangential equilibrium at some rows of a followed path, (n,): |M - Q| divided by f
-    times the largest P of the path, 0 while P = 0. M is the tangential force that the contact
-    carries by its memory.
+    times the largest P of the path, 0 while P = 0.
 
-    M = F + kt G + t4 G_4 at the edge of contact. F was locked in while the flat punches stuck. kt
-    and t4 are the curvatures in x^2/2 and x^4/24 that the loads give to the faces. G and G_4 are
-    the loads that press these shapes into contact up to the edge.
+    M is the tangential force that the contact carries by its memory: M = F + kt G + t4 G_4 at the
+    edge of contact. F was locked in while the flat punches stuck. kt and t4 are the curvatures in
+    x^2/2 and x^4/24 that the loads give to the faces. G and G_4 are the loads that press these
+    shapes into contact up to the edge.
     """
     largest_friction_force = max(
         followed_path.friction * float(np.max(followed_path.normal_load)), np.finfo(float).tiny

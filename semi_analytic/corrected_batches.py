@@ -289,9 +289,10 @@ def _works_and_stick(
     modulus: float,
 ) -> Array:
     """Friction work of forward and of reverse slip, times pi/A = pi E*/2, and half-width of
-    permanent stick, (3, m), for all m ellipses at once. NaN where the contact is wider than the
-    profile or than twice that of half-planes, or would split.
+    permanent stick, (3, m), for all m ellipses at once.
 
+    They are NaN where the contact is wider than the profile or than twice that of half-planes, or
+    would split.
     The work is the integral of w(c) dc/c over the flat punches that slip. Their half-widths c lie
     between permanent stick and the largest contact. Each punch goes through the cycle by itself.
 
@@ -542,9 +543,11 @@ def _roots_between(
 
 
 def _work_of_punches(cycle: CycleOfPunches, friction: Array) -> Array:
-    """Friction work w = closed-int f L |dF| of flat punches of half-width c over one steady cycle,
-    in forward and in reverse slip, (2, m, k) [force^2 per thickness^2]. The dissipation W is A
-    times the integral of w dc/(pi c), A = 2/E*.
+    """Friction work w of flat punches over one steady cycle, in forward and in reverse slip, (2, m,
+    k) [force^2 per thickness^2].
+
+    w is the closed integral of f L |dF|; the dissipation W is A times the integral of w dc/(pi c)
+    over the half-width c of the punches, A = 2/E*.
 
     Each of m elliptic load paths, P = P0 + P1 cos t and Q = Q0 + Q1 cos(t - phase), has k punches.
     L is the normal load that is carried outside of a punch, and F the tangential force that the

@@ -193,11 +193,11 @@ class PunchTable:
 
     def _divide_into_intervals(self, contact: SymmetricContact, largest_half_width: float) -> None:
         """Divide the half-widths of flat punches, from 0 to the largest [length], into intervals
-        between the kinks of the profile, and each interval into equal cells of the coordinate s.
+        between the kinks of the profile, and these into cells.
 
-        s grows with the half-width and is a whole number at each kink. The kinks are the end of the
-        flat part, `least_half_width`, 0 without one, and the corners, where the slope or the
-        curvature of the profile jumps.
+        Cells are equal steps of a coordinate s. It grows with the half-width and is a whole number
+        at each kink. The kinks are the end of the flat part, `least_half_width`, 0 without one, and
+        the corners, where the slope or the curvature of the profile jumps.
         """
         kinks = [contact.least_half_width, *contact.corner_half_widths]
         inner_kinks = sorted({kink for kink in kinks if 0 < kink < largest_half_width})
@@ -353,8 +353,8 @@ class PunchTable:
         return np.asarray(self.parabola_stiffness * squared_width**2 / 8)
 
     def s_of_parabola_load(self, parabola_load: float) -> float:
-        """Coordinate s in the table of the flat punch up to which the punches of x^2/2 carry the
-        load G = `parabola_load`, from G = (pi E*/4) c^2.
+        """Coordinate s of the half-width c up to which the load G = `parabola_load` presses a
+        parabola x^2/2 into contact, from G = (pi E*/4) c^2.
 
         The kinks of the profile divide the half-widths c into intervals. On each, c grows with the
         square of the fraction of the interval in s.
@@ -565,9 +565,9 @@ class PunchTable:
         fourth_coefficient: Array | float = 0.0,
         known_s: Array | None = None,
     ) -> Array:
-        """Table coordinates s (n,) of the edges of contact a under normal loads P (n,), from P =
-        eta(a) + kn G(a) + n4 G_4(a), by bisection and Newton's method.
+        """Edges of contact a under normal loads P (n,), as coordinates s (n,) of the table.
 
+        They are the roots of P = eta(a) + kn G(a) + n4 G_4(a), by bisection and Newton's method.
         eta, G and G_4 are the loads that press the profile, x^2/2 and x^4/24 into contact up to
         half-width a. s is 0 where P = 0, and at most that of the widest punch.
 
@@ -615,8 +615,8 @@ class PunchTable:
         return np.where(normal_load > 0, edge_s, 0.0)
 
     def _load_rate(self, s: Array) -> Array:
-        """Derivative d eta/ds of the load that the profile's punches up to s carry, at coordinates
-        s (n,), (n,), from the cubic on each cell of the table.
+        """Derivative d eta/ds at coordinates s (n,), (n,), from the cubic on each cell of the
+        table; eta is the load that presses the profile into contact up to the half-width at s.
         """
         s_in_cells = s * self._cells_per_interval
         cell = np.minimum(s_in_cells.astype(int), len(self._load_cubics) - 1)

@@ -455,8 +455,8 @@ def loads_of_approach(
 def _load_and_approach(
     table: PunchTable, compliance: Compliance, edge_s: Array
 ) -> tuple[Array, Array]:
-    """Normal load P [force per thickness] and normal approach of the actuator [length], (n,) each,
-    for contacts whose edge a is at the coordinates `edge_s` (n,) of the `table`.
+    """Normal load P [force per thickness] and normal approach of the actuator [length] for given
+    edges of contact a, (n,) each.
 
         P = eta(a)/(1 - N G(a))
         approach = (A/pi) int ln(2 L/c) dP(c) + N p_2/2 + c_n P + P/k_n
@@ -638,8 +638,8 @@ def follow_actuator(
     compliance: Compliance,
     rows: ActuatorRows,
 ) -> DrivenPath:
-    """Tangential load Q(t), partial slip and gross sliding of a contact in a rig that prescribes P
-    and the displacement U_act(t) of an actuator, step by step from the unloaded state.
+    """Tangential load Q(t), partial slip and gross sliding of a contact in a rig, step by step from
+    the unloaded state. The rig prescribes P and the displacement U_act(t) of an actuator.
 
     Parameters
     ----------
@@ -1015,8 +1015,8 @@ class _StepSolver:
         target_displacement: float,
         limit_force: float,
     ) -> _SolvedStep:
-        """The step in partial slip to the instant `end`, with the Q at which the actuator has moved
-        as far as the rig prescribes, by Newton's method within a bracket.
+        """A step in partial slip to the instant `end`: the Q at which the actuator has moved as far
+        as the rig prescribes, by Newton's method within a bracket.
 
         The actuator moves by U + Q/k_s: U of contact and bodies, and the spring k_s of the rig.
         Without a slide this is `displacement_without_slide` of a trial, a step with a trial value
@@ -1139,7 +1139,9 @@ class _StepSolver:
 
     def _compliance_at(self, memory_step: MemoryStep, normal_load: float) -> float:
         """Compliance d(U + Q/k_s)/dQ of the actuator at the end of a step under P = `normal_load`
-        [1/stress], by the half-width that sticks there; at least 1e-9 of the table's largest. U is
+        [1/stress].
+
+        It follows from the half-width that sticks there, at least 1e-9 of the table's largest. U is
         the displacement of contact and bodies, k_s the spring of the rig.
         """
         # Coordinates s in the table of punches: inner end of an inner slip zone, else the stick

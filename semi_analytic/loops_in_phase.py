@@ -126,8 +126,8 @@ class Stroke:
         return np.asarray(self.friction * pressure * self.slip_rate(x, u))
 
     def slip_rate(self, x: Array, u: Array) -> Array:
-        """Rate of slip s in the direction d of slip, d ds/du >= 0, at points x outside the stick
-        zone and fractions u of the stroke, arrays that broadcast [length].
+        """Rate of slip d ds/du at points x outside the stick zone and fractions u of the stroke,
+        arrays that broadcast [length]; positive in the direction d of slip.
 
             -dN/du (A/pi) arccosh(|x - m|/c) + da/du sgn(x - m) sqrt((x - m)^2 - c^2)
 
@@ -243,9 +243,11 @@ class Stroke:
         return self.direction * self.friction * change_since_begin
 
     def work_density(self, x: Array, n_nodes: int = STROKE_NODE_COUNT) -> Array:
-        """Friction work per area of this stroke at points x (k,): the integral of f p |ds| from its
-        begin, u = 0, to its end, u = 1, (k,) [energy per area]; f is the friction, p the pressure,
-        s the slip.
+        """Friction work per area of this stroke at points x (k,): the integral of f p |ds| over the
+        stroke, (k,) [energy per area].
+
+        f is the coefficient of friction, p the pressure, s the slip. The stroke begins at u = 0 and
+        ends at u = 1.
 
         At each point the stroke is divided where an edge of the slip zone passes it. Each part with
         slip takes `n_nodes` nodes. A slip zone lies on each side of the stick zone, up to the edge

@@ -666,11 +666,11 @@ def _sentences_of_reasons(
 def _sampled_work(
     work_of: WorkFunction, least_friction: Array, load_amplitude_ratio: Array
 ) -> _WorkCurve:
-    """Friction work W of m members of a batch at samples of the coefficient f, from f_min up to 1e6
-    times the larger of f_min and Q1/P1, the ratio of the amplitudes of Q and P.
+    """Friction work W of m members of a batch at samples of the coefficient of friction f.
 
-    f_min = `least_friction` (m,) is the least f without gross sliding, Q1/P1 =
-    `load_amplitude_ratio` (m,). Samples are dense next to f_min and sparse beyond 100 times the
+    They reach from f_min up to 1e6 times the larger of f_min and Q1/P1. f_min = `least_friction`
+    (m,) is the least f without gross sliding, Q1/P1 = `load_amplitude_ratio` (m,) the ratio of the
+    amplitudes of Q and P. Samples are dense next to f_min and sparse beyond 100 times the
     larger. A member is solvable where f_min and all its W are finite. `work_of` gives W by
     coefficients and the indices of members.
     """

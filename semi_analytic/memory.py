@@ -82,8 +82,8 @@ def instant(segment: LoadSegment, time: float) -> Instant:
 def combination_change(
     earlier: Instant, segment: LoadSegment, combination: Combination, time: ArrayLike
 ) -> Array:
-    """Change of a weighted sum c_P P + c_Q Q of the loads between two instants of the load path,
-    which may lie on two segments of it [force per thickness].
+    """Change of a weighted sum c_P P + c_Q Q of the loads between two instants of the load path
+    [force per thickness]. They may lie on two segments of it.
 
     `change_of` gives such a change between two times of one segment, without cancellation.
 
@@ -381,9 +381,11 @@ def is_at_coulomb_limit(piece: Piece, direction: int, friction: float) -> bool:
 def slip_combination_on_piece(
     piece: Piece, direction: int, friction: float, eta: ArrayLike
 ) -> Array:
-    """Change of s M(eta) - f eta on a piece from its anchor to loads eta, any shape [force per
-    thickness]; s is the `direction` of slip, f `friction`, M(eta) the memory curve, the tangential
-    force of the flat punches up to the load eta.
+    """Change of s M(eta) - f eta on a piece of the memory curve, from its anchor to loads eta, any
+    shape [force per thickness].
+
+    s is the `direction` of slip, f `friction`, M(eta) the tangential force of the flat punches up
+    to the load eta.
 
     `anchor` is the instant of the load path at which the piece was made. There dM/d eta is `slope`,
     `bend` half of d2M/d eta2. An arc, with `arc_times`, is a curved part of the load path, passed

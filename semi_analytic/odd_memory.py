@@ -240,9 +240,9 @@ class SecondOrderAnswer:
 
 def second_order_answer(scene: Scene, effects: BodyEffects) -> SecondOrderAnswer:
     """Friction work that tilt and bulk strain of finite bodies add in each cycle of a scene up to
-    the steady one, to the second order in both; with the history of stick and slip, which gives the
-    centres of contact and stick.
+    the steady one, to the second order in both.
 
+    With it comes the history of stick and slip, which gives the centres of contact and stick.
     At most as many cycles are followed as the scene has, but two where it has one. Of a path
     without cycles there is one work, that of all of it.
 
@@ -711,7 +711,7 @@ def _work_along_memory(
 
 def _work_at_kink(span_before: Span, span: Span, radius: float) -> Array:
     """Matrix (4, 4) of the friction work that tilt and strain add where the stick edge passes a
-    kink, a jump of the slope M', of the memory curve: over (alpha_P, alpha_Q, e_P, e_Q).
+    kink of the memory curve, over (alpha_P, alpha_Q, e_P, e_Q). At a kink the slope M' jumps.
 
         f (P - P_c) (d_o - d_i)^2 mu_o mu_i/(2R (mu_o - mu_i))
 
@@ -837,8 +837,8 @@ class _SmoothEnd:
     tilt_rate_form: Array
 
     def remaining_loads(self, n_panels: int) -> tuple[Array, Array]:
-        """Loads eta (n,), and the tangential load that remains on the flat punches next to each
-        after the smooth end of a stroke, divided by R a_s'^2/N'', (n,).
+        """Tangential loads that the smooth end of a stroke leaves on flat punches: loads eta (n,)
+        of the punches, and what is left next to each, divided by R a_s'^2/N'', (n,).
 
         At such an end one side of the contact stops before the other. What this leaves is dT =
         (R a_s'^2/N'') T P/eta d eta, with a tabulated function T of eta. `n_panels` divide P_c <
@@ -946,8 +946,8 @@ def _work_at_stroke_end(span: Span, radius: float, n_panels: int) -> Array:
 
 
 def _work_at_passed_end(span: Span, radius: float, n_panels: int) -> Array:
-    """Matrix (4, 4) of the friction work that tilt and strain add in a `span` of slip, where its
-    stick edge passes tangential loads that the stroke before has left on flat punches.
+    """Matrix (4, 4) of the friction work that tilt and strain add where the stick edge of a `span`
+    of slip passes tangential loads, which the stroke before has left.
 
     That stroke slipped the other way and had a smooth end: the rates of the loads did not jump, and
     one side of the contact stopped before the other. A load dT left at eta adds f (P - eta) dT, P

@@ -401,10 +401,10 @@ def quadrature_error(values: Array, size: Array) -> Array:
 def work_density_of(
     ellipses: Ellipses, contact: Contact, x: Array, node_stride: int = 1
 ) -> tuple[Array, Array]:
-    """Friction work per area W(x) of a cycle of each load ellipse at its own place |x| = x[k],
-    times pi E*/(2 f^2) [stress * force per thickness]: in forward slip and in reverse slip, (m,)
-    each.
+    """Friction work per area W(x) of a cycle of each load ellipse, at one place |x| for each: in
+    forward slip and in reverse slip, (m,) each.
 
+    Both are times pi E*/(2 f^2) [stress * force per thickness].
     `ellipses` holds the loads and angles of m ellipses, `contact` is the normal contact P(a) of the
     profile. With `node_stride` = 2 every second node of the quadrature rule is taken, which is
     right to some 1e-6.
@@ -630,9 +630,10 @@ def _graded_interval_rule() -> IntervalRule:
 
 def _legendre_interval_rule(n_nodes: int, n_crowded_ends: int) -> IntervalRule:
     """Gauss' rule of `n_nodes` nodes on [0, 1] for integrands with square roots at the ends: nodes
-    as signed distances from an end, and weights. Its error checks are the last three Legendre
-    coefficients of the integrand, which are small where it is resolved.
+    as signed distances from an end, weights, and error checks.
 
+    The error checks are the last three Legendre coefficients of the integrand, which are small
+    where it is resolved.
     A change of variable makes square roots smooth and crowds the nodes: t^2 to the lower end
     (`n_crowded_ends` = 1), 3 t^2 - 2 t^3 to both (2), none (0).
     """
@@ -1728,14 +1729,14 @@ class LogHalfWidth:
         )
 
     def dissipation_kernel_by_series(self, load: Array, slip_zone_load: Array) -> Array:
-        """Kernel of the friction work, Lam = int_{P_c}^P [L(eta) - L(P_c)] d eta with L = ln a,
-        from P = `load` and P - P_c = `slip_zone_load`; arrays of one shape. a is the contact
-        half-width, P_c the load at the stick edge.
+        """Kernel Lam of the friction work by polynomials of ln a, to 1e-16 of P - P_c; arrays of
+        one shape.
 
-        To 1e-16 of P - P_c. L is a polynomial in v = sqrt(P - P_b) above the load P_b of each
-        corner of the profile. The integral goes from polynomial to polynomial by Gauss' rule in v;
-        the ends of the polynomials are `series_ends` as loads, `_first_v` and `_last_v` in v;
-        `_corner_load` is the P_b of each.
+        Lam = int_{P_c}^P [L(eta) - L(P_c)] d eta with L = ln a, a the contact half-width. P is
+        `load`, P - P_c `slip_zone_load`, P_c the load at the stick edge. L is a polynomial in v =
+        sqrt(P - P_b) above the load P_b of each corner of the profile. The integral goes from
+        polynomial to polynomial by Gauss' rule in v; the ends of the polynomials are `series_ends`
+        as loads, `_first_v` and `_last_v` in v; `_corner_load` is the P_b of each.
         """
         stick_edge_load = load - slip_zone_load
         # of Gauss' rule with four nodes on [0, 1]
@@ -1916,9 +1917,10 @@ def _takes_careful_kernel(ellipses: Ellipses, deep_share: float) -> NDArray[np.b
 def error_of_works_by_lam(
     ellipses: Ellipses, work: Array, deep_share: float, log_size: Array | float
 ) -> Array:
-    """Upper bound of the error of the friction work W pi E*/(2 f^2), (m,) [force^2 per
-    thickness^2], by its kernel Lam, which a quick or a careful formula gives.
+    """Upper bound of the error of the friction work by its kernel Lam, (m,), as of W pi E*/(2 f^2)
+    [force^2 per thickness^2].
 
+    A quick or a careful formula gives Lam.
     Lam is the integral of ln a - ln a(P_c) over the loads from P_c, that at the stick edge, to P; a
     is the contact half-width. The quick formula is a difference, which loses the last digits of P
     times L, L = ln a. u and v (`forward_amplitude`, `reverse_amplitude`) are the amplitudes of
@@ -2293,11 +2295,12 @@ class LamTable:
         return cell, position_bits.view(np.float64) - 1.5
 
     def quick_kernel(self, stick_edge_load: Array, slip_zone_load: Array, buffer: Array) -> Array:
-        """Kernel of the friction work, Lam = int_{P_c}^P ln(a(eta)/a(P_c)) d eta, (phases, n, m),
-        by differences of tables: to some 1e-16 of P^2 over P - P_c. The tables are polynomials in P
-        on each cell of loads. They hold J = int_0^P ln a d eta (`_integral_of_log`) and L = ln a:
-        Lam = J(P) - J(P_c) - (P - P_c) L(P_c); a is the contact half-width, P_c the load at the
-        stick edge.
+        """Kernel Lam of the friction work by differences of tables, (phases, n, m): to some 1e-16
+        of P^2 over P - P_c.
+
+        Lam = int_{P_c}^P ln(a(eta)/a(P_c)) d eta = J(P) - J(P_c) - (P - P_c) L(P_c). The tables
+        hold J = int_0^P ln a d eta (`_integral_of_log`) and L = ln a, as polynomials in P on each
+        cell of loads. a is the contact half-width, P_c the load at the stick edge.
 
         P_c = `stick_edge_load` and P - P_c = `slip_zone_load`, of the same shape. The result is
         written into `buffer` and returned.
