@@ -62,8 +62,10 @@ class GridAnswer:
 
     def __init__(self, question: Question) -> None:
         """Follow the load path of a question, with bulk stress and tilt, by a numerical solution on
-        grids, at the points of the question. Where it states none, at 200 points from -c to c, with
-        c 1.05 times the largest distance of an edge of contact from x = 0.
+        grids.
+
+        Fields are found at the points of the question. Where it states none, they are 200 points
+        from -c to c, with c 1.05 times the largest distance of an edge of contact from x = 0.
 
         Raises
         ------
@@ -209,10 +211,11 @@ class GridAnswer:
         return {name: error for name, error in errors.items() if name in self.question.fields}
 
     def _note_of_grids(self, steady_cycle: Findings | None) -> str:
-        """The sentence that an answer by grids carries. It states the numbers of cells across the
-        contact and of increments in a cycle, and how well the friction work W and the stick edges
-        are known.
+        """The sentence that an answer by grids carries: how fine the grids are, and how well the
+        friction work W and the stick edges are known.
 
+        The grids are as fine as the numbers of cells across the contact and of increments in a
+        cycle.
         With `steady_cycle`, the answer for that cycle by a method without grids, it states that W
         does not come from grids.
         """
@@ -258,9 +261,10 @@ class GridAnswer:
         )
 
     def _values(self) -> dict[str, Any]:
-        """Loads (n,), edges (n, 2), fields (n, k), friction work and the uncertainty of permanent
-        stick as the grids give them, by their names in a solution. They are at n instants and k
-        points. A field that was not asked for is NaN, a state is open.
+        """Values as the grids give them, by their names in a solution: loads (n,), edges (n, 2),
+        fields (n, k), friction work, and the uncertainty of permanent stick.
+
+        There are n instants and k points. A field that was not asked for is NaN, a state is open.
         """
         rows = self._rows()
         return {
@@ -330,8 +334,8 @@ class GridAnswer:
         return fields
 
     def _works(self) -> dict[str, float | Array]:
-        """Friction work of the last cycle and of each one, (n_cycles,), and the closed integral of
-        the loads over their displacements, by their names in a solution [energy per thickness].
+        """Works as the grids give them, by their names in a solution [energy per thickness]:
+        friction work of the last cycle and of each, and closed integral of the loads.
 
         The integral is that of the last cycle, NaN without a steady one. All are NaN where the work
         was not asked for.

@@ -55,8 +55,8 @@ def hysteresis(
     datum_length: float | None = None,
     effects: BodyEffects | None = None,
 ) -> Hysteresis:
-    """Secant stiffness, damping ratio and dissipation of the hysteresis loop of the tangential load
-    Q over the tangential displacement U in the last cycle of a solution, per unit thickness.
+    """Secant stiffness, damping ratio and dissipation of the hysteresis loop in the last cycle of a
+    solution: tangential load Q, per unit thickness, over tangential displacement U.
 
     Parameters
     ----------

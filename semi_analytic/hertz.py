@@ -131,8 +131,9 @@ class HertzContact:
 
     def pressure(self, x: ArrayLike, load: ArrayLike) -> Array:
         """Hertz pressure p(x, P) = (E*/2R) sqrt(a^2 - x^2) >= 0 [stress] at distances x from the
-        middle, 0 outside the contact, a the contact half-width and R the radius; equation (22) of
-        Davies, Barber and Hills (2012).
+        middle; 0 outside the contact.
+
+        a is the contact half-width, R the radius. Equation (22) of Davies, Barber and Hills (2012).
 
         >>> float(
         ...     HertzContact(modulus=100.0, radius=1.0, datum_length=1.0)

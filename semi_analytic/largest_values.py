@@ -298,9 +298,10 @@ class _Search:
 
     def _find_turning_times(self) -> Array:
         """Instants between which the slip of a point in contact moves one way, ascending: turning
-        points of P, Q - f P and -Q - f P; on straight steps, or without a cycle, all instants of
-        the answer. On each of the `monotonic_parts`, (load segment, begin and end time), P goes one
-        way.
+        points of P, Q - f P and -Q - f P.
+
+        On straight steps, or without a cycle, they are all instants of the answer. On each of the
+        `monotonic_parts`, (load segment, begin and end time), P goes one way.
         """
         if not self.has_cycle or self.on_straight_steps:
             return self.instants

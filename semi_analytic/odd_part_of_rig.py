@@ -44,7 +44,7 @@ def second_order_answer_of_rig(
     scene: Scene, effects: BodyEffects, driven_path: DrivenPath, last_cycle: slice
 ) -> SecondOrderAnswer:
     """Friction work that tilt and bulk strain of finite bodies add in the steady cycle of a rig, to
-    the second order in both, and the centres of contact and stick.
+    the second order in both. With it come the centres of contact and stick.
 
     Tilt and strain make tractions that are odd in x. The displacements that the rig prescribes are
     replaced by the loads P and Q that followed from them. The cycle is repeated: the last of the

@@ -61,8 +61,10 @@ def fretting_map(
     effects: BodyEffects | None = None,
 ) -> FrettingMap:
     """Fretting map of a rig: partial slip, mixed or gross sliding, with friction work and sliding
-    distance, over factors of stroke and normal load. Mixed: the contact slides as a whole before
-    the steady cycle, and not in it; gross sliding: in every cycle.
+    distance, for factors of stroke and normal load.
+
+    Mixed: the contact slides as a whole before the steady cycle, and not in it. Gross sliding: in
+    every cycle.
 
     Parameters
     ----------

@@ -269,10 +269,10 @@ def _errors_of_tractions(
     kernel_error: float,
     error_along_arcs: float,
 ) -> dict[str, float]:
-    """Relative errors of pressure and shear, by the names "pressure" and "shear", farther than 1 %
-    of a half-width from the edges of contact and of stick; and at the points themselves, however
-    near, with "at the edge" behind the name.
+    """Relative errors of pressure and shear off the edges, "pressure" and "shear", and at all
+    points, with "at the edge" behind the name.
 
+    Off the edges means farther than 1 % of a half-width from those of contact and of stick.
     The pressure is one kernel, the shear a sum of `n_kernels` at most. To their errors come those
     by the half-width of contact and, for the shear, of stick.
 
@@ -306,9 +306,10 @@ def _errors_of_tractions(
 
 
 def _errors_along_arcs(sums: SumsOfKernels, largest_pressure: float) -> dict[str, float]:
-    """Relative errors of the integrals of shear and of slip along arcs, curved pieces of the memory
-    curve (tangential force up to each load), by the names "shear" and "slip".
+    """Relative errors of the integrals of shear and of slip along arcs of the memory curve, by the
+    names "shear" and "slip".
 
+    An arc is a curved piece of the curve, the tangential force of the flat punches up to each load.
     They are the `arc_errors` of `sums` over the largest f p and the largest slip; 0 where these are
     0. `largest_pressure` is the largest p [stress].
     """

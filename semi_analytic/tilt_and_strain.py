@@ -235,8 +235,8 @@ def _works_on_same_grids(scene: Scene, effects_of_bodies: list[BodyEffects]) -> 
 def _last_works_on_grids(
     scene: Scene, loads: PathLoads, outermost_edges: tuple[float, float]
 ) -> Array:
-    """Friction work W of the last cycle followed under `loads`, or of a path without cycle, by each
-    of g grids that are moved by fractions of a cell, (g,) [energy per thickness].
+    """Friction work W of the last cycle under given loads, or of a path without cycle, by each of g
+    grids, (g,) [energy per thickness]. The grids are moved by fractions of a cell.
 
     `loads` are P, Q, bulk strain and tilt over time. The grids cover the contact between its
     `outermost_edges` along the path, x on the left and on the right [length].
