@@ -260,8 +260,8 @@ def _path_and_instants(
 def _works_by_name(
     friction_work: WorkOfPath, request: Request, loop_work: float
 ) -> dict[str, float | Array]:
-    """Friction work of the last cycle and of each cycle, closed integral of Q dU of the last one,
-    and work per area W(x), by their names in a solution.
+    """Works by their names in a solution: friction work of the last cycle and of each cycle, closed
+    integral of Q dU of the last one, and work per area W(x).
 
     Works are in [energy per thickness], W(x) in [energy per area].
 

@@ -188,8 +188,8 @@ def _loads_and_edges(
 def _fields_over_cycle(
     question: Question, instants: _CycleInstants, tilted_contact: TiltedProfile, x: Array
 ) -> dict[str, NDArray[Any]]:
-    """Pressure and state at points x (k,) and instants (n,) of the steady cycle, (n, k) each, and
-    the normal approach (n,) [length], by their names in a solution.
+    """Fields over the steady cycle by their names in a solution: pressure and state at n instants
+    and points x (k,), (n, k) each, and the normal approach (n,) [length].
 
     A field that the question does not want is NaN, a state that it does not want is open. Shear,
     slip and the tangential displacement depend on the initial loading: they are NaN always.

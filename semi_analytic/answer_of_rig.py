@@ -474,10 +474,10 @@ def _energy_of(followed_rig: _FollowedRig) -> _Energy:
     """Energy of the last cycle of a rig, or of all of a path that has no steady cycle: friction
     work, closed integral of the loads over their displacements, and relative errors.
 
-    The work is the sum of the work by steps, of what tilt and bulk strain of the bodies add, and of
-    what the terms of their effects beyond the curvatures, x^4, add [energy per thickness]. The
-    closed integral is NaN without a steady cycle, and with tilt or bulk strain. The error of the
-    work is NaN where what tilt and strain add is not known.
+    The work [energy per thickness] is the sum of three: the work by steps, what tilt and bulk
+    strain of the bodies add, and what the terms in x^4 beyond their curvatures add. The closed
+    integral is NaN without a steady cycle, and with tilt or bulk strain. The error of the work is
+    NaN where what tilt and strain add is not known.
     """
     change_by_bodies = _ChangeByBodies.of_driven_path(
         followed_rig.rig, followed_rig.fine_path, followed_rig.last_cycle

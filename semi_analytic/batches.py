@@ -1150,15 +1150,17 @@ def peak_dissipation(
     phase_radians: ArrayLike | None = None,
     mean_tangential_load: ArrayLike = 0.0,
 ) -> PeakBatch:
-    """Largest friction work per area W(x) [energy per area] in one steady cycle of P = P0 + P1 cos
-    t, Q = Q0 + Q1 cos(t - phase), and where it is, for arrays of loads, profiles and friction.
+    """Largest friction work per area W(x) [energy per area] in one steady cycle, and where it is,
+    for arrays of loads, profiles and friction.
+
+    Loads are P = P0 + P1 cos t and Q = Q0 + Q1 cos(t - phase).
 
     W(x) may have two maxima: the shoulder, just inside the contact half-width a(P_min) of the least
     load, and one further out. W(x) is searched between its kinks, which are at a(P_min) and at the
     corners of the profile. The value is good to some 1e-10 of itself, or to its `value_error` where
-    slip is tiny. A member takes 3 ms for Hertz, 10 to 15 ms for power laws, flat and rounded, 20 ms
-    for polynomials, wedges and compound curvatures, 0.1 s for profiles of 31 heights. A member
-    without a value has NaN and a reason.
+    slip is tiny. A member takes 3 ms for Hertz, 10 to 15 ms for power laws, flat and rounded. It
+    takes 20 ms for polynomials, wedges and compound curvatures, 0.1 s for profiles of 31 heights. A
+    member without a value has NaN and a reason.
 
     Parameters
     ----------
@@ -1239,9 +1241,9 @@ def _works_on_table(ellipses: Ellipses, load_unit: Array) -> Array:
     faces.
 
     The kernel of the work, the integral of ln(a/a(P_c)) over the loads from P_c, that at the stick
-    edge, to P, is read from tables. They hold loads over `load_unit` = E* b^2/R (m,), b half-length
-    of the flat, R radius of its rounded ends, so that one table serves all such faces. The table
-    has a quick and a careful kernel, and its largest ln a. a is the contact half-width.
+    edge, to P, is read from tables. They hold loads divided by `load_unit` = E* b^2/R (m,): so one
+    table serves all such faces. b is the half-length of the flat, R the radius of its rounded ends.
+    The table has a quick and a careful kernel, and its largest ln a. a is the contact half-width.
     """
     scaled_ellipses = ellipses.divided_by(load_unit)
     works_and_error = np.empty((3, len(load_unit)))

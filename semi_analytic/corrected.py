@@ -544,7 +544,7 @@ class _HalfPlanePath:
 
             bound = Q - s f P + (s f kn - kt) G + constant,    s = +1 forward, -1 reverse
 
-        kn and kt are the curvatures that the loads add to the gap and to the faces, G is the load
+        kn and kt are the curvatures that the loads add to the gap and to the faces. G is the load
         that presses a parabola x^2/2 into contact up to the half-width of the punch. Half-planes,
         kn = kt = 0, have other turning points. The fourth order is left out of the bound here.
 
@@ -950,9 +950,8 @@ class PathSeries:
 
         The memory curve is the locked-in tangential force of the flat punches up to each
         half-width. The extra slip is the least that brings |q| down to f p. It follows from q and f
-        p as functions of x, from the half-widths of contact and stick, and from those at which slip
-        zones of the memory curve end. The returned record gives the slip and its shear at any
-        points.
+        p as functions of x, and from three kinds of half-widths: of contact, of stick, and of the
+        ends of slip zones. The returned record gives the slip and its shear at any points.
         """
         # followed_path: friction memory, loads, edges of contact and stick at all instants.
         followed_path = self.followed_path
@@ -1063,8 +1062,9 @@ class PointFields:
         """Shear traction q at instants number `row_numbers` (n,), at the k points, (n, k) [stress],
         without the extra slip inside the contact.
 
-        It is the shear of the memory curve (locked-in tangential force of the flat punches up to
-        each half-width), plus that by the curvature which the loads give to the faces.
+        It is the shear of the memory curve plus that by the curvature which the loads give to the
+        faces. The curve is the locked-in tangential force of the flat punches up to each
+        half-width.
         """
         # followed_path: friction memory, loads, edges of contact and stick at all instants.
         followed_path = self._followed_path
@@ -1804,7 +1804,7 @@ def instants_and_row_numbers(
     """Instants of the answer, (n,), and the number of the followed instant nearest to each, (n,).
 
     The instants are those of the question. Where it gives none, they are the followed instants up
-    to the end of the last cycle of the answer, or those of that cycle if only that is wanted.
+    to the end of the last cycle of the answer. If only that cycle is wanted, they are its instants.
 
     Parameters
     ----------
@@ -2632,9 +2632,9 @@ def admissibility_checks_of(
         tangential_balance    |M - Q| / (f times the largest P)
         cone                  the largest |q| - f p over the points, over f times the largest p
 
-    M is the tangential force that the flat punches up to the edge of contact carry by their memory
-    and by the curvatures that the loads give to the faces. The balance is not checked while P = 0.
-    The Coulomb limit ("cone") is checked where both pressure and shear were asked for.
+    M is the tangential force that the contact carries: by its memory, and by the curvatures that
+    the loads give to the faces. The balance is not checked while P = 0. The Coulomb limit ("cone")
+    is checked where both pressure and shear were asked for.
 
     Parameters
     ----------

@@ -919,9 +919,9 @@ class FollowedPath:
         """Integral of the shear traction over the contact at each instant, (n,), such as a moment;
         0 where the bodies are apart.
 
-        With w(c) the integral for a flat punch of half-width c under unit tangential force, it is
-        int w dM = int w dF + kt int w dG + t4 int w dG_4. M is the tangential force that punches up
-        to c carry. F(c) is the memory curve, the locked-in part of M. kt and t4 are
+        Let w(c) be the integral for a flat punch of half-width c under unit tangential force. Then
+        the whole is int w dM = int w dF + kt int w dG + t4 int w dG_4. M is the tangential force
+        that punches up to c carry. F(c) is the memory curve, the locked-in part of M. kt and t4 are
         curvatures that the loads give to the faces. eta, G and G_4 are the loads that press the
         profile, x^2/2 and x^4/24 into contact up to the half-width of a punch.
 
@@ -1004,8 +1004,8 @@ class FollowedPath:
         F is the tangential force that a punch locks in while it sticks. During the step the Coulomb
         bound of F moves linearly. A punch slips from when the bound meets F, or it comes into
         contact, to the end of the step, or until it leaves the contact. `intervals` have the number
-        of the instant at which the step ends, the direction of slip, and the number of the piece of
-        the memory curve before the step, 0 outside the contact.
+        of the instant at which the step ends, and the direction of slip. They have the number of
+        the piece of the memory curve before the step, 0 outside the contact.
         """
         # normal load that is carried beyond each punch, and its Coulomb bound, before and after
         row = intervals.row
@@ -1354,8 +1354,8 @@ class PieceTable:
         each of the k pieces, (k, ...).
 
         A memory curve is F, the locked-in tangential force of the flat punches up to each
-        half-width. On a piece dF = profile_slope d eta + parabola_slope dG + fourth_slope dG_4,
-        with eta, G and G_4, the loads that press the profile, x^2/2 and x^4/24 into contact up to
+        half-width. On a piece dF = profile_slope d eta + parabola_slope dG + fourth_slope dG_4.
+        eta, G and G_4 are the loads that press the profile, x^2/2 and x^4/24 into contact up to
         that half-width.
 
         Parameters

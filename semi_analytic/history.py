@@ -202,8 +202,8 @@ def _check_part(
     """Raise InadmissibleLoadError where |Q| > f P or P < 0 on a part of a load segment, with the
     first such instant; None for an admissible part.
 
-    P, Q - f P and Q + f P are monotonic between the times `begin` and `end` of the part, so that
-    its end is beyond a limit if anything is. P may be beyond its limit by `load_slack` [force per
+    P, Q - f P and Q + f P are monotonic between the times `begin` and `end` of the part. So its end
+    is beyond a limit if anything is. P may be beyond its limit by `load_slack` [force per
     thickness], Q by f times that, f = `friction`. The error also names the end of the part.
     """
     end_instant = instant(segment, end)
@@ -482,9 +482,9 @@ def _unloading_spans(
     `memory_curve` is M(eta) at the begin, the tangential force of the flat punches up to the load
     eta. The contact slips forward where the path runs above M(P) in the P-Q plane, in reverse below
     it, and not along it. Each later point of the path lies inside the Coulomb limits |dQ| <= f |dP|
-    of the earlier ones, so that a cut of the path does not change the state. The spans are `delay`
-    later than the load segment itself: whole periods of the cycle. `begin_instant` and
-    `end_instant` hold time, P and Q.
+    of the earlier ones. So a cut of the path does not change the state. The spans are `delay` later
+    than the load segment itself: whole periods of the cycle. `begin_instant` and `end_instant` hold
+    time, P and Q.
     """
     # begin, end and direction of slip: 1 above the curve, -1 below, 0 along it
     for begin_time, end_time, direction in slip_directions(

@@ -454,10 +454,10 @@ def _load_of_slip_zone_on_arc(
 
     The memory curve is the tangential force of the flat punches up to each load. An arc of it is a
     path of P and Q that was passed in full stick. P_c is the load P of the arc at the time at which
-    s Q - f P was what it is now, s the `direction` of slip, f `friction`. If P and Q are a single
-    wave on one segment, that time is the mirror image of `time` about the extreme of s Q - f P.
-    Else it is found by iteration along the arc. A segment's `change_of` is the change of a weighted
-    sum of P and Q between two times, `time_of` its inverse.
+    s Q - f P was what it is now. s is the `direction` of slip, f `friction`. If P and Q are a
+    single wave on one segment, that time is the mirror image of `time` about the extreme of s Q - f
+    P. Else it is found by iteration along the arc. A segment's `change_of` is the change of a
+    weighted sum of P and Q between two times, `time_of` its inverse.
     """
     # times on the load segment of the piece's `anchor`, the instant at the end of the arc
     arc_begin, arc_end = _times_of_arc(arc)

@@ -715,10 +715,10 @@ def _work_at_kink(span_before: Span, span: Span, radius: float) -> Array:
 
         f (P - P_c) (d_o - d_i)^2 mu_o mu_i/(2R (mu_o - mu_i))
 
-    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. On the
-    outer and the inner side of the kink, d is the centre of stick and mu the steepness f - s M', s
-    the direction of slip. P_c is the load at the stick edge, which then is that of the kink. Zero
-    where no kink is passed between the two spans. `radius` is R of the parabola.
+    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. d is the
+    centre of stick and mu the steepness f - s M' on the outer (o) and the inner (i) side of the
+    kink, s the direction of slip. P_c is the load at the stick edge, which then is that of the
+    kink. Zero where no kink is passed between the two spans. `radius` is R of the parabola.
     """
     zero_matrix = np.zeros((4, 4))
     pieces_at_kink = _pieces_at_kink(span_before, span)
@@ -869,9 +869,9 @@ def _smooth_end(
     """The smooth end of a stroke of slip in the direction s, at a `time` of the load segment of a
     span; None where the stroke ends at a vertex of the load path, or nothing has slipped.
 
-    At a smooth end the rate of s Q - f P vanishes and changes its sign, so that slip stops without
-    a jump of the rates of the loads. `stick_edge_load` is P_c there, the load at the stick edge;
-    `radius` is R of the parabola. s is the `direction` of the span.
+    At a smooth end the rate of s Q - f P vanishes and changes its sign. Slip stops without a jump
+    of the rates of the loads. `stick_edge_load` is P_c there, the load at the stick edge; `radius`
+    is R of the parabola. s is the `direction` of the span.
 
     # notation: a_s' rate of f alpha - s eps, alpha tilt, eps bulk strain
     """

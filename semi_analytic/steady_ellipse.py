@@ -915,8 +915,8 @@ def dissipation_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
 
 
 def dissipation_and_error(ellipses: Ellipses, contact: SymmetricContact) -> Array:
-    """Friction work of forward and of reverse slip in a steady cycle, for any profile, and an upper
-    bound of the error of their sum, (3, m) for m load ellipses.
+    """Friction work of forward and of reverse slip in a steady cycle, and an upper bound of the
+    error of their sum, for any profile, (3, m).
 
     All are times pi E*/(2 f^2) [force^2 per thickness^2]. NaN where the quadrature does not
     converge. `contact` is the normal contact P(a) of the profile, `relative_roundoff` the relative
@@ -1269,8 +1269,8 @@ def _courses_of_loads(ellipses: Ellipses, corner_loads: Array) -> tuple[_Course,
 
     P_c is the load at the stick edge, `permanent_stick_load` the least P_c. Cuts are where P or P_c
     is one of the `corner_loads` (n,), the loads of the profile's corners, and where P is largest or
-    least. The angle is the time t of P = P0 + P1 cos t along P, 2 t_I - t along P_c in I-J, with
-    t_I the begin of forward slip. Along P_c in E-G and J-M it counts back from the end of the
+    least. Along P the angle is the time t of P = P0 + P1 cos t. Along P_c in I-J it is 2 t_I - t,
+    with t_I the begin of forward slip. Along P_c in E-G and J-M it counts back from the end of the
     phase. E-G and J-M are `slip_angle` long; E-G begins at `slip_start`, and I half a turn later.
     """
     is_in_range = (corner_loads > 0.99 * np.min(ellipses.permanent_stick_load)) & (
@@ -1418,8 +1418,8 @@ def _log_weight_and_stick_edge_load(
     cosine: Array,
     sine: Array,
 ) -> tuple[Array, Array]:
-    """Weight of ln a per rad in the friction work W pi E*/(2 f^2), and the load P_c at the stick
-    edge, along P_c in reverse slip (E-G) or in later forward slip (J-M).
+    """Weight of ln a per rad in the friction work W pi E*/(2 f^2), and the load, along the course
+    of P_c in reverse slip (E-G) or later forward slip (J-M).
 
         P_c = P_T + `amplitude_of_stick_load` `squared_half_sine`
         P - P_c = `amplitude_of_slip_zone_load`/2 (1 - cos(angle - `angle_at_no_slip`))
@@ -2079,8 +2079,8 @@ def phase_integrals(
     #           ellipses along axis 1; alpha = sqrt(2 P1) sin(t_E/2), beta = sqrt(2 P1) cos(t_E/2),
     #           k = 4 alpha beta = 4 P1 sin(t_E); a(eta) contact half-width under the load eta
 
-    With S = sin(h y), C = cos(h y), Z = sin(g y), X = cos(g y) at the nodes, a bar for the node
-    1 - y, which is one of the same rule, and s the angle in the phase of slip:
+    At the nodes S = sin(h y), C = cos(h y), Z = sin(g y) and X = cos(g y). A bar stands for the
+    node 1 - y, which is one of the same rule. s is the angle in the phase of slip:
 
         E-G  s = D (1 - y)   rate 2 f v S C   P_c = P_T + v S^2
                                               P - P_c = u S-bar^2
