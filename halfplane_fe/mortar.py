@@ -295,7 +295,7 @@ def _weighted_dual_functions(
         (s, m) Gauss weight of each point, along the line half-way between the faces [length]
     """
     phi = face_at_points.shapes  # (s, k, m)
-    element = face_at_points.nodes[:, 0] // face.order  # number of that of each segment
+    element = face_at_points.nodes[:, 0] // face.order  # number of the element of each segment
     n_elements = (len(face.x) - 1) // face.order
     mass_matrices = np.zeros((n_elements, face.order + 1, face.order + 1))
     np.add.at(mass_matrices, element, np.einsum("skm,sm,slm->skl", phi, weights_along_line, phi))

@@ -254,12 +254,12 @@ def _load_of_approach(scene: Scene, work_counts: Counter[str]) -> float:
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
     scene_on_half_planes = on_half_planes(scene, _datum_of_approach(scene))
     # bodies on a coarse mesh, with the load that they are pressed by
-    coarse_pair = _CoarsePair(scene_on_half_planes, 1.0, modulus, work_counts)
+    coarse_bodies = _CoarseBodies(scene_on_half_planes, 1.0, modulus, work_counts)
 
     def excess_approach(logarithm: float) -> float:
         """Approach of the actuator at the load of this logarithm, minus the prescribed one."""
-        coarse_pair.load = float(np.exp(logarithm))
-        return _approach_of_actuator(coarse_pair) - approach
+        coarse_bodies.load = float(np.exp(logarithm))
+        return _approach_of_actuator(coarse_bodies) - approach
 
     # The bracket grows by a factor of e on both sides, around a load of E* times the approach;
     # _MOST_HALF_RANGES: 20.
@@ -289,16 +289,18 @@ def _datum_of_approach(scene: Scene) -> float:
     return scene.rig.datum_length or float(np.sqrt(reference_lengths[0] * reference_lengths[1]))
 
 
-def _approach_of_actuator(coarse_pair: _CoarsePair) -> float:
+def _approach_of_actuator(coarse_bodies: _CoarseBodies) -> float:
     """Approach that a normal actuator needs to press two coarse half-planes together under the load
-    of `coarse_pair` [length]. The actuator yields by its own compliance.
+    of `coarse_bodies` [length]. The actuator yields by its own compliance.
     """
-    face_half_width = _fitting_half_width(coarse_pair)  # of the finely meshed part of the face
-    pressed_state = _pressed(coarse_pair, face_half_width)[1]
-    actuator_compliance = actuators_of(coarse_pair.scene, face_half_width).normal_compliance
+    face_half_width = _fitting_half_width(coarse_bodies)  # of the finely meshed part of the face
+    pressed_state = _pressed(coarse_bodies, face_half_width)[1]
+    actuator_compliance = actuators_of(coarse_bodies.scene, face_half_width).normal_compliance
     assert actuator_compliance is not None  # for the type checker: the approach is given
     # scaled: under a load of 1 the actuator yields by its compliance
-    return (pressed_state.approach + actuator_compliance) * coarse_pair.load / coarse_pair.modulus
+    return (
+        (pressed_state.approach + actuator_compliance) * coarse_bodies.load / coarse_bodies.modulus
+    )
 
 
 def on_half_planes(scene: Scene, datum: float) -> Scene:
@@ -334,33 +336,33 @@ def _scales_at(scene: Scene, load_unit: float, work_counts: Counter[str]) -> Sca
         loads misses the meshed faces in the last run.
     """
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
-    # The bodies on a coarse mesh; `pair.largest_face_half_width`: most of the half-width of the
-    # narrower face. The contact takes 0.6 to 0.85 of the part of the face that is meshed finely.
-    pair = _CoarsePair(scene, load_unit, modulus, work_counts)
-    face_half_width = _fitting_half_width(pair)
+    # The bodies on a coarse mesh; `largest_face_half_width`: 0.97 of the half-width of the narrower
+    # face. The contact takes 0.6 to 0.85 of the part of the face that is meshed finely.
+    coarse_bodies = _CoarseBodies(scene, load_unit, modulus, work_counts)
+    face_half_width = _fitting_half_width(coarse_bodies)
     # _COARSE_STEPS_OF_RECORD: increments of a revolution, 16; _COARSE_STEPS: 48
     steps = _COARSE_STEPS_OF_RECORD if is_plain_record(scene) else _COARSE_STEPS
     for enlargements_left in reversed(range(_MOST_ENLARGEMENTS + 1)):
         try:
             # The last revolutions of both runs are compared: with one alone, both are the first.
             n_cycles = min(COARSE_CYCLES, scene.cycles)
-            problem, run = _coarse_run(pair, face_half_width, steps, n_cycles)
+            problem, run = _coarse_run(coarse_bodies, face_half_width, steps, n_cycles)
         except BesideTheFaces:  # the line of action of the loads misses the meshed faces
-            if not enlargements_left or face_half_width == pair.largest_face_half_width:
+            if not enlargements_left or face_half_width == coarse_bodies.largest_face_half_width:
                 raise
         else:
             if not enlargements_left or not _touches_an_end(run):
                 break
             # Shear moves the contact of unlike bodies sideways, tilt that of all; the coarse body
             # has to hold that too.
-            if face_half_width == pair.largest_face_half_width:
+            if face_half_width == coarse_bodies.largest_face_half_width:
                 raise _past_the_end(scene)
-        face_half_width = min(face_half_width * _ENLARGEMENT, pair.largest_face_half_width)
-    return _scales_of_run(pair, face_half_width, problem, run)
+        face_half_width = min(face_half_width * _ENLARGEMENT, coarse_bodies.largest_face_half_width)
+    return _scales_of_run(coarse_bodies, face_half_width, problem, run)
 
 
 def _scales_of_run(
-    pair: _CoarsePair, face_half_width: float, problem: ContactProblem, run: PathRun
+    coarse_bodies: _CoarseBodies, face_half_width: float, problem: ContactProblem, run: PathRun
 ) -> Scales:
     """Size and load of a contact, from its states along the load path on a coarse mesh: half-width,
     reach, innermost place of an edge, largest load and pressure, friction work of a revolution.
@@ -371,16 +373,16 @@ def _scales_of_run(
 
     Parameters
     ----------
-    pair
+    coarse_bodies
         the coarse bodies, with the load P and the modulus E* that the run is scaled by
     face_half_width
         half the width of the part of the face that may touch [length]
     problem, run
         the contact problem with the places of its nodes, and its states along the load path
     """
-    scene = pair.scene
-    load_unit = pair.load
-    modulus = pair.modulus
+    scene = coarse_bodies.scene
+    load_unit = coarse_bodies.load
+    modulus = coarse_bodies.modulus
 
     # Half-width at the largest load; largest distance from x = 0 at which the faces touch.
     state_at_largest_load = max(run.states, key=lambda state: state.normal_load)
@@ -512,28 +514,32 @@ def estimate_room(scene: Scene, work_counts: Counter[str]) -> RoomForContact:
         load_unit = _load_of_approach(short_scene, work_counts)
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
 
-    # The bodies on a coarse mesh; `pair.largest_face_half_width`: most of the half-width of the
-    # narrower face.
-    pair = _CoarsePair(short_scene, load_unit, modulus, work_counts)
-    face_half_width = _zone_half_width(pair)
+    # The bodies on a coarse mesh; `largest_face_half_width`: 0.97 of the half-width of the narrower
+    # face.
+    coarse_bodies = _CoarseBodies(short_scene, load_unit, modulus, work_counts)
+    face_half_width = _zone_half_width(coarse_bodies)
     while True:
         try:
             # _STEPS_OF_ESTIMATE: twelve increments
-            problem, run = _coarse_run(pair, face_half_width, steps=_STEPS_OF_ESTIMATE, cycles=1)
+            problem, run = _coarse_run(
+                coarse_bodies, face_half_width, steps=_STEPS_OF_ESTIMATE, cycles=1
+            )
         except BesideTheFaces:  # the line of action of the loads misses the meshed faces
-            if face_half_width == pair.largest_face_half_width:
+            if face_half_width == coarse_bodies.largest_face_half_width:
                 raise
         else:
             if not _touches_an_end(run):
-                scales = _scales_of_run(pair, face_half_width, problem, run)
+                scales = _scales_of_run(coarse_bodies, face_half_width, problem, run)
                 return RoomForContact(scales.reach, least_face_half_width(scene), scales)
-            if face_half_width == pair.largest_face_half_width:
+            if face_half_width == coarse_bodies.largest_face_half_width:
                 raise _past_the_end(scene)
         # _FAR_ENLARGEMENT: twice the width
-        face_half_width = min(face_half_width * _FAR_ENLARGEMENT, pair.largest_face_half_width)
+        face_half_width = min(
+            face_half_width * _FAR_ENLARGEMENT, coarse_bodies.largest_face_half_width
+        )
 
 
-def _zone_half_width(pair: _CoarsePair) -> float:
+def _zone_half_width(coarse_bodies: _CoarseBodies) -> float:
     """Half-width [length] of the zone, the part of the face whose nodes may touch. At the largest
     load the contact reaches to 0.3 of it or more, but not to its end.
 
@@ -541,32 +547,35 @@ def _zone_half_width(pair: _CoarsePair) -> float:
     |x| of the contact in the trial before. After ten trials the eleventh half-width is taken
     untried.
 
-    The largest half-width, `pair.largest_face_half_width`, is 0.97 of that of the narrower face. It
-    is taken instead of any half-width of half of it or more; then the contact may reach to less
-    than 0.3 of it. InputError where all nodes of the largest zone touch in a trial.
+    The largest half-width, `largest_face_half_width`, is 0.97 of that of the narrower face. It is
+    taken instead of any half-width of half of it or more; then the contact may reach to less than
+    0.3 of it. InputError where all nodes of the largest zone touch in a trial.
 
-    `pair` are the bodies on a coarse mesh, with the largest load.
+    `coarse_bodies` are the bodies on a coarse mesh, with the largest load.
     """
-    zone_half_width = min(_half_width_on_half_planes(pair), pair.largest_face_half_width)
+    zone_half_width = min(
+        _half_width_on_half_planes(coarse_bodies), coarse_bodies.largest_face_half_width
+    )
     # _MOST_ENLARGEMENTS: ten trials
     for _ in range(_MOST_ENLARGEMENTS):
         # farthest |x| of the contact over that half-width; 1 where all nodes of the zone touch
-        contact_fraction = _contact_fraction(pair, zone_half_width)
-        if contact_fraction == 1 and zone_half_width == pair.largest_face_half_width:
-            raise _past_the_end(pair.scene)
+        contact_fraction = _contact_fraction(coarse_bodies, zone_half_width)
+        if contact_fraction == 1 and zone_half_width == coarse_bodies.largest_face_half_width:
+            raise _past_the_end(coarse_bodies.scene)
         # _CONTACT_FRACTIONS[0]: 0.6; _FAR_ENLARGEMENT: factor 2, so that 0.3 is enough
         if _CONTACT_FRACTIONS[0] / _FAR_ENLARGEMENT <= contact_fraction < 1:
             break
         zone_half_width = min(
-            contact_fraction * zone_half_width * _FAR_ENLARGEMENT, pair.largest_face_half_width
+            contact_fraction * zone_half_width * _FAR_ENLARGEMENT,
+            coarse_bodies.largest_face_half_width,
         )
 
     # From half of the largest zone on, the largest is taken at once: shear or tilt may move the
     # contact farther out.
     return (
         zone_half_width
-        if zone_half_width * _FAR_ENLARGEMENT < pair.largest_face_half_width
-        else pair.largest_face_half_width
+        if zone_half_width * _FAR_ENLARGEMENT < coarse_bodies.largest_face_half_width
+        else coarse_bodies.largest_face_half_width
     )
 
 
@@ -625,7 +634,7 @@ def _with_extreme_rows(scene: Scene) -> Scene:
 
 
 @dataclass(eq=False)
-class _CoarsePair:
+class _CoarseBodies:
     """The bodies on coarse meshes, for any half-width of the part of the face that may touch;
     half-planes are meshed once for all sizes.
 
@@ -731,7 +740,7 @@ def _touches_an_end(run: PathRun) -> bool:
 
 
 def _coarse_run(
-    pair: _CoarsePair, face_half_width: float, steps: int, cycles: int = COARSE_CYCLES
+    coarse_bodies: _CoarseBodies, face_half_width: float, steps: int, cycles: int = COARSE_CYCLES
 ) -> tuple[ContactProblem, PathRun]:
     """Solve a scene along its load path on a coarse mesh: the scaled contact problem, and the run,
     with the contact states along the path at all nodes.
@@ -740,7 +749,7 @@ def _coarse_run(
 
     Parameters
     ----------
-    pair
+    coarse_bodies
         the coarse bodies, with scene, largest load P and modulus E*
     face_half_width
         half the width of the part of the face that may touch [length]
@@ -754,43 +763,43 @@ def _coarse_run(
     ConvergenceError
         Where the run fails.
     """
-    interface = pair.faces(face_half_width)  # contact compliance, in the scene's units
-    has_shear = needs_shear(pair.scene)
-    actuators = actuators_of(pair.scene, face_half_width)
-    problem = pair.problem(face_half_width, interface, has_shear, actuators)
-    is_halved = on_half(pair.scene, interface)
+    interface = coarse_bodies.faces(face_half_width)  # contact compliance, in the scene's units
+    has_shear = needs_shear(coarse_bodies.scene)
+    actuators = actuators_of(coarse_bodies.scene, face_half_width)
+    problem = coarse_bodies.problem(face_half_width, interface, has_shear, actuators)
+    is_halved = on_half(coarse_bodies.scene, interface)
     solved_problem = (
-        pair.problem(face_half_width, half_interface(interface), has_shear, actuators)
+        coarse_bodies.problem(face_half_width, half_interface(interface), has_shear, actuators)
         if is_halved
         else problem
     )
 
     # Units of load, length and stress, and increments of a revolution; np.inf: any step error is
     # accepted.
-    pace = Pace(pair.load, steps, np.inf, face_half_width, pair.modulus)
+    pace = Pace(coarse_bodies.load, steps, np.inf, face_half_width, coarse_bodies.modulus)
     # All states are stored, for their edges decide about the mesh; there are few nodes. The edges
     # are read off the nodes. Placing them between nodes by the loads would be of no use here.
     run = run_path(
         solved_problem,
-        prescribed_path(pair.scene),
+        prescribed_path(coarse_bodies.scene),
         pace,
         cycles,
         lambda _step, _of_steps, _text: None,
         keep_all_states=True,
         places_edges=False,
     )
-    pair.work_counts[UNPLACED_EDGES] += len(run.iterations)
+    coarse_bodies.work_counts[UNPLACED_EDGES] += len(run.iterations)
     if run.failure is not None:
         raise run.failure
     return problem, run_at_all_nodes(run, interface) if is_halved else run
 
 
-def _fitting_half_width(pair: _CoarsePair) -> float:
+def _fitting_half_width(coarse_bodies: _CoarseBodies) -> float:
     """Half-width [length] of the part of the face to be meshed finely, so that the contact at the
     largest load takes 0.6 to 0.85 of it.
 
     It is tripled or divided by three until it is bracketed, then bisected in its logarithm. The
-    narrower face limits it (`pair.largest_face_half_width`). `pair` are the bodies on a coarse
+    narrower face limits it (`largest_face_half_width`). `coarse_bodies` are the bodies on a coarse
     mesh, with the largest load.
 
     Raises
@@ -800,27 +809,29 @@ def _fitting_half_width(pair: _CoarsePair) -> float:
     """
     too_small_size = 0.0
     too_large_size = np.inf
-    face_half_width = min(_half_width_on_half_planes(pair), pair.largest_face_half_width)
+    face_half_width = min(
+        _half_width_on_half_planes(coarse_bodies), coarse_bodies.largest_face_half_width
+    )
     # Factors of 3, then bisection: more than 400 trials floating-point numbers do not allow.
     for _ in range(400):
         # farthest |x| of the contact over the half-width of the part of the face
-        contact_fraction = _contact_fraction(pair, face_half_width)
+        contact_fraction = _contact_fraction(coarse_bodies, face_half_width)
         # _CONTACT_FRACTIONS: 0.6 and 0.85
         if _CONTACT_FRACTIONS[0] <= contact_fraction <= _CONTACT_FRACTIONS[1]:
             return face_half_width
 
         if contact_fraction > _CONTACT_FRACTIONS[1]:
-            if face_half_width == pair.largest_face_half_width and contact_fraction < 1:
+            if face_half_width == coarse_bodies.largest_face_half_width and contact_fraction < 1:
                 return face_half_width
-            if face_half_width == pair.largest_face_half_width:
-                raise _past_the_end(pair.scene)
+            if face_half_width == coarse_bodies.largest_face_half_width:
+                raise _past_the_end(coarse_bodies.scene)
             too_small_size = face_half_width
             larger_size = (
                 face_half_width * 3
                 if np.isinf(too_large_size)
                 else np.sqrt(too_small_size * too_large_size)
             )
-            face_half_width = min(larger_size, pair.largest_face_half_width)
+            face_half_width = min(larger_size, coarse_bodies.largest_face_half_width)
         else:
             too_large_size = face_half_width
             face_half_width = (
@@ -829,44 +840,53 @@ def _fitting_half_width(pair: _CoarsePair) -> float:
                 else np.sqrt(too_small_size * too_large_size)
             )
     raise InputError(
-        f"{pair.scene.name}: no size of the bodies was found that holds the contact; check profile"
-        " and loads"
+        f"{coarse_bodies.scene.name}: no size of the bodies was found that holds the contact; check"
+        " profile and loads"
     )
 
 
-def _half_width_on_half_planes(pair: _CoarsePair) -> float:
+def _half_width_on_half_planes(coarse_bodies: _CoarseBodies) -> float:
     """First guess of the half-width [length] of the part of the face to be meshed finely: the one
     that suits the contact if both bodies were half-planes, which is cheap to find.
 
-    Where they are half-planes, it is the datum length of the profile. `pair` are the coarse bodies.
+    Where they are half-planes, it is the datum length of the profile. `coarse_bodies` are
+    the bodies on a coarse mesh.
     """
-    if pair.scene.bodies.half_planes:
-        return pair.scene.profile.datum_length
-    half_planes = on_half_planes(pair.scene, pair.scene.profile.datum_length)
-    return _fitting_half_width(_CoarsePair(half_planes, pair.load, pair.modulus, pair.work_counts))
+    if coarse_bodies.scene.bodies.half_planes:
+        return coarse_bodies.scene.profile.datum_length
+    half_planes = on_half_planes(coarse_bodies.scene, coarse_bodies.scene.profile.datum_length)
+    return _fitting_half_width(
+        _CoarseBodies(
+            half_planes, coarse_bodies.load, coarse_bodies.modulus, coarse_bodies.work_counts
+        )
+    )
 
 
-def _contact_fraction(pair: _CoarsePair, face_half_width: float) -> float:
+def _contact_fraction(coarse_bodies: _CoarseBodies, face_half_width: float) -> float:
     """Farthest |x| of a node that touches at the largest load without shear, over the half-width
     of the part of the face that may touch, `face_half_width` [length]; 1 where all nodes of that
     part touch.
 
-    Where the contact is symmetric to x = 0 that |x| is its half-width, else more than that. `pair`
-    are the bodies on a coarse mesh.
+    Where the contact is symmetric to x = 0 that |x| is its half-width, else more than that.
+    `coarse_bodies` are the bodies on a coarse mesh.
     """
-    problem, pressed_state = _pressed(pair, face_half_width)
+    problem, pressed_state = _pressed(coarse_bodies, face_half_width)
     if pressed_state.is_closed.all():
         return 1.0
     return float(np.abs(problem.interface.x[pressed_state.is_closed]).max())
 
 
-def _pressed(pair: _CoarsePair, face_half_width: float) -> tuple[ContactProblem, InterfaceState]:
+def _pressed(
+    coarse_bodies: _CoarseBodies, face_half_width: float
+) -> tuple[ContactProblem, InterfaceState]:
     """Scaled contact problem of the coarse bodies without shear, and its state at the largest load.
     `face_half_width` is that of the part of the face that may touch [length].
     """
-    interface = pair.faces(face_half_width)
-    solved_interface = half_interface(interface) if on_half(pair.scene, interface) else interface
-    problem = pair.problem(face_half_width, solved_interface, has_shear=False)
+    interface = coarse_bodies.faces(face_half_width)
+    solved_interface = (
+        half_interface(interface) if on_half(coarse_bodies.scene, interface) else interface
+    )
+    problem = coarse_bodies.problem(face_half_width, solved_interface, has_shear=False)
     # equilibrium at the instant 0 under the scaled loads P = 1, Q = 0
     return problem, problem.equilibrium(problem.unloaded_state(), 0.0, (1.0, 0.0))[0]
 

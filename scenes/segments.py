@@ -865,7 +865,7 @@ class HarmonicSegment(LoadSegment):
 
     def _find_turning_points(self, combination: Combination) -> list[float]:
         """Turning points of a combination c_P P + c_Q Q of the loads: times inside the segment at
-        which its rate is zero, ascending [rad]; none of a constant combination.
+        which its rate is zero, ascending [rad]; none for a constant combination.
 
         >>> segment = HarmonicSegment(0.0, 2 * math.pi, (3.0, 0.0), ((1.0, 0.0), (1.0, 0.0)), ())
         >>> [
@@ -910,7 +910,7 @@ class HarmonicSegment(LoadSegment):
 
     def _angles_without_rate(self, combination: Combination, largest_amplitudes: Array) -> Array:
         """Angles [rad] in a period at which the rate of a combination of loads with several
-        harmonics is zero, but for round-off; empty of a constant combination.
+        harmonics is zero, but for round-off; empty for a constant combination.
 
         Of harmonics up to the m-th, z^m times the rate is a polynomial in z = exp(i t). The angles
         are those of its roots on the unit circle. `largest_amplitudes` (m + 1,) are upper bounds of

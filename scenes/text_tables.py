@@ -1268,11 +1268,11 @@ def _headings_above_rows(
 
 
 def _has_decimal_comma(lines: Iterator[Line], layout: _Layout) -> bool:
-    """Whether a comma is the decimal sign of a text table. The first row decides that has a comma
-    or a point in a column that is read; times of day do not count.
+    """Whether a comma is the decimal sign of a text table. It is decided by the first row with a
+    comma or a point in a column that is read; times of day do not count.
 
     In a cell with both signs the later one is the decimal sign; the other stands between thousands.
-    It is a point where no row has either.
+    Where no row has either, the decimal sign is a point.
 
     Parameters
     ----------

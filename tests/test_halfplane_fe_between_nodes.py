@@ -36,8 +36,8 @@ from scenes import STICK, Elastic, Materials, Scene, load_scene
 from scenes.array_types import Array
 
 
-def coarse_pair(scene: Scene) -> scales._CoarsePair:
-    return scales._CoarsePair(
+def coarse_pair(scene: Scene) -> scales._CoarseBodies:
+    return scales._CoarseBodies(
         scene,
         scales.largest_load(scene),
         scales.contact_modulus(*vars(scene.material).values()),
