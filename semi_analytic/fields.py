@@ -677,7 +677,7 @@ class _NearIntegral:
         """
         if not len(begin_time):
             return np.zeros(0)
-        # its load P_t; its sign, +1 beside a least P, -1 beside a largest
+        # its `load` P_t; its sign, +1 beside a least P, -1 beside a largest
         turning_point = self.turning_point
         z_at_begin = self._z_at(begin_time)
         z_at_end = self._z_at(end_time)

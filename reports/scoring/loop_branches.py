@@ -197,6 +197,7 @@ def _branches_between(turns: _Turns, load: Array, time: Array, load_noise: float
     """
     branch_number = np.asarray(np.searchsorted(turns.times, time, side="right") - 1)
     begins_at_highest = (branch_number % 2 == 0) == turns.first_is_highest
+    # turns.highest.load: highest Q of the loop, without the standard error that goes with it
     load_at_begin = np.where(begins_at_highest, turns.highest.load, turns.lowest.load)
     change_since_begin = np.abs(load - load_at_begin)
     share_of_branch = np.clip(

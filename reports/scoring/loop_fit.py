@@ -747,6 +747,7 @@ class _Search:
         """
         highest_turn = self.rows.branches.highest_turn
         lowest_turn = self.rows.branches.lowest_turn
+        # highest_turn.load: highest Q that the rows show
         return np.array(
             [
                 (terms[0] - highest_turn.load) / highest_turn.standard_error,
@@ -778,6 +779,7 @@ class _Search:
         """The four terms from which a fit at this friction coefficient begins: highest and lowest Q
         of the measured loop, compliance C of the rig and origin U0 of the displacement, (4,).
         """
+        # Q at the turning points, as the rows show it
         highest_load = self.rows.branches.highest_turn.load
         lowest_load = self.rows.branches.lowest_turn.load
         rig = self.model.start_of_rig(self.rows, friction, highest_load, lowest_load)
@@ -1055,6 +1057,7 @@ def fit_loop(
 
     # notation: P normal load
     """
+    # Q at the turning points, as the rows show it
     highest_load = rows.branches.highest_turn.load
     lowest_load = rows.branches.lowest_turn.load
     sliding_friction = model.friction_at_gross_sliding(highest_load, lowest_load)

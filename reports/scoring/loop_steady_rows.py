@@ -496,6 +496,7 @@ def _fit_with_interval_for_change(fit: FittedLoop, candidate: _Candidate) -> Fit
         return fit
     # change of ln f: a change by more than a factor e counts as one by e
     log_change = candidate.changes.of_log_friction
+    # fit.friction: f that fits best
     friction_change = fit.friction * math.expm1(min(abs(log_change), 1.0))
     distance_to_lower_end = math.hypot(fit.friction - fit.lowest_friction, friction_change)
     highest_friction = None
