@@ -246,7 +246,7 @@ class _SampledPath(NamedTuple):
             samples_of_segments[: len(path.initial_loading)], load_sizes
         )
         shearing_samples = samples_of_segments[first_shearing_segment:]
-        if not shearing_samples:
+        if not shearing_samples:  # the last state alone
             shearing_samples = [samples_of_segments[-1][:, -1:]]
         return cls(np.concatenate(shearing_samples, axis=1), first_shearing_segment, load_sizes)
 
@@ -727,7 +727,7 @@ def _segment_with_strain_for_shear(
     strain_per_load: float,
 ) -> LoadSegment | None:
     """A segment of a load path at constant P in which Q is replaced by a load in proportion to the
-    bulk strain eps, (eps - strain_without_load)/slope [force per thickness].
+    bulk strain eps, (eps - strain_without_load)/strain_per_load [force per thickness].
 
     None where bulk stress is neither linear nor a sum of harmonics in time.
 

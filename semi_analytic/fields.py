@@ -410,15 +410,15 @@ class ArcIntegrals:
         """Panels of time (m,) with the Chebyshev series of the integrand, and its error, at the
         points that the edge of contact does not pass nearby; both are 0 at the others.
         """
+        # For each pair of panel and point that has a series: its numbers and coefficients.
         far_series = self._far_series(begins, ends)
+        far_pairs = (far_series.panel, far_series.point)
         table_shape = (len(begins), len(self._x))
-        series_errors = np.zeros(table_shape)
-        series_errors[far_series.panel, far_series.point] = truncation_error(
-            far_series.coefficients
-        )
+        error_table = np.zeros(table_shape)
+        error_table[far_pairs] = truncation_error(far_series.coefficients)
         coefficient_table = np.zeros((*table_shape, CHEBYSHEV_DEGREE + 1))
-        coefficient_table[far_series.panel, far_series.point] = far_series.coefficients
-        return _Panels(begins, ends, far_series.is_near, coefficient_table, series_errors)
+        coefficient_table[far_pairs] = far_series.coefficients
+        return _Panels(begins, ends, far_series.is_near, coefficient_table, error_table)
 
     def _near_integrals(self, begins: Array, ends: Array, point_number: Indices) -> Array:
         """Integrals of the kernel times dQ over m ranges of time in which the edge of contact
@@ -495,20 +495,20 @@ class ArcIntegrals:
         The slip kernel is not 0 where P < P_x, and has a logarithm at P = 0: next to P = 0 no point
         is far for it. The kernels of shear and displacement are not 0 where P > P_x.
         """
-        edge_loads = self._edge_loads
+        edge_loads = self._edge_loads  # P_x
+        # P grows along the arc.
         least_load = np.maximum(self._segment.loads(begins)[0], 0.0)[:, None]
         largest_load = np.maximum(self._segment.loads(ends)[0], 0.0)[:, None]
-        # _RANGES_TO_FAR: 2
-        margin = _RANGES_TO_FAR * (largest_load - least_load)
+        far_distance = _RANGES_TO_FAR * (largest_load - least_load)
         if self._kernel == "slip":
-            begins_near_no_load = least_load < margin
+            begins_near_no_load = least_load < far_distance
             is_near = (edge_loads > least_load) & (
-                (edge_loads < largest_load + margin) | begins_near_no_load
+                (edge_loads < largest_load + far_distance) | begins_near_no_load
             )
-            is_far = (edge_loads >= largest_load + margin) & ~begins_near_no_load
+            is_far = (edge_loads >= largest_load + far_distance) & ~begins_near_no_load
         else:
-            is_far = edge_loads <= least_load - margin
-            is_near = (edge_loads < largest_load) & (edge_loads > least_load - margin)
+            is_far = edge_loads <= least_load - far_distance
+            is_near = (edge_loads < largest_load) & (edge_loads > least_load - far_distance)
         return np.asarray(is_far), np.asarray(is_near)
 
 
@@ -741,9 +741,9 @@ class _NearIntegral:
             return np.zeros(len(begin_s), dtype=bool)
         # _LENGTHS_FROM_LOGARITHM: 4 lengths of the range.
         load_at_turn = max(self.turning_point.load, 0.0)
-        least_square = 1e-200 * load_at_turn + 1e-300
+        least_squared_e = 1e-200 * load_at_turn + 1e-300
         distance_of_logarithm = np.arcsinh(
-            np.sqrt(load_at_turn / np.maximum(squared_e, least_square))
+            np.sqrt(load_at_turn / np.maximum(squared_e, least_squared_e))
         )
         return np.asarray(
             np.hypot(begin_s, distance_of_logarithm) < _LENGTHS_FROM_LOGARITHM * s_length
@@ -915,8 +915,10 @@ class KernelIntegrals:
 
         The memory curve M(eta) is the tangential force that the flat punches up to the load eta
         carry. K is the shear, slip or displacement by a unit of load on a flat punch. At constant P
-        the shear is that of Cattaneo and Mindlin, q = f [p(x, P) - p(x, P - Q/f)]. A snapshot holds
-        the friction states at the instants.
+        the shear is that of Cattaneo and Mindlin, q = f [p(x, P) - p(x, P - Q/f)].
+
+        `snapshot` has the friction states at the instants: P, the load P - P_c of the slip zones,
+        direction of slip, and the piece of the curve on which the stick edge P_c lies.
 
         >>> from scenes.segments import straight_segments
         >>> from semi_analytic.hertz import HertzContact
@@ -936,14 +938,12 @@ class KernelIntegrals:
         >>> shift.round(12).tolist()  # U pi/A = 0.5 [4 ln(pi/2) + 2 - ln(pi) - 1/2], L = 1
         [[1.080800...]]
         """
-        # snapshot: at each instant P as `load`, P - P_c as `slip_zone_load` with P_c the load at
-        # the stick edge, direction of slip, and the piece of the curve on which P_c lies.
+        # P_c from P (`load`) and P - P_c
         stick_edge_load = snapshot.load - snapshot.slip_zone_load
+        # of the piece of the curve that holds the stick edge: slope of its straight part, and eta
+        # at its lower end
         slope_of_piece = np.zeros(len(snapshot.load))
         load_at_piece_bottom = np.zeros(len(snapshot.load))
-
-        # The piece of the curve that holds the stick edge, and the instants at which it does.
-        # straight_slope: of its straight part; bottom_load: eta at its lower end.
         for piece, instants in snapshot.pieces_with_instants:
             slope_of_piece[instants] = piece.straight_slope
             load_at_piece_bottom[instants] = piece.bottom_load

@@ -85,14 +85,25 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
     """Friction work W of a load path over the whole contact, by the direction of slip, and its
     error [energy per unit thickness].
 
-    A span is the time of one direction of slip, or of full stick. At |Q| = f P itself, where
-    nothing sticks, nothing is added. W is f A/pi times the integral of w' Lam over the time of
-    slip, w = +-Q - f P. Lam is the integral of ln(a/c) over the loads from P_c to P. P_c is the
-    load at the stick edge, c = a(P_c), a the contact half-width. `spans` hold direction, load
-    segment, and the piece of the memory curve (tangential force carried up to each load) that holds
-    the stick edge. From Q = 0 to k f P at constant P, with A = 2/E* and E* = `modulus`, W is (A f^2
-    P^2/(2 pi)) [(1 - k) ln(1 - k) + k - k^2/2].
+    W is f A/pi times the integral of w' Lam over the time of slip, A = 2/E*, w = +-Q - f P. Lam is
+    the integral of ln(a/c) over the loads from P_c to P. P_c is the load at the stick edge, c =
+    a(P_c), a the contact half-width. At |Q| = f P itself, where nothing sticks, nothing is added.
 
+    From Q = 0 to k f P at constant P, W is (A f^2 P^2/(2 pi)) [(1 - k) ln(1 - k) + k - k^2/2].
+
+    Parameters
+    ----------
+    contact
+        normal contact of the profile
+    modulus
+        E* [stress]
+    spans
+        times of one direction of slip, or of full stick, on one load segment each. The
+        `sticking_piece` is the piece of the memory curve (tangential force up to each load) that
+        holds the stick edge, None where nothing sticks
+
+    Examples
+    --------
     >>> from scenes.segments import straight_segments
     >>> from semi_analytic.hertz import HertzContact
     >>> from semi_analytic.history import spans_along
@@ -104,13 +115,9 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
     >>> round(float(global_dissipation(contact, 1.0, spans).total), 12), round(formula, 12)
     (0.004256098192, 0.004256098192)
     """
-    # one range of time for each span with slip; without a sticking piece the whole contact slips
     spans_with_ranges = [
         _range_of_span(span) for span in spans if span.direction and span.sticking_piece is not None
     ]
-
-    # A/pi times the integrals, summed by direction of slip; `_span_by_span` takes one span after
-    # the other
     work_by_direction = _work_over_spans(
         contact, modulus, spans_with_ranges, 1, _span_by_span(partial(_work_in_range, contact))
     )
@@ -182,18 +189,16 @@ def _work_over_spans(
     """Friction work: A/pi times integrals over the time of slip, summed by the direction of slip,
     and the errors of the sums; A = 2/E*.
 
-    There is one integral, for the work W, or one for each point x, for the work per area W(x);
-    `integrals_along` holds the integrand. That of W is f w' Lam(P, P_c), with the rate of w = +-Q -
-    f P in slip. Lam is the integral of ln(a/c) over the loads from P_c to P, a and c the
-    half-widths of contact and of stick.
-
-    A span is the time of one direction of slip, P_c the load at the stick edge. Each span is
-    integrated by one quadrature rule. Where the edges of contact or stick move unevenly, or pass
-    corners of the profile, it is halved. Halving of a part ends when it changes the integral by
-    less than 1e-12 (CONVERGED_CHANGE_SHARE) of the largest integral, across corners by even less.
+    There is one integral, for the work W, or one for each point x, for the work per area W(x). A
+    span is the time of one direction of slip. Each is integrated by one quadrature rule. Where the
+    edges of contact or stick move unevenly, or pass corners of the profile, it is halved. Halving
+    of a part ends when it changes the integral by less than 1e-12 of the largest integral, across
+    corners by even less.
 
     Parameters
     ----------
+    contact
+        normal contact of the profile
     modulus
         E* [stress]
     spans_with_ranges
@@ -202,7 +207,8 @@ def _work_over_spans(
     n_integrals
         number of integrals: one, or one for each point
     integrals_along
-        integrates over the ranges of given spans by a given quadrature rule
+        integrates f w' Lam (of W) or f w' p arccosh(|x|/c) (of W(x)) over the ranges of given spans
+        by a given quadrature rule; w = +-Q - f P grows in slip
 
     Returns
     -------
@@ -249,8 +255,12 @@ class _Halving(NamedTuple):
 
     @classmethod
     def of_spans(cls, contact: Contact, spans_with_ranges: Sequence[SpanRanges]) -> _Halving:
-        """That of n spans of slip, with the ranges of time in each; `contact` is the normal contact
-        P(a), with the relative round-off of its P and dP/da.
+        """Which of n spans of slip are integrated by halving, and how finely: those in which the
+        edges of contact or stick pass a corner of the profile, or may run unevenly.
+
+        `contact` is the normal contact P(a), with the relative round-off of its P and dP/da.
+        `spans_with_ranges` are the spans, each with its ranges of time; without a range there is
+        nothing to halve.
         """
         corner_times_of_spans = [
             corner_times(contact, span_with_ranges.span) for span_with_ranges in spans_with_ranges
@@ -370,8 +380,8 @@ def _integrals_of_parts(
     begins: Array,
     ends: Array,
 ) -> Array:
-    """Integrals for the friction work, or for its density at points, over n parts of the ranges of
-    time that are being halved, (n,), by the rule of 24 nodes.
+    """Integrals for the friction work, or for the work per area at points, over n parts of the
+    ranges of time that are being halved, (n,), by the rule of 24 nodes.
 
     Parameters
     ----------
@@ -386,20 +396,18 @@ def _integrals_of_parts(
     begins, ends
         (n,) times at which the parts begin and end
     """
-    numbers_of_spans = np.unique(span_number[range_number]).tolist()
-    parts_of_spans = [
-        np.flatnonzero(span_number[range_number] == number_of_span)
-        for number_of_span in numbers_of_spans
-    ]
-    # a range of time for each part, by span
+    span_of_part = span_number[range_number]
+    numbers_of_spans = np.unique(span_of_part).tolist()
+    parts_of_spans = [np.flatnonzero(span_of_part == number) for number in numbers_of_spans]
+    # each part as a range of time in its span
     spans_with_parts = [
         SpanRanges(
-            spans_with_ranges[number_of_span].span,
+            spans_with_ranges[number].span,
             integral_number[range_number[part_numbers]],
             begins[part_numbers],
             ends[part_numbers],
         )
-        for number_of_span, part_numbers in zip(numbers_of_spans, parts_of_spans, strict=True)
+        for number, part_numbers in zip(numbers_of_spans, parts_of_spans, strict=True)
     ]
     integrals = np.zeros(len(range_number))
     for part_numbers, integrals_in_span in zip(
@@ -688,27 +696,39 @@ def _roundoff_of_loop(contact: Contact, spans: Sequence[Span], largest_load: flo
 def _works_of_ranges(
     integrals: KernelIntegrals, spans_with_ranges: Sequence[SpanRanges], rule: QuadratureRule
 ) -> list[Array]:
-    """pi/A times -int U dQ over the ranges of time of each span, (n,) for a span of n ranges.
+    """pi/A times -int U dQ over the ranges of time of each span, (n,) for a span of n ranges, by a
+    quadrature rule in time.
 
-    U is the relative tangential displacement, A = 2/E*. It is evaluated by `integrals` at the
-    quadrature nodes of all spans in one call; `rule` gives nodes and weights between begin and end
-    of each range.
+    U is the relative tangential displacement, A = 2/E*. U pi/A is an integral over the memory curve
+    (tangential force up to each load) at each time. It is evaluated at the nodes of all spans in
+    one call.
+
+    Parameters
+    ----------
+    integrals
+        integrals over memory curves that are U pi/A
+    spans_with_ranges
+        spans of one direction of slip, or of full stick, and ranges of time in each
+    rule
+        nodes and weights between begin and end of n ranges, (n, nodes) each
     """
-    nodes_of_spans = [
+    nodes_and_weights_of_spans = [
         rule(span_with_ranges.begin, span_with_ranges.end) for span_with_ranges in spans_with_ranges
     ]
-    times_of_spans = [
+    spans_and_times = [
         (span_with_ranges.span, times.ravel())
-        for span_with_ranges, (times, _) in zip(spans_with_ranges, nodes_of_spans, strict=True)
+        for span_with_ranges, (times, _) in zip(
+            spans_with_ranges, nodes_and_weights_of_spans, strict=True
+        )
     ]
-    # U pi/A, an integral over the memory curve (tangential force up to each load) at each time
-    displacement_at_nodes = integrals.over_memory_curves(snapshot_of(times_of_spans))[:, 0]
-    first_nodes = np.cumsum([len(times) for _, times in times_of_spans])[:-1]
+    displacement_at_all_times = integrals.over_memory_curves(snapshot_of(spans_and_times))[:, 0]
+    split_positions = np.cumsum([len(times) for _, times in spans_and_times])[:-1]
+    displacements_of_spans = np.split(displacement_at_all_times, split_positions)
     works_of_spans = []
-    for span_with_ranges, (times, weights), displacement_in_span in zip(
-        spans_with_ranges, nodes_of_spans, np.split(displacement_at_nodes, first_nodes), strict=True
+    for span_with_ranges, (times, weights), displacement_of_span in zip(
+        spans_with_ranges, nodes_and_weights_of_spans, displacements_of_spans, strict=True
     ):
-        displacement = displacement_in_span.reshape(times.shape)
+        displacement = displacement_of_span.reshape(times.shape)
         force_rate = span_with_ranges.span.segment.rate_of(TANGENTIAL_LOAD, times)
         works_of_spans.append(-np.sum(displacement * force_rate * weights, axis=1))
     return works_of_spans

@@ -361,16 +361,17 @@ class Grid:
         It is the integral of -(2/(pi E*)) ln(|x - xi|/L) over the cell, the half-plane's Green's
         function.
         """
-        distance = (x[:, None] - self.x[grid_number])[..., None]
-        relative_distances_of_ends = (
-            distance + self.cell_width * np.array([-0.5, 0.5])
+        distance_to_middle = (x[:, None] - self.x[grid_number])[..., None]
+        # distances d of both ends of the cell over L, (m, k, 2)
+        end_distances = (
+            distance_to_middle + self.cell_width * np.array([-0.5, 0.5])
         ) / self._length
-        # Integral of ln|d| up to both ends of a cell, d distance over L = `_length`; 0 at d = 0.
+        # integral of ln|d| from 0 to both ends, 0 at d = 0
         with np.errstate(divide="ignore", invalid="ignore"):
             log_integrals_to_ends = np.where(
-                relative_distances_of_ends == 0,
+                end_distances == 0,
                 0.0,
-                relative_distances_of_ends * (np.log(np.abs(relative_distances_of_ends)) - 1),
+                end_distances * (np.log(np.abs(end_distances)) - 1),
             )
         log_integral = np.diff(log_integrals_to_ends, axis=-1)[..., 0]
         return np.asarray(-2 * self._length / (math.pi * self.modulus) * log_integral)
@@ -1009,18 +1010,28 @@ class _BlockOfCells(NamedTuple):
 
     @classmethod
     def around(
-        cls, contact: ContactCells, grids: NDArray[np.intp], n_cells_of_grid: int
+        cls, contact: ContactCells, grid_numbers: NDArray[np.intp], n_cells_of_grid: int
     ) -> _BlockOfCells:
-        """The block that holds the cells in contact of some grids, each of `n_cells_of_grid` cells.
+        """The block of cells that holds the cells in contact of some grids: on each grid as many
+        cells as the largest of these contacts has.
 
-        `contact` has the first cell in contact of each grid and how many there are; `grids` (n,)
-        are the numbers of those grids that are solved.
+        Parameters
+        ----------
+        contact
+            cells in contact of each grid: number of the first (`begin`), of the cell behind the
+            last (`end`), and how many (`n_cells`)
+        grid_numbers
+            (n,) numbers of those grids
+        n_cells_of_grid
+            number of cells of a grid
         """
-        n_cells = int(contact.n_cells[grids].max())
-        first_column = np.minimum(contact.begin[grids], n_cells_of_grid - n_cells)
+        n_cells = int(contact.n_cells[grid_numbers].max())
+        first_column = np.minimum(contact.begin[grid_numbers], n_cells_of_grid - n_cells)
         columns = first_column[:, None] + np.arange(n_cells)
-        is_touching = (columns >= contact.begin[grids, None]) & (columns < contact.end[grids, None])
-        return cls(grids, columns, is_touching)
+        is_touching = (columns >= contact.begin[grid_numbers, None]) & (
+            columns < contact.end[grid_numbers, None]
+        )
+        return cls(grid_numbers, columns, is_touching)
 
     @property
     def n_cells(self) -> int:
@@ -1962,20 +1973,21 @@ def remainder_of(works: Sequence[float]) -> float:
     >>> 1e-5 < remainder_of(works) < 3e-5
     True
     """
-    # |change of W| from each cycle to the next.
+    # |change of W| from each cycle to the next
     changes = np.abs(np.diff(works))
     if not len(changes):
         return math.inf
     last_change = float(changes[-1])
     if len(changes) < 2 or last_change == 0:
         return last_change
-    # Of each change to the one before it.
-    ratios = changes[1:] / np.maximum(changes[:-1], np.finfo(float).tiny)
-    ratio = float(ratios[-1])
-    ratio_before = float(ratios[-2]) if len(ratios) > 1 else 1.0
-    if ratio < 0.5 and 0.8 * ratio_before < ratio < 1.05 * ratio_before:
-        return last_change * ratio / (1 - ratio)
-    bounded_ratio = min(ratio, 0.9)
+    # of each change to the one before it
+    change_ratios = changes[1:] / np.maximum(changes[:-1], np.finfo(float).tiny)
+    last_ratio = float(change_ratios[-1])
+    ratio_before = float(change_ratios[-2]) if len(change_ratios) > 1 else 1.0
+    is_geometric = last_ratio < 0.5 and 0.8 * ratio_before < last_ratio < 1.05 * ratio_before
+    if is_geometric:
+        return last_change * last_ratio / (1 - last_ratio)
+    bounded_ratio = min(last_ratio, 0.9)
     return last_change * max(len(works) / 3, bounded_ratio / (1 - bounded_ratio))
 
 

@@ -381,14 +381,13 @@ class _Search:
         On each part of the load path on which P goes one way, the edge passes x when P is the load
         at which the edge is at x. There are none on straight steps, whose instants are fixed. In
         the first round over a long measured path they are left out, as they would be too many: more
-        than 400 parts, more than 33 places. `monotonic_parts` are load segments with begin and end
-        time.
+        than 400 parts, more than 33 places.
         """
         is_first_round = len(x) > _MOST_CANDIDATES * _PLACES_IN_ROUND
         is_long_path = len(self.monotonic_parts) > _PARTS_OF_LONG_PATH
         if self.on_straight_steps or (is_long_path and is_first_round):
             return np.empty(0)
-        # load at which an edge of contact is at x
+        # load at which an edge of contact is at x; of a symmetric contact a function of |x|
         load_with_edge_at_x = np.asarray(
             self.contact.load(x if self.scene.unsymmetric else np.abs(x))
         )
@@ -463,7 +462,7 @@ class _Search:
         def tensions(time: Array) -> Array:
             """Largest tension of both edges and both faces at each instant, (n,) [stress]."""
             nonlocal largest_uncertainty
-            # (n, 2, 2): instants, edges and faces
+            # (n, 2, 2) by body and edge
             tension, errors = edge_tension(self.scene, time)
             largest_uncertainty = max(largest_uncertainty, float(errors.max()))
             return np.asarray(tension.max(axis=(1, 2)))
@@ -484,10 +483,9 @@ def _monotonic_parts(
     only round-off lies in between are left out.
     """
     path = scene.load.path()
-    # the initial loading, and the cycles between both times
+    # the initial loading, and the cycles between both times; 1e-10 of a period is round-off
     segments = list(path.initial_loading)
     if path.period is not None:
-        # _EDGE_TOLERANCE_SHARE: 1e-10
         first_cycle = math.floor((start - path.cycle_start) / path.period + _EDGE_TOLERANCE_SHARE)
         last_cycle = math.ceil((end - path.cycle_start) / path.period - _EDGE_TOLERANCE_SHARE)
         for cycle_number in range(max(first_cycle, 0), last_cycle):
@@ -534,6 +532,8 @@ def _largest_value_and_place(
         the search has converged if a round raises the largest value by less than this share of
         itself, and the round before by less than 1e-10
 
+    Examples
+    --------
     >>> top, place = _largest_value_and_place(lambda x: 1 - (x - 0.3) ** 2, np.array([0.0, 1.0]))
     >>> round(top, 12), round(place, 5)
     (1.0, 0.3)

@@ -407,11 +407,16 @@ def _curve_after_loading_in_stick(
     """The memory curve after a step of growing P in full stick: a line of length dP in eta and of
     rise dQ is added on top.
 
-    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. A line
-    has eta and M at its upper end, its growth `load_length` of eta and `force_rise` of M, the lines
-    below and the number of lines. Where the line below has the slope of the step, both become one
-    line. Stations are P, Q and the share of the step that is over; only P and Q matter here.
-    `_new_tuple` makes a line.
+    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. Where
+    the line below has the slope of the step, both become one line.
+
+    Parameters
+    ----------
+    curve
+        uppermost line of the curve before the step: its growth `load_length` of eta and
+        `force_rise` of M, the lines below and their number; None for bodies out of contact
+    begin_station, end_station
+        P, Q and the share of the step that is over, at both ends; only P and Q matter here
     """
     load, force, _ = begin_station
     load_at_end, force_at_end, _ = end_station
@@ -422,7 +427,7 @@ def _curve_after_loading_in_stick(
         # The slopes of the line below and of the step, both times both lengths.
         slope_below_times_lengths = curve.force_rise * line_length
         step_slope_times_lengths = line_rise * curve.load_length
-        # _SLOPE_ROUNDOFF_SHARE: 1e-15
+        # equal to 1e-15
         tolerance = _SLOPE_ROUNDOFF_SHARE * (
             abs(slope_below_times_lengths) + abs(step_slope_times_lengths)
         )
@@ -1566,14 +1571,22 @@ def _slip_zone_load_at(
 
 
 def _share_of_record(records: Records, record_number: Indices, share_of_step: Array) -> Array:
-    """The share of each record (n,), a portion of a load step, that is over when `share_of_step` of
-    its step is: (n,). A step has one record or more, each up to its `step_share_at_end`;
-    `record_number` (n,) selects them.
+    """The share of a record that is over at each of n instants, (n,), from the share of its step
+    that is over then.
+
+    A record is a portion of a load step. A step has one record or more, each up to its
+    `step_share_at_end`.
+
+    Parameters
+    ----------
+    records, record_number
+        records of the load steps, and (n,) the number of the one that holds each instant
+    share_of_step
+        (n,) share of the step that is over
     """
-    is_first_record = np.diff(records.step_number, prepend=-1) > 0
-    share_at_begin = np.where(is_first_record, 0.0, np.append(0.0, records.step_share_at_end[:-1]))[
-        record_number
-    ]
+    is_first_of_step = np.diff(records.step_number, prepend=-1) > 0
+    end_of_record_before = np.append(0.0, records.step_share_at_end[:-1])
+    share_at_begin = np.where(is_first_of_step, 0.0, end_of_record_before)[record_number]
     share_of_step_in_record = np.maximum(
         records.step_share_at_end[record_number] - share_at_begin, np.finfo(float).tiny
     )

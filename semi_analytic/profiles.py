@@ -297,11 +297,9 @@ def _convex_function(profile: CallableProfile) -> ConvexProfile:
     least_distance = profile.extent * 1e-30
 
     def second_derivative(x: Array) -> Array:
-        """h'' at x of any sign."""
+        """h'' at x of any sign; `curvature_times_x` is x h''."""
         distance = np.maximum(np.abs(x), least_distance)
-        return np.asarray(
-            profile.curvature_times_x(distance) / distance
-        )  # `curvature_times_x` is x h''
+        return np.asarray(profile.curvature_times_x(distance) / distance)
 
     sample_places = np.unique(np.linspace(0, 1, 1001)[1:-1] ** 2 * profile.extent)
     sampled_curvatures = second_derivative(sample_places)
@@ -716,13 +714,16 @@ def law_of_two_curvatures(
     scaled_outer_curvature = modulus / outer_radius  # E* h'' beyond
     load_unit = scaled_outer_curvature * b * b / 2
 
+    # Up to a = b the contact is inside of b: with a in place of b, t = 0, it is Hertz.
     def load(a: Array) -> Array:
-        inner_end = np.minimum(a, b)  # of the contact, with h'' = 1/R1
+        """P at half-widths a."""
+        inner_end = np.minimum(a, b)
         t = np.sqrt((a - inner_end) * (a + inner_end))
         inner_load = scaled_inner_curvature / 2 * (inner_end * t + a * a * np.arctan2(inner_end, t))
         return inner_load + load_unit * flat_and_rounded_load_function(t / b)
 
     def stiffness(a: Array) -> Array:
+        """dP/da at half-widths a; arcsin(b/a) and arccos(b/a) as arctan of b/t and t/b."""
         inner_end = np.minimum(a, b)
         t = np.sqrt((a - inner_end) * (a + inner_end))
         return a * (
@@ -1007,21 +1008,16 @@ def _intervals_of_u(knots: Array) -> list[_IntervalOfU]:
 
     P is smooth in u. But the knot before leaves a singularity below, at u^2 = -(its distance). So a
     first interval as long as the square root of that distance is followed by intervals that double
-    u.
-    `knots` (k,) are half-widths at which the curvature of the profile jumps.
+    u. `knots` (k,) are half-widths at which the curvature of the profile jumps.
     """
     intervals: list[_IntervalOfU] = []
-    for former_knot, knot, next_knot in zip(
+    for knot_before, knot, next_knot in zip(
         knots[:-2].tolist(), knots[1:-1].tolist(), knots[2:].tolist(), strict=True
     ):
         u_at_next_knot = (next_knot - knot) ** 0.5
-        sqrt_of_distance_to_former_knot = (knot - former_knot) ** 0.5
-        doublings = range(math.ceil(math.log2(u_at_next_knot / sqrt_of_distance_to_former_knot)))
-        interval_ends = [
-            0.0,
-            *(sqrt_of_distance_to_former_knot * 2.0**k for k in doublings),
-            u_at_next_knot,
-        ]
+        first_length = (knot - knot_before) ** 0.5
+        doublings = range(math.ceil(math.log2(u_at_next_knot / first_length)))
+        interval_ends = [0.0, *(first_length * 2.0**k for k in doublings), u_at_next_knot]
         # A last interval that would be a small part of the one before is joined to it.
         if len(interval_ends) > 2 and u_at_next_knot - interval_ends[-2] < 0.1 * (
             interval_ends[-2] - interval_ends[-3]
@@ -1050,18 +1046,26 @@ class _KnotSums(NamedTuple):
     def sums_over_knots(
         self, half_width: Array, origin: Array, distance: Array, knot_numbers: slice
     ) -> Array:
-        """Sums of P and of dP/da/a over the knots with the given `knot_numbers` at contact
-        half-widths a; the last axis holds the two.
+        """Sums of P and of dP/da/a over some knots at contact half-widths a; the last axis holds
+        the two.
 
             P = (1/2) sum over b < a of jump (a^2 arccos(b/a) - b sqrt(a^2 - b^2)),
             dP/da = a sum of jump arccos(b/a)
 
-        b are the `knots`, half-widths at which the curvature h'' of the profile jumps, jump
-        (`jumps`) those of E* h'', the scaled curvature of the profile. a = `half_width` is also
-        `origin` + `distance`, so that a - b is known without cancellation; all three have a last
-        axis of length 1.
+        b are the knots, half-widths at which the curvature h'' of the profile jumps; jump is that
+        of E* h''.
+
+        Parameters
+        ----------
+        half_width
+            (..., 1) a [length]
+        origin, distance
+            (..., 1) a = origin + distance, so that a - b is known without cancellation [length]
+        knot_numbers
+            which knots are summed over
         """
         b = self.knots[knot_numbers]
+        jumps = self.jumps[knot_numbers]
         distance_from_knots = np.maximum((origin - b) + distance, 0.0)
         # sqrt(a^2 - b^2)
         sqrt_of_square_difference = np.sqrt(distance_from_knots * (half_width + b))
@@ -1073,21 +1077,27 @@ class _KnotSums(NamedTuple):
             half_width * half_width * arccos_of_ratio - b * sqrt_of_square_difference,
             0.0,
         )
-        load = twice_load_per_jump @ self.jumps[knot_numbers] / 2
-        stiffness_over_width = arccos_of_ratio @ self.jumps[knot_numbers]
+        load = twice_load_per_jump @ jumps / 2
+        stiffness_over_width = arccos_of_ratio @ jumps
         return np.stack([load, stiffness_over_width], axis=-1)
 
     def with_far_knots(
         self, wider_group: _IntervalGroup, half_width_range: tuple[float, float]
     ) -> _IntervalGroup:
-        """The group of intervals with a series over more far knots: those farther below its least
-        half-width than the range of its half-widths is long.
+        """A group of intervals with the series over all its far knots, from the series of the wider
+        group that it was a half of, over fewer knots.
 
-        A knot is a half-width at which the curvature of the profile jumps. Sums over far knots are
-        smooth on the range, and one Chebyshev series holds them. The group still has the series of
-        the `wider_group` it was a half of, over fewer knots, `n_far_knots` from the first one on;
-        `far_series` (nodes, 2) holds the sums of P and of dP/da/a over them on the range of
-        half-widths. `half_width_range` is the least and the largest half-width of the group itself.
+        A knot is a half-width at which the curvature of the profile jumps. It is far if it is
+        farther below the least half-width of the group than the range of half-widths is long. Sums
+        over far knots are smooth on the range, and one Chebyshev series holds them.
+
+        Parameters
+        ----------
+        wider_group
+            the intervals of the group, still with the series of the wider group: sums of P and of
+            dP/da/a (`far_series`) over its first `n_far_knots` knots, on its wider range
+        half_width_range
+            least and largest half-width of the group itself [length]
         """
         least_half_width, largest_half_width = half_width_range
         half_widths = (
@@ -1105,7 +1115,7 @@ class _KnotSums(NamedTuple):
         # P and dP/da/a of the far knots of the wider group, at the nodes, (nodes, 2)
         far_sums = chebyshev.chebval(place_in_wider_range, wider_group.far_series).T
         half_width_column = half_widths[:, None]
-        # those of the knots that are newly far
+        # and of the knots that are far from this group alone
         far_sums = far_sums + self.sums_over_knots(
             half_width_column,
             half_width_column,
@@ -1218,14 +1228,13 @@ def _sums_over_all_knots(knot_sums: _KnotSums, knot_of_interval: Array, distance
 
 def _contact_splits_error(profile: Tabulated, half_width: float) -> InputError:
     """The error for a table of heights under which the contact would split near a `half_width`; its
-    message has the row, the cause and what to do. `points` of the profile are the rows of x and h.
-    `row_before` numbers the rows from 0; `step_of_heights` is the step in which h is written, None
-    where h has digits enough; `place_in_input` is the text that names the row for the user.
+    message has the row of the table, the cause and what to do.
 
     Heights that are rounded to few digits rise by equal steps: with those no engine can do
     anything, and the error is a ProfileDataError.
     """
     row_number = profile.row_before(half_width)
+    # step in which h is written, None where it has digits enough
     height_step = profile.step_of_heights()
     x, h = profile.points.values[row_number].tolist()
     cause = "the curve through the rows bends down there"
@@ -1239,6 +1248,7 @@ def _contact_splits_error(profile: Tabulated, half_width: float) -> InputError:
             "write h with more digits, leave rows out until each rises by many steps, or give a"
             " formula that fits them"
         )
+    # `place_in_input`: the words that name the row for the user
     place = f"{profile.place_in_input(row_number)}, x = {x:.6g} and h = {h:.6g}"
     message = (
         f"{place}: the contact would split near a half-width of {half_width:.6g}: {cause}; {advice}"

@@ -502,17 +502,18 @@ class PunchSuperposition:
         advances a - a_0 of the edge of contact, `begin_advance` and `end_advance`, (n,) each; their
         quotient is the mean of dP/d(a^2).
 
-        Gauss' rule in r, d = `corner_advance` + r^2, from the last corner of the profile before the
-        first advance: P is smooth in r. Half, because dd = 2 r dr, and the factor 2 is left out.
-        `law.stiffness` is dP/da, `least_half_width` a without load.
+        Both are integrals over the advance d, of dP/da and of 2 a. P is smooth in r with d =
+        `corner_advance` + r^2, where that is the last corner of the profile before the first
+        advance: so Gauss' rule is taken in r. Half, because dd = 2 r dr, and the factor 2 is left
+        out. a_0 is the half-width without load.
         """
         # six nodes on [0, 1]
-        unit_nodes, weights_of_unit_range = gauss_rule(6)
+        unit_nodes, unit_weights = gauss_rule(6)
         begin_root = np.sqrt(np.maximum(begin_advance - corner_advance, 0.0))
         root_length = np.sqrt(np.maximum(end_advance - corner_advance, 0.0)) - begin_root
-        nodes_in_root = begin_root[:, None] + root_length[:, None] * unit_nodes
-        advance = corner_advance[:, None] + nodes_in_root * nodes_in_root
-        weights = root_length[:, None] * weights_of_unit_range * nodes_in_root
+        roots_at_nodes = begin_root[:, None] + root_length[:, None] * unit_nodes
+        advance = corner_advance[:, None] + roots_at_nodes * roots_at_nodes
+        weights = root_length[:, None] * unit_weights * roots_at_nodes
         half_rise_of_load = np.sum(weights * self.law.stiffness(advance), axis=1)
         half_rise_of_square = np.sum(weights * 2 * (advance + self.least_half_width), axis=1)
         return half_rise_of_load, half_rise_of_square
@@ -565,24 +566,20 @@ class PunchSuperposition:
         `load` is P, `load_above_stick` is P - P_c, P_c the load at the stick edge. a(eta) is the
         contact half-width under the load eta, c = a(P_c).
         """
-        # P_c
         stick_edge_load = np.maximum(load - load_above_stick, 0.0)
-
-        # index in `_corner_loads`, the loads P at which the edge of contact is at a corner, 0 first
+        # `_corner_loads`: loads P at which the edge of contact is at a corner, 0 first
         number_of_corner_below = np.maximum(
             np.searchsorted(self._corner_loads, stick_edge_load, side="right") - 1, 0
         )
         next_corner_load = np.append(self._corner_loads, np.inf)[number_of_corner_below + 1]
         load_from_corner = stick_edge_load - self._corner_loads[number_of_corner_below]
-        # _SHORT_LOAD_RANGE_SHARE: 0.3
         is_short_range = load_above_stick < _SHORT_LOAD_RANGE_SHARE * load_from_corner
         suits_gauss_rule = is_short_range & (load <= next_corner_load)
-        # P may hardly grow with a somewhere
+        is_far_from_stick = load_above_stick > _FAR_LOAD_SHARE * load
         if self.half_width_may_be_steep:
-            # twelve nodes would miss a half-width at which P hardly grows
-            # _FAR_LOAD_SHARE: 2 %
-            suits_gauss_rule &= load_above_stick <= _FAR_LOAD_SHARE * load
-        return np.asarray(~suits_gauss_rule & (load_above_stick > _FAR_LOAD_SHARE * load))
+            # Twelve nodes would miss a half-width at which P hardly grows.
+            suits_gauss_rule &= ~is_far_from_stick
+        return np.asarray(~suits_gauss_rule & is_far_from_stick)
 
     def _log_width_ratio(self, load: Array, load_above_stick: Array) -> tuple[Array, Array, Array]:
         """ln(a/c) of contact half-width a(P) over stick half-width c = a(P_c), and the advances
@@ -591,14 +588,13 @@ class PunchSuperposition:
         `load` is P, `load_above_stick` is P - P_c, P_c the load at the stick edge. P_c is their
         difference, known to the last digit of P. It is taken as a quarter of that digit at least:
         of P_c = 0 the logarithm would be 700.
-        `law.edge_advance` is a - a_0 as a function of the load, `least_half_width` a_0. _EPS is the
-        round-off of floating-point numbers.
         """
         stick_edge_load = np.maximum(load - load_above_stick, _EPS / 4 * load)
         contact_advance, stick_advance = self.law.edge_advance(np.stack([load, stick_edge_load]))
         # the smallest floating-point number, in place of c = 0
         least_stick_half_width = np.finfo(float).tiny * np.maximum(contact_advance, 1.0)
         stick_half_width = np.maximum(self.least_half_width + stick_advance, least_stick_half_width)
+        # a/c - 1
         relative_rise = (contact_advance - stick_advance) / stick_half_width
         return np.log1p(relative_rise), contact_advance, stick_advance
 
@@ -809,19 +805,17 @@ class PunchSuperposition:
         series of the integral leaves out.
         """
         kernel = self.dissipation_kernel(load, load_above_stick)
-        # ln(a/c), and a - a_0 with a_0 the half-width without load
         log_width_ratio, contact_advance, _ = self._log_width_ratio(load, load_above_stick)
         # int_0^a P/alpha d alpha and the error of its Chebyshev series
         integral_to_contact, series_error = self._load_per_width_integral_and_error(
             0, contact_advance
         )
         size_of_terms = load * log_width_ratio + np.abs(integral_to_contact)
-        # _EPS: round-off of floating-point numbers
         error_of_difference = series_error + (8 * _EPS + self.relative_roundoff) * size_of_terms
-        # where the kernel is taken as that difference
+        # 0 where the kernel is not taken as that difference
         is_difference = self._is_exact_as_difference(load, load_above_stick)
         error_of_difference = np.where(is_difference, error_of_difference, 0.0)
-        # _ROUND_OFFS_OF_KERNEL: 100; relative_roundoff: that of P(a) itself
+        # a hundred round-offs of the kernel itself, and that of P(a)
         return (
             error_of_difference + (_ROUND_OFFS_OF_KERNEL * _EPS + self.relative_roundoff) * kernel
         )
@@ -1178,27 +1172,20 @@ class Primitive:
 
     def __call__(self, point_number: Indices, advance: Array) -> tuple[Array, Array]:
         """The integral over flat punches from no load up to `advance` of the edge of contact, at
-        the points with these numbers, and its error; arrays of one shape. `kind` names the
-        integral: "pressure", "outside" (of arccosh, for a point outside the punches) or
-        "logarithm".
+        the points with these numbers, and its error; arrays of one shape.
 
-        The panel that holds the advance is looked up: a range of the variable v with one Chebyshev
-        series of the integral. The series is then evaluated at v. `panels` holds (n,) the point
-        number of each panel, its ends `begin_v` and `end_v`, and advance and factor of v where v is
-        0. `coefficients` (m, n) and `error` (n,) are of its series. `distance_beyond_flat` (k,) is
-        x - a_0 of the points, a_0 the half-width without load.
+        Each point has panels: ranges of the integration variable v, each with one Chebyshev series
+        of the integral. The panel that holds the advance is looked up, and its series is evaluated
+        at the v of the advance.
         """
         panels = self.panels
-        # how many advances at which a panel begins are not above this one
+        # The panel by one search for all: keys sort by point, then by advance at their begin.
         rank_of_advance = np.searchsorted(self._sorted_begin_advances, advance, side="right")
-        # integers that sort by point, then by advance
         key = self._key(point_number, rank_of_advance)
-        # `_panel_keys`: those of the panels at their begin, ascending
         panel_number = np.searchsorted(self._panel_keys, key, side="right") - 1
         # Below the first panel of a point its integral is still 0.
         first_panel_of_point = np.searchsorted(panels.point_number, point_number)
         panel_number = np.maximum(panel_number, first_panel_of_point)
-        # the variable v at the advance, d0 + d(v) by the formula of this `kind`
         v = _integration_variable(
             self.kind,
             advance,
@@ -1209,10 +1196,8 @@ class Primitive:
         begin_v = panels.begin_v[panel_number]
         end_v = panels.end_v[panel_number]
         place_in_panel = np.clip((2 * v - begin_v - end_v) / (end_v - begin_v), -1.0, 1.0)
-        # values of the series of each panel by Clenshaw's rule
-        return clenshaw_values(self.coefficients, panel_number, place_in_panel), self.error[
-            panel_number
-        ]
+        integral = clenshaw_values(self.coefficients, panel_number, place_in_panel)
+        return integral, self.error[panel_number]
 
     @cached_property
     def _sorted_begin_advances(self) -> Array:
@@ -1508,16 +1493,23 @@ def _sizes_of_integrals(
 def _series_of_integrand(
     kind: IntegralKind, load_power: int, panels: Panels, law: ContactLaw
 ) -> Array:
-    """Coefficients (n, nodes) of the Chebyshev series of an integrand over v on n panels, in chunks
-    that bound the memory. `kind` and `load_power` name the integral, `law` is P of the profile. A
-    panel is a range of v, from `begin_v` to `end_v`. CHEBYSHEV_NODES are those of [-1, 1].
+    """Coefficients (n, nodes) of the Chebyshev series of an integrand over the variable v, one
+    series on each of n panels, in chunks that bound the memory.
+
+    Parameters
+    ----------
+    kind, load_power
+        which integral; with 1 the load stands in front of the integrand
+    panels
+        ranges of v, from `begin_v` to `end_v`
+    law
+        P of the profile as a function of the advance of the edge of contact
     """
+    n_panels = len(panels.point_number)
     series_of_chunks = [np.empty((0, len(CHEBYSHEV_NODES)))]
-    # _PANELS_AT_ONCE: 20,000
-    for first_panel in range(0, len(panels.point_number), _PANELS_AT_ONCE):
-        chunk = panels.take(
-            np.arange(first_panel, min(first_panel + _PANELS_AT_ONCE, len(panels.point_number)))
-        )
+    for first_panel in range(0, n_panels, _PANELS_AT_ONCE):
+        chunk = panels.take(np.arange(first_panel, min(first_panel + _PANELS_AT_ONCE, n_panels)))
+        # v at the Chebyshev nodes, which are those of [-1, 1]
         v = (
             chunk.begin_v[:, None]
             + (chunk.end_v - chunk.begin_v)[:, None] * (1 + CHEBYSHEV_NODES) / 2

@@ -252,15 +252,19 @@ class ConvexProfile(abc.ABC):
         centre[is_pressed], half_width[is_pressed] = self._contact_by_newton(
             load_product[is_pressed], tilt[is_pressed], centre[is_pressed]
         )
-        # `extent`: left and right end of the profile; 1e-12 of slack for round-off.
-        left_edge = float(np.min(centre - half_width, initial=0.0))
-        right_edge = float(np.max(centre + half_width, initial=0.0))
-        left_end, right_end = self.extent
+        leftmost_edge = float(np.min(centre - half_width, initial=0.0))
+        rightmost_edge = float(np.max(centre + half_width, initial=0.0))
+        profile_begin, profile_end = self.extent
+        # The profile may be passed by 1e-12 of its extent, for round-off.
         one_plus_slack = 1 + _RELATIVE_ERROR_OF_SERIES
-        if left_edge < left_end * one_plus_slack or right_edge > right_end * one_plus_slack:
+        if (
+            leftmost_edge < profile_begin * one_plus_slack
+            or rightmost_edge > profile_end * one_plus_slack
+        ):
             raise ProfileDataError(
-                f"profile: the load needs a contact from {left_edge:.6g} to {right_edge:.6g}, the"
-                f" profile goes from {left_end:.6g} to {right_end:.6g}"
+                f"profile: the load needs a contact from {leftmost_edge:.6g} to"
+                f" {rightmost_edge:.6g}, the profile goes from {profile_begin:.6g} to"
+                f" {profile_end:.6g}"
             )
         return centre, half_width
 
@@ -643,7 +647,7 @@ class PiecewiseParabola(ConvexProfile):
         #           tan(theta/2) tanh(u/2) where s < 0
         """
         t = x - m
-        # Of each knot; curvature[0]: h''_0; jumps: J of each knot.
+        # of each knot, (..., knots)
         theta, sine, cosine = self.angles(m, c)
         distance_from_centre = np.maximum(np.abs(t), c)
         r = np.sqrt((distance_from_centre - c) * (distance_from_centre + c))
@@ -672,6 +676,7 @@ class PiecewiseParabola(ConvexProfile):
         terms_of_knots += (
             theta * parabola_term[..., None] - side_of_contact * c_sine * factor_of_sine
         ) / (2 * np.pi)
+        # `jumps`: J of each knot; `curvature[0]`: h''_0
         gap = terms_of_knots @ self.jumps + self.curvature[0] / 2 * parabola_term
         return np.where(np.abs(t) > c, gap, 0.0)
 
@@ -712,21 +717,18 @@ class PiecewiseParabola(ConvexProfile):
         It is A P m plus the moment about the centre m: (pi/2) c^2 times the slope plus tilt at m of
         the parabola left of all knots, plus what the jumps of h'' at the knots add.
         """
-        # Of each knot: 0 beyond the right end of the contact, pi beyond the left. jumps: J of each.
+        # Angle of each knot: 0 beyond the right end of the contact, pi beyond the left.
         theta, sine, cosine = self.angles(m, c)
         half_width = c[..., None]
         distance_to_knot = self.knots - m[..., None]
         angle_functions = sine - sine**3 / 3 - sine * cosine * cosine / 2
         sum_over_knots = (half_width * angle_functions - theta * distance_to_knot / 2) @ self.jumps
-        # h' + alpha at m, of the parabola left of all knots.
+        # h' + alpha at m, of the parabola left of all knots
         slope_at_middle = (
             np.asarray(tilt) + self.slope_at_first_knot + self.curvature[0] * (m - self.knots[0])
         )
-        return np.asarray(
-            # balance(m, c).load_product: A P
-            m * self.balance(m, c).load_product
-            + c * c * (sum_over_knots + np.pi / 2 * slope_at_middle)
-        )
+        load_product = self.balance(m, c).load_product  # A P
+        return np.asarray(m * load_product + c * c * (sum_over_knots + np.pi / 2 * slope_at_middle))
 
 
 def _mean_and_load_functions(theta: Array, sine: Array, cosine: Array) -> tuple[Array, Array]:
@@ -964,27 +966,28 @@ class CurvedProfile(ConvexProfile):
         The mean is over the angle theta of xi = m + c cos(theta). Where xi is close to x the
         quotient is h'' between them.
         """
-        # Nodes of the contact; their weights have the sum 1. gradient: h', second_derivative: h''.
+        # quadrature nodes of the contact, with weights of the sum 1
         xi, _, weights = self._nodes_of_contact(m, c)
-        place_column = np.asarray(x)[..., None]
+        x_column = np.asarray(x)[..., None]
         root_of_squares = np.sqrt(np.maximum((c - x + m) * (c + x - m), 0.0))
-        distance_to_node = xi - place_column
-        distances_to_knots = np.abs(place_column - self.knots)
+        distance_to_node = xi - x_column
+        distances_to_knots = np.abs(x_column - self.knots)
         distance_to_next_knot = np.min(distances_to_knots, axis=-1, initial=np.inf, keepdims=True)
-        # Pairs of point and node nearer than 1e-5 of c and of the distance to the next knot.
+        # pairs of point and node nearer than 1e-5 of c and of the distance to the next knot
         near_pairs = np.nonzero(
             np.abs(distance_to_node)
             < _NEAR_NODE_FRACTION * np.minimum(distance_to_next_knot, c[..., None])
         )
-        places_between_pairs = (
-            (place_column + distance_to_node / 2)[near_pairs]
+        middles_of_pairs = (
+            (x_column + distance_to_node / 2)[near_pairs]
             if len(near_pairs[0])
             else distance_to_node[near_pairs]
         )
         distance_to_node[near_pairs] = np.inf
-        slope_rise = self.gradient(xi) - self.gradient(place_column)
+        # `gradient`: h'
+        slope_rise = self.gradient(xi) - self.gradient(x_column)
         quotient = slope_rise / np.where(distance_to_node == 0, np.inf, distance_to_node)
-        quotient[near_pairs] = self.second_derivative(places_between_pairs)
+        quotient[near_pairs] = self.second_derivative(middles_of_pairs)
         return np.asarray(np.pi * root_of_squares * np.sum(weights * quotient, axis=-1))
 
     def _gap(self, x: Array, m: Array, c: Array) -> Array:
@@ -996,24 +999,25 @@ class CurvedProfile(ConvexProfile):
         The mean is over the angle theta of xi = m + c cos(theta). x = m + s c cosh(u): u > 0, and s
         is 1 to the right of the contact, -1 to the left.
         """
-        # Nodes of the contact; their weights have the sum 1. height: h, gradient: h'.
-        xi, distance_from_middle, weights = self._nodes_of_contact(m, c)
-        distance_from_centre = np.maximum(np.abs(x - m), c)
-        root_of_squares = np.sqrt((distance_from_centre - c) * (distance_from_centre + c))
+        # quadrature nodes of the contact, their distances xi - m, and weights of the sum 1
+        xi, node_from_centre, weights = self._nodes_of_contact(m, c)
+        point_from_centre = np.maximum(np.abs(x - m), c)
+        # c sinh(u)
+        root_of_squares = np.sqrt((point_from_centre - c) * (point_from_centre + c))
         u = np.where(c > 0, np.arcsinh(root_of_squares / np.where(c > 0, c, 1.0)), 0.0)
-        place_column = np.asarray(x)[..., None]
-        distance_to_node = place_column - xi
+        x_column = np.asarray(x)[..., None]
+        point_from_node = x_column - xi
         slope = self.gradient(xi)
-        height_rise = self.height(place_column) - self.height(xi)
-        chord = np.divide(
+        height_rise = self.height(x_column) - self.height(xi)
+        chord_slope = np.divide(
             height_rise,
-            distance_to_node,
-            out=np.zeros(distance_to_node.shape),
-            where=distance_to_node != 0,
+            point_from_node,
+            out=np.zeros(point_from_node.shape),
+            where=point_from_node != 0,
         )
         signed_root = (np.sign(x - m) * root_of_squares)[..., None]
         values_at_nodes = (
-            signed_root * (chord - slope) - u[..., None] * distance_from_middle * slope
+            signed_root * (chord_slope - slope) - u[..., None] * node_from_centre * slope
         )
         return np.asarray(np.sum(weights * values_at_nodes, axis=-1))
 
@@ -1264,20 +1268,21 @@ class NestedIntervals:
         """Half-length c of the contact that has an end at x, (n,) [length]: the right end where
         `side` is +1, the left one where it is -1. Its centre is x - side c.
 
-        x is an end where the mean of h' over the contact is -(alpha_0 + kappa P), minus the tilt
-        under P. With x fixed, the sum of mean and tilt changes its sign once as c grows: Newton's
-        method for c, kept in a bracket. alpha_0 is `tilt_without_load`, kappa `tilt_per_load`.
+        x is an end where the mean slope h' over the contact plus the tilt alpha_0 + kappa P is 0. P
+        is the load that the contact carries. With x fixed, that sum changes its sign once as c
+        grows. So c is found by Newton's method, between bounds that close in; a step beyond them is
+        replaced by their middle.
         """
+        # kappa/A, by which the tilt grows with A P
         tilt_over_compliance = self.tilt_per_load / self.compliance
         least_c = np.zeros(x.shape)
         largest_c = np.full(x.shape, 2.1 * self.largest_half_width)
         c = largest_c / 2
-        # _MOST_NEWTON_STEPS: 120.
-        for _ in range(_MOST_NEWTON_STEPS):
+        for _ in range(_MOST_NEWTON_STEPS):  # 120
             # Of a trial contact: mean of h', A times the load that it carries, int h'' d theta and
             # int h'' cos(theta) d theta, theta the angle of x = m + c cos(theta).
             balance = self.profile.balance(x - side * c, c)
-            # Sum of mean slope and tilt, times side: positive while c is too small.
+            # mean slope plus tilt, times side: positive while c is too small
             slope_excess = side * (balance.mean_slope + self.tilt_without_load)
             slope_excess = slope_excess + side * tilt_over_compliance * balance.load_product
             # -d slope_excess/dc while x stays an end
@@ -1287,9 +1292,9 @@ class NestedIntervals:
             least_c = np.where(slope_excess > 0, c, least_c)
             largest_c = np.where(slope_excess > 0, largest_c, c)
             newton_c = c + slope_excess / np.where(fall_rate > 0, fall_rate, np.inf)
-            is_in_bracket = (fall_rate > 0) & (newton_c >= least_c) & (newton_c <= largest_c)
-            new_c = np.where(is_in_bracket, newton_c, (least_c + largest_c) / 2)
-            is_small_step = is_in_bracket & (np.abs(new_c - c) <= 1e-10 * c)
+            is_within_bounds = (fall_rate > 0) & (newton_c >= least_c) & (newton_c <= largest_c)
+            new_c = np.where(is_within_bounds, newton_c, (least_c + largest_c) / 2)
+            is_small_step = is_within_bounds & (np.abs(new_c - c) <= 1e-10 * c)
             is_done = is_small_step | (largest_c - least_c <= 4e-16 * self.largest_half_width)
             c = new_c
             if np.all(is_done):
