@@ -381,13 +381,13 @@ class BulkAndTilt(Frozen, Generic[V]):
     def formula_segments(
         self,
         path: LoadPath,  # noqa: ARG002 straight loads follow no formula
-        pair: Pair,  # noqa: ARG002
+        key_values: Pair,  # noqa: ARG002
     ) -> Sequence[LoadSegment]:
-        """Segments of two quantities beside P and Q, such as both bulk stresses, for the last load
-        segments of the `path`: those on which they follow formulas of time. Here there are none: on
-        all segments the quantities are straight.
+        """Two quantities beside P and Q, such as both bulk stresses: one segment for each of the
+        last segments of the load `path`, on which they follow formulas of time. Here there are
+        none: such quantities are straight lines on all segments.
 
-        `pair` holds the values of their two keys in the scene; None counts as 0.
+        `key_values` are the values of their two keys in the scene; None counts as 0.
         """
         return ()
 
@@ -479,12 +479,12 @@ W = TypeVar("W", bound=Wave | WaveSum)
 class CyclicLoad(BulkAndTilt[W], Generic[W]):
     """A load whose P, Q, bulk stresses and tilt are sums of cosines of time along the cycle."""
 
-    def formula_segments(self, path: LoadPath, pair: Pair) -> Sequence[LoadSegment]:
+    def formula_segments(self, path: LoadPath, key_values: Pair) -> Sequence[LoadSegment]:
         """Two quantities beside P and Q, such as both bulk stresses, as sums of cosines over the
         segments of the cycle of the load `path`.
 
-        `pair` holds what the scene states for the two: a wave or sum of waves, a number, or None
-        for 0.
+        `key_values` are what the scene states for the two: a wave or a sum of waves, a number, or
+        None for 0.
         """
         # waves(): mean and (amplitude, phase in radians) of each cosine.
         means, waves = zip(
@@ -492,7 +492,7 @@ class CyclicLoad(BulkAndTilt[W], Generic[W]):
                 key_value.waves()
                 if isinstance(key_value, Wave | WaveSum)
                 else (key_value or 0.0, ())
-                for key_value in pair
+                for key_value in key_values
             ),
             strict=True,
         )
@@ -1584,11 +1584,12 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
             return LoadPath(initial_loading, segments)
         return LoadPath((*initial_loading, *segments), ())
 
-    def formula_segments(self, path: LoadPath, pair: Pair) -> Sequence[LoadSegment]:
-        """Two quantities over time beside P and Q, such as both bulk stresses, as Chebyshev series.
-        They have the times of the segments of the load `path` from time 0 on.
+    def formula_segments(self, path: LoadPath, key_values: Pair) -> Sequence[LoadSegment]:
+        """Two quantities over time beside P and Q, such as both bulk stresses: segments of
+        Chebyshev series, over the same times as the segments of the load `path` from time 0 on.
 
-        `pair` holds what the scene states for the two: functions of time, numbers, or None for 0.
+        `key_values` are what the scene states for the two: functions of time, numbers, or None
+        for 0.
         """
 
         def as_function(key_value: Any) -> Callable[[Any], Any]:
@@ -1597,7 +1598,7 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
                 return function_of_arrays(key_value)
             return lambda time: np.full(np.shape(time), key_value or 0.0)
 
-        functions = [as_function(key_value) for key_value in pair]
+        functions = [as_function(key_value) for key_value in key_values]
         # Straight lines of the initial loading end at time 0.
         return [
             _chebyshev_segment(segment.start, segment.end, functions)
