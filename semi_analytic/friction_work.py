@@ -812,12 +812,13 @@ def _gauss_rule(n_nodes: int) -> QuadratureRule:
     """Gauss' quadrature rule of `n_nodes` nodes, as a function of begin and end of ranges (n,) that
     returns nodes and weights (n, n_nodes) each.
     """
-    nodes, weights = gauss_rule(n_nodes)
+    unit_nodes, unit_weights = gauss_rule(n_nodes)
 
     def rule(begin: ArrayLike, end: ArrayLike) -> tuple[Array, Array]:
+        """Nodes and weights on ranges from begin to end."""
         begin_column = np.asarray(begin, dtype=float)[..., None]
-        length = np.asarray(end, dtype=float)[..., None] - begin_column
-        return begin_column + length * nodes, length * weights
+        range_length = np.asarray(end, dtype=float)[..., None] - begin_column
+        return begin_column + range_length * unit_nodes, range_length * unit_weights
 
     return rule
 
@@ -1217,9 +1218,16 @@ def _shares_in_slip(loads: _LinearLoads, contact_edge_load_of_points: Array) -> 
     """Shares from 0 to 1 of a part of a load step between which points slip, begin and end, (n, k)
     each; the end is not above the begin where a point never does.
 
-    A point slips while it is in contact and outside the stick zone. `loads` are P and P_c, the load
-    at the stick edge, along each of n parts. `contact_edge_load_of_points` (k,) is P_x, the load at
-    which the edge of contact is at a point.
+    A point slips while it is in contact and outside the stick zone: P_c < P_x < P. P_x is the load
+    at which the edge of contact is at the point, P_c that at the stick edge. P and P_c change
+    linearly along a part, so that each meets P_x at one share at most.
+
+    Parameters
+    ----------
+    loads
+        P and P_c along each of n parts, (n, 1): values at the begin, growth of P, fall of P_c
+    contact_edge_load_of_points
+        (k,) P_x
     """
     load_at_begin, load_growth, stick_edge_load_at_begin, stick_edge_drop = loads
     share_at_stick_edge = np.clip(
@@ -1239,11 +1247,8 @@ def _shares_in_slip(loads: _LinearLoads, contact_edge_load_of_points: Array) -> 
         1.0,
     )
     end_share = np.where(load_growth < 0, share_at_contact_edge, 1.0)
-    end_share = np.where(
-        contact_edge_load_of_points < np.maximum(load_at_begin, load_at_begin + load_growth),
-        end_share,
-        0.0,
-    )
+    largest_load = np.maximum(load_at_begin, load_at_begin + load_growth)
+    end_share = np.where(contact_edge_load_of_points < largest_load, end_share, 0.0)
     # Where the contact grows a point slips from when the edge of contact reaches it.
     begin_in_growth = np.maximum(begin_share, share_at_contact_edge)
     return np.where(load_growth > 0, begin_in_growth, begin_share), end_share

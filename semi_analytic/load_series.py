@@ -465,8 +465,8 @@ def _curve_after_slip(
     # notation: P, Q normal and tangential load; f coefficient of friction; P_c load at the stick
     #           edge; s direction of slip; level s Q - f P, which grows in slip
 
-    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. The
-    stick edge goes down through the straight lines of the curve while the level grows. A line of
+    The memory curve M(eta) is the tangential force of the flat punches up to the load eta, a chain
+    of straight lines. The stick edge goes down through the lines while the level grows. A line of
     length l in eta and rise r in M is passed when the level has grown by f l - s r. P - P_c is the
     growth of P in the step plus the lengths of all lines passed. Where that is not above 0 no line
     is added.
@@ -486,31 +486,32 @@ def _curve_after_slip(
         takes a record for each line that the stick edge goes through: slip, P and P - P_c at its
         begin and end
     """
-    load, force, begin_share = begin_station
-    load_at_end, force_at_end, end_share = end_station
-    load_growth = load_at_end - load
-    level_growth = direction * (force_at_end - force) - friction * load_growth
+    begin_load, begin_force, begin_share = begin_station
+    end_load, end_force, end_share = end_station
+    load_growth = end_load - begin_load
+    level_growth = direction * (end_force - begin_force) - friction * load_growth
     remaining_level_growth = level_growth
-    # _STICK_EDGE_ROUNDOFF_SHARE: 4e-15 of f P
+    # 4e-15 of f P
     level_roundoff = (
-        _STICK_EDGE_ROUNDOFF_SHARE * friction * (load if load > load_at_end else load_at_end)
+        _STICK_EDGE_ROUNDOFF_SHARE * friction * (begin_load if begin_load > end_load else end_load)
     )
-    passed_length = 0.0  # of lines
-    slip_zone_load = 0.0  # P - P_c at `station`, where the next record begins
+    length_of_passed_lines = 0.0
+    # where the next record begins, and P - P_c there
     station = begin_station
+    slip_zone_load = 0.0
     # A line at the limit slips already: the stick edge begins below it.
     if (
         curve is not None
         and curve.curve_below is not None
         and friction * curve.load_length <= direction * curve.force_rise
     ):
-        passed_length = curve.load_length
+        length_of_passed_lines = curve.load_length
         slip_zone_load = curve.load_length
         curve = curve.curve_below
 
-    level_growth_to_pass_line = 0.0  # growth of the level by which a line is passed
+    # The lines that the stick edge passes, from the top down.
+    level_growth_to_pass_line = 0.0
     while curve is not None:
-        # the line below, growth of eta and of M along the line
         line_below, _, _, line_length, line_rise, _ = curve
         level_growth_to_pass_line = friction * line_length - direction * line_rise
         # A stick edge that meets a knot at the very end of the step, to round-off, has not passed
@@ -520,15 +521,15 @@ def _curve_after_slip(
             or line_below is None
         ):
             break
-        passed_length += line_length
+        length_of_passed_lines += line_length
         if level_growth_to_pass_line > 0:
             remaining_level_growth -= level_growth_to_pass_line
             share_of_step_at_knot = 1 - remaining_level_growth / level_growth
-            slip_zone_load_at_knot = passed_length + share_of_step_at_knot * load_growth
+            slip_zone_load_at_knot = length_of_passed_lines + share_of_step_at_knot * load_growth
             # Q of a station inside a step is not recorded.
             next_station = (
-                load + share_of_step_at_knot * load_growth,
-                force,
+                begin_load + share_of_step_at_knot * load_growth,
+                begin_force,
                 begin_share + share_of_step_at_knot * (end_share - begin_share),
             )
             recorder.add(
@@ -554,12 +555,11 @@ def _curve_after_slip(
             if remaining_level_growth < level_growth_to_pass_line
             else 1.0
         )
-        passed_length += share_of_line * curve.load_length
-        # the line without its upper part, which slips
+        length_of_passed_lines += share_of_line * curve.load_length
         sticking_curve = (
             _without_upper_share(curve, share_of_line) if share_of_line < 1 else curve.curve_below
         )
-    slip_zone_load_at_end = passed_length + load_growth
+    slip_zone_load_at_end = length_of_passed_lines + load_growth
     recorder.add(
         curve,
         direction,
@@ -571,7 +571,7 @@ def _curve_after_slip(
     if not slip_zone_load_at_end > 0:
         return sticking_curve
     return _with_line_at_limit(
-        sticking_curve, load_at_end, force_at_end, slip_zone_load_at_end, direction * friction
+        sticking_curve, end_load, end_force, slip_zone_load_at_end, direction * friction
     )
 
 

@@ -169,10 +169,10 @@ def _convex_wedge(profile: Wedge) -> ConvexProfile:
 
 def _convex_table(profile: Tabulated) -> ConvexProfile:
     """A profile given by a table of heights as a convex curve that can be tilted: parabolas from
-    row to row, straight beyond the ends. `sides` are the left and the right half, each with
-    ascending x >= 0, height, slope and curvature. InputError where it bends down somewhere.
+    row to row, straight beyond the ends. InputError where it bends down somewhere.
     """
-    left_side, right_side = profile.sides()  # x of the left side is counted to the left
+    # Each has ascending x >= 0, counted from the middle, with height, slope and curvature there.
+    left_side, right_side = profile.sides()
     # from left to right, 0 beyond both ends
     curvatures = np.concatenate([[0.0], left_side.curvature[::-1], right_side.curvature, [0.0]])
     if np.min(curvatures) < -1e-12 * np.max(curvatures):
@@ -671,15 +671,17 @@ def law_of_flat_and_rounded(modulus: float, radius: float, flat_half_length: flo
     load_unit = modulus * b**2 / (2 * radius)
 
     def tau(d: Array) -> Array:
+        """sqrt(a^2 - b^2)/b, without cancellation."""
         return np.sqrt(d / b * (2 + d / b))
 
     def load(d: Array) -> Array:
+        """P at advances d."""
         return load_unit * flat_and_rounded_load_function(tau(d))
 
     def stiffness(d: Array) -> Array:
+        """dP/da at advances d."""
         return modulus / radius * (b + d) * np.arctan(tau(d))
 
-    # `edge_advance_function` inverts P(d)
     return ContactLaw(
         load, edge_advance_function(load, stiffness, b), stiffness, least_half_width=b
     )

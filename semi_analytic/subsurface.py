@@ -686,8 +686,8 @@ def _edge_tensions_of_answer(
     a half-plane solution, and its uncertainty: (2,) each [stress]; without the bulk stress.
 
     The stress is (2/pi) int q/|x - edge| dx at the left edge, and minus that at the right one.
-    Tension is positive. q is q/(f p), linear between the points of the solution, times the exact
-    f p.
+    Tension is positive. q is the exact f p times q/(f p), which is taken as linear between the
+    points of the solution.
 
     The uncertainty is the root of the sum of the squares of
 
@@ -726,8 +726,10 @@ def _edge_tensions_of_answer(
     if coarse_grids is None:
         cell_width = 0.0
         change_by_grids = np.zeros(2)
+        # 1e-3 of it
         error_by_shear = _TENSION_ERROR_SHARE_BETWEEN_PLACES * largest_friction
     else:
+        # cells of the solution itself
         cell_width = coarse_grids.cell_width / 2
         coarse_ratio = coarse_grids.friction_ratio[row, is_in_contact]
         change_by_grids = sliding_tension.times_ratio(x_of_points, coarse_ratio) - tensions
@@ -735,7 +737,7 @@ def _edge_tensions_of_answer(
         shear_error_share = answer.record.errors.get("shear", 0.0)
         error_by_shear = _TENSION_ERROR_OVER_SHEAR_ERROR * shear_error_share * largest_friction
 
-    # of the left edge and of the right one
+    # at the left edge and at the right one
     slip_zone_tensions = np.array(
         [
             _tension_of_narrow_slip_zone(
