@@ -331,7 +331,8 @@ def _path_of_curve(
     """Load path of a memory curve: P and Q alone, without bulk stress and tilt. From a certain
     segment on a load in proportion to the bulk strain eps may stand for Q.
 
-    None where bulk stress in one of those is neither linear nor a sum of harmonics in time.
+    None where a load stands for Q while bulk stress is neither linear nor a sum of harmonics in
+    time.
 
     Parameters
     ----------

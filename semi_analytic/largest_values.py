@@ -146,30 +146,30 @@ def extremes(answer: ContactSolution, names: Sequence[str] = SEARCHED_VALUES) ->
 
 
 def _extremes(answer: ContactSolution, names: tuple[str, ...]) -> Extremes:
-    """Largest values of half-plane theory for the answer's scene through the last cycle; `names`
+    """Largest values of half-plane theory through the last cycle of a solution (`answer`); `names`
     are those of "slip", "dissipation_density" and "edge_tension" to search for.
 
-    Where one memory curve is the whole friction history, the maxima are searched for. For other
-    scenes they are the largest at the default points and instants. A memory curve is the tangential
-    force, or the bulk strain, locked in up to each load.
+    Where one memory curve is the whole friction history, the maxima are searched for over x and
+    time. For other scenes they are the largest at the default points and instants. A memory curve
+    is the tangential force, or the bulk strain, locked in up to each load.
     """
     scene = answer.scene
-    # None where there is no one memory curve
+    # None without one memory curve
     contact = _contact_of_one_curve(scene)
     if contact is None:
         if answer in answers_at_default_points:  # it is not solved again
             return _extremes_at_points_of(answer)
         return _extremes_at_default_points(scene)
-    # instants of the last cycle; "whole_cycle" is skipped where the answer has none
-    rows_of_cycle = answer.last_cycle
-    has_cycle = "whole_cycle" not in answer.work.skipped and len(rows_of_cycle) > 1
+    # numbers of the instants of the last cycle; "whole_cycle" is skipped where there is none
+    cycle_rows = answer.last_cycle
+    has_cycle = "whole_cycle" not in answer.work.skipped and len(cycle_rows) > 1
     if not has_cycle or answer.settings.get("straight_steps"):
         return _Search(answer, contact, has_cycle).extremes(names)
-    path = scene.load.path()
+    load_path = scene.load.path()
     # A path that does not repeat begins unloaded, wherever the first increment of a solver ends.
-    start_time = float(path.start if path.period is None else answer.time[rows_of_cycle[0]])
-    end_time = float(answer.time[rows_of_cycle[-1]])
-    # from the scene's own path, cached
+    start_time = float(load_path.start if load_path.period is None else answer.time[cycle_rows[0]])
+    end_time = float(answer.time[cycle_rows[-1]])
+    # of the scene's own path, and cached
     return _extremes_of_cycle(scene, start_time, end_time, names)
 
 

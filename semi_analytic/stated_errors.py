@@ -219,9 +219,10 @@ class SumsOfKernels:
 def errors_of_sums(contact: Contact, sums: SumsOfKernels) -> dict[str, float]:
     """Relative errors of the sums of kernels that are pressure, shear and slip, by name.
 
-    A kernel is a pressure or a slip integral of the `contact` under one load. The errors hold
-    farther than 1 % of a half-width from the edges of contact and of stick. With "at the edge"
-    behind the name they hold at the points themselves, however near.
+    A kernel is a pressure or a slip integral of the `contact` under one load. A sum errs by the
+    error of a kernel times the number of kernels. The errors hold farther than 1 % of a half-width
+    from the edges of contact and of stick. With "at the edge" behind the name they hold at the
+    points themselves, however near.
 
     Errors of pressure are over the largest p, of shear over the largest f p, of slip over the
     largest slip. Without pressure, or slip, its name is left out. Of closed forms and of tilted
