@@ -1500,25 +1500,27 @@ class _GridSolution:
         self.shear_moment[instant_numbers] = np.mean(
             cell_fields.shear_moment[increment_numbers], axis=1
         )
-        # some instants at a time: their fields on all grids take memory
+        # 16 instants at once: their fields on all grids take memory
         for first_index in range(0, len(instant_numbers), _INSTANTS_AT_ONCE):
-            block = slice(first_index, first_index + _INSTANTS_AT_ONCE)
-            numbers = instant_numbers[block]
+            chunk = slice(first_index, first_index + _INSTANTS_AT_ONCE)
+            instants_of_chunk = instant_numbers[chunk]
             point_fields = _point_fields_at(
-                grids, cell_fields, increment_numbers[block], x, compliance
+                grids, cell_fields, increment_numbers[chunk], x, compliance
             )
-            self.friction_ratio[numbers] = np.mean(point_fields.friction_ratio, axis=1)
-            self.slip[numbers] = np.mean(point_fields.slip, axis=1)
-            self.stick_edges[numbers] = np.mean(point_fields.stick_edges, axis=1)
+            # means over the grids
+            self.friction_ratio[instants_of_chunk] = np.mean(point_fields.friction_ratio, axis=1)
+            self.slip[instants_of_chunk] = np.mean(point_fields.slip, axis=1)
+            self.stick_edges[instants_of_chunk] = np.mean(point_fields.stick_edges, axis=1)
             self.most_stick_zones = max(
                 self.most_stick_zones, int(np.max(point_fields.n_stick_zones))
             )
-            is_stored_by_grid = numbers % stride == 0
-            stored_numbers = numbers[is_stored_by_grid] // stride
-            self.friction_ratio_by_grid[:, stored_numbers] = np.swapaxes(
+            # and each grid at every so many instants
+            is_stored_by_grid = instants_of_chunk % stride == 0
+            stored_rows = instants_of_chunk[is_stored_by_grid] // stride
+            self.friction_ratio_by_grid[:, stored_rows] = np.swapaxes(
                 point_fields.friction_ratio[is_stored_by_grid], 0, 1
             )
-            self.slip_by_grid[:, stored_numbers] = np.swapaxes(
+            self.slip_by_grid[:, stored_rows] = np.swapaxes(
                 point_fields.slip[is_stored_by_grid], 0, 1
             )
 
@@ -1627,23 +1629,25 @@ def _between_cells(
         (g, k) middles x of the cells [length]
     """
     n_instants, n_grids, n_cells = values.shape
+    # the first and the last cell in contact, (n, g, 1)
     first_cell = np.argmax(is_touching, axis=-1)[..., None]
     last_cell = n_cells - 1 - np.argmax(is_touching[..., ::-1], axis=-1)[..., None]
     # (g, m) number of the last cell with its middle at or before each point, -1 without such a cell
-    cells_before = np.stack(
+    cell_before_point = np.stack(
         [np.searchsorted(middles, x, side="right") - 1 for middles in cell_middles]
     )
-    is_between = (cells_before >= first_cell) & (cells_before < last_cell)
-    # (n, g, m) numbers of cells: on their own grid, among those of all grids, and of all instants
-    cell = np.clip(cells_before, first_cell, last_cell)
-    cell_of_grids = cell + n_cells * np.arange(n_grids)[:, None]
-    cell_of_instants = cell_of_grids + n_grids * n_cells * np.arange(n_instants)[:, None, None]
-    # slope from each cell to the next
-    slopes = np.zeros(values.shape)
-    slopes[..., :-1] = np.diff(values) / np.diff(cell_middles)
-    slope = np.where(is_between, slopes.ravel().take(cell_of_instants), 0.0)
-    distance = x - cell_middles.ravel().take(cell_of_grids)
-    values_at_points = slope * distance + values.ravel().take(cell_of_instants)
+    is_between_cells = (cell_before_point >= first_cell) & (cell_before_point < last_cell)
+    # (n, g, m) number of the nearest such cell in contact: on its own grid, among the cells of all
+    # grids, and among those of all instants
+    number_on_grid = np.clip(cell_before_point, first_cell, last_cell)
+    number_in_grids = number_on_grid + n_cells * np.arange(n_grids)[:, None]
+    number_in_instants = number_in_grids + n_grids * n_cells * np.arange(n_instants)[:, None, None]
+    # slope from each cell to the next; 0 beyond the outermost cells in contact
+    slopes_of_cells = np.zeros(values.shape)
+    slopes_of_cells[..., :-1] = np.diff(values) / np.diff(cell_middles)
+    slope = np.where(is_between_cells, slopes_of_cells.ravel().take(number_in_instants), 0.0)
+    distance_from_cell = x - cell_middles.ravel().take(number_in_grids)
+    values_at_points = slope * distance_from_cell + values.ravel().take(number_in_instants)
     values_at_points[~is_touching.any(axis=-1)] = 0.0
     return np.asarray(values_at_points)
 
@@ -1702,15 +1706,15 @@ def _stick_edges_and_zones(
     """
     is_sticking = cell_states == STICK
     is_touching = cell_states != OPEN
-    last_number = cell_states.shape[-1] - 1
+    last_cell_of_grid = cell_states.shape[-1] - 1
     grid_numbers = np.arange(len(cell_middles))
     first_sticking_cell = np.argmax(is_sticking, axis=-1)
-    last_sticking_cell = last_number - np.argmax(is_sticking[..., ::-1], axis=-1)
+    last_sticking_cell = last_cell_of_grid - np.argmax(is_sticking[..., ::-1], axis=-1)
+    first_touching_cell = np.argmax(is_touching, axis=-1)
+    last_touching_cell = last_cell_of_grid - np.argmax(is_touching[..., ::-1], axis=-1)
     left_stick_edge = cell_middles[grid_numbers, first_sticking_cell] - cell_width / 2
     right_stick_edge = cell_middles[grid_numbers, last_sticking_cell] + cell_width / 2
-    # stick up to the first or to the last cell in contact
-    left_stick_edge[first_sticking_cell == np.argmax(is_touching, axis=-1)] = -math.inf
-    last_touching_cell = last_number - np.argmax(is_touching[..., ::-1], axis=-1)
+    left_stick_edge[first_sticking_cell == first_touching_cell] = -math.inf
     right_stick_edge[last_sticking_cell == last_touching_cell] = math.inf
     stick_edges = np.stack([left_stick_edge, right_stick_edge], axis=-1)
     stick_edges[~is_sticking.any(axis=-1)] = math.nan
