@@ -1301,17 +1301,18 @@ class LoopWorkOfSeries:
         slip_zone_loads_at_ends = np.stack(
             [records.slip_zone_load_at_begin, records.slip_zone_load_at_end], axis=1
         )
-        relative_at_begin, relative_at_end = displacement_minus_constant(
+        # the function at both ends of each record, and its mean along the record
+        function_at_begin, function_at_end = displacement_minus_constant(
             np.arange(len(records.direction)), loads_at_ends, slip_zone_loads_at_ends
         ).T
-        relative_mean, _ = _means_along_records(self._contact, records, displacement_minus_constant)
+        function_mean, _ = _means_along_records(self._contact, records, displacement_minus_constant)
 
         # The mean of U along a record is U at its end plus the mean difference of U from it.
         force_change = self._force_changes(block)
         displacement_at_end = self._scaled_displacement + np.cumsum(
-            relative_at_end - relative_at_begin
+            function_at_end - function_at_begin
         )
-        mean_displacement = displacement_at_end - relative_at_end + relative_mean
+        mean_displacement = displacement_at_end - function_at_end + function_mean
         self._scaled_integral -= float(np.sum(force_change * mean_displacement))
         self._total_change_of_force += float(np.sum(np.abs(force_change)))
         self._scaled_displacement = float(displacement_at_end[-1])

@@ -738,8 +738,9 @@ class Grid:
     def _solve_under_loads(
         self, normal_load: float, tangential_load: float, tilt: float, displacement_by_strain: Array
     ) -> tuple[NormalSolution, TangentialSolution]:
-        """Normal and tangential solution of all grids at the end of an increment: apart where P is
-        not positive; normal, then tangential for like bodies; both in turn for unlike ones.
+        """Normal and tangential solution of all grids at the end of an increment. For like bodies
+        the normal problem is solved first, then the tangential one; for unlike bodies both in turn,
+        until neither changes. Where P is not positive there is no contact.
 
         The new cells in contact are stored in the grid. Without coupling the normal solution
         depends on P and the tilt only: it is cached for the next cycle.

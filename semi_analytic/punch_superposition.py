@@ -416,11 +416,11 @@ class PunchSuperposition:
         """Difference of the squares of two contact half-widths, outer minus inner, (n,) [length^2],
         without loss of digits where they are close.
 
-        Squares are close where they differ by less than 1 % of the outer one, or by less than 1e-6
-        of it across several corners. Their difference is then `load_difference` over the mean of
-        dP/d(a^2) between the two. Elsewhere the squares are subtracted. With several corners of the
-        profile in between, this has more digits, unless the corners are next to each other. So it
-        is where the inner advance is negative, that of a point within a flat.
+        Squares are close where they differ by less than 1 % of the outer one. Their difference is
+        then `load_difference` over the mean of dP/d(a^2) between the two. Elsewhere, and where the
+        inner advance is negative, that of a point within a flat, the squares are subtracted. Across
+        several corners of the profile that has more digits than the mean, unless the corners are
+        next to each other: there squares are close only below 1e-6 of the outer one.
 
         Parameters
         ----------
