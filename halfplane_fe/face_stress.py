@@ -1283,15 +1283,15 @@ def size_effect_basis(z: Complex, length: float) -> Array:
 
 
 def fitted_size_effect(
-    x: Array, y: Array, stress: Array, weights: Array, length: float, half_width: float
+    x: Array, y: Array, stress: Array, length: float, half_width: float
 ) -> SizeEffect:
     """Least-squares fit, by a power-series potential, of the stress that a body of finite size has
     beyond that of a half-plane, with the standard error of s_xx at the edges of contact.
 
     Parameters
     ----------
-    x, y, weights
-        (n,) nodes, y <= 0 counted from the face, and the area that each stands for
+    x, y
+        (n,) nodes, y <= 0 counted from the face
     stress
         (n, 3, m) stress of the elements minus that of the half-plane in m load cases: s_xx, s_yy,
         s_xy
@@ -1302,10 +1302,9 @@ def fitted_size_effect(
 
     # notation: in subscripts of einsum i edges of contact, j and k terms of the series
     """
-    # Weighted least squares; `size_effect_basis` is the stress (n, 3, k) by each of k terms.
-    root_of_weights = np.sqrt(weights / weights.mean())[:, None, None]
-    matrix = (size_effect_basis(x + 1j * y, length) * root_of_weights).reshape(3 * len(x), -1)
-    right_side = (stress * root_of_weights).reshape(3 * len(x), -1)
+    # Least squares; `size_effect_basis` is the stress (n, 3, k) by each of k terms.
+    matrix = size_effect_basis(x + 1j * y, length).reshape(3 * len(x), -1)
+    right_side = stress.reshape(3 * len(x), -1)
     coefficients, _, rank, _ = np.linalg.lstsq(matrix, right_side, rcond=1e-10)
 
     # Standard error (m,) of s_xx at both edges, by the residual and the covariance; the larger one.
@@ -1314,4 +1313,6 @@ def fitted_size_effect(
     basis_at_edges = size_effect_basis(np.array([half_width + 0j, -half_width + 0j]), length)[:, 0]
     covariance = np.linalg.pinv(matrix.T @ matrix)
     variances = np.einsum("ij,jk,ik->i", basis_at_edges, covariance, basis_at_edges)
-    return SizeEffect(length, coefficients, standard_deviation * np.sqrt(np.max(variances)))
+    return SizeEffect(
+        length, np.asarray(coefficients), standard_deviation * np.sqrt(np.max(variances))
+    )
