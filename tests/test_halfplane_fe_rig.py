@@ -293,7 +293,7 @@ def test_theory_finds_the_loads_of_the_finite_elements_by_their_displacements(
     prescribed = PolygonLoad(initial_loading=((MEAN, 1e-3),), tangential_displacement=True)
     contact = rigged_scene(scene.vary(load=prescribed, rig=rig), effects)
     driven = driven_as(found, contact)
-    work = driven.work(slice(driven.ends[0], driven.ends[1] + 1))
+    work = driven.work(slice(driven.end_rows[0], driven.end_rows[1] + 1))
     assert work == pytest.approx(found.dissipation, rel=5e-3)
 
 
