@@ -423,13 +423,25 @@ def run_values(
 
 
 def _contact_edges(interface: Interface, states: Sequence[InterfaceState]) -> Array:
-    """Left and right edge of contact in k states, (k, 2), by the form of pressure and gap at the
-    outermost nodes of the interface; scaled; NaN without contact.
+    """Left and right edge of contact in k states, (k, 2), scaled; NaN without contact.
+
+    They follow from the form of pressure and gap at the outermost nodes of the interface. States of
+    long runs that have dropped these end at the outermost node that touches.
     """
-    pressure = np.array([state.pressure for state in states]) / interface.face_lengths
-    gap = np.array([state.gap for state in states])
-    is_closed = np.array([state.is_closed for state in states])
-    return contact_edges(interface.x, pressure, gap, is_closed, 1.0)
+    edges = np.full((len(states), 2), math.nan)
+    for edges_of_state, state in zip(edges, states, strict=True):
+        if state.is_closed.any():
+            edges_of_state[:] = interface.x[np.flatnonzero(state.is_closed)[[0, -1]]]
+    is_complete = np.array([state.is_complete for state in states])
+    complete_states = [state for state in states if state.is_complete]
+    edges[is_complete] = contact_edges(
+        interface.x,
+        np.array([state.pressure for state in complete_states]) / interface.face_lengths,
+        np.array([state.gap for state in complete_states]),
+        np.array([state.is_closed for state in complete_states]),
+        1.0,
+    )
+    return edges
 
 
 @dataclass(frozen=True)

@@ -829,7 +829,8 @@ def test_instants_that_are_left_out_cost_nothing_but_themselves(
     rows: int, most: int, repeats: bool
 ) -> None:
     """Each instant is as in the whole answer; what is of the whole path is that of the whole answer
-    to rounding, and it is said.
+    to rounding, and it is said. Edges are corrected by how the half-width grows with the load, which
+    fewer instants tell less well: they differ by less than a fifth of their uncertainty.
     """
     thinned = solved(rows, most, repeats)
     complete = solved(rows, 10**9, repeats)
@@ -843,23 +844,28 @@ def test_instants_that_are_left_out_cost_nothing_but_themselves(
         "shear",
         "slip",
         "state",
-        "contact_edges",
-        "stick_edges",
     ):
         np.testing.assert_array_equal(
             getattr(thinned, name), getattr(complete, name)[instants], err_msg=name
         )
+    for name in ("contact_edge", "stick_edge"):
+        difference = getattr(thinned, f"{name}s") - getattr(complete, f"{name}s")[instants]
+        uncertainty = getattr(complete, f"{name}_uncertainty")[instants]
+        assert np.all((np.abs(difference) < 0.2 * uncertainty) | np.isnan(difference)), name
     assert thinned.steady_from == complete.steady_from
     for name in (
         "dissipation",
         "dissipation_density",
         "cycle_dissipation",
-        "permanent_stick_half_width",
         "loop_work",
     ):
         assert getattr(thinned, name) == pytest.approx(
             getattr(complete, name), rel=1e-14, nan_ok=True
         ), name
+    uncertainty = complete.uncertainties["permanent_stick_half_width"]
+    assert thinned.permanent_stick_half_width == pytest.approx(
+        complete.permanent_stick_half_width, abs=0.2 * uncertainty
+    )
     for name, energy in complete.record.energy.items():
         assert thinned.record.energy[name].sum() == pytest.approx(
             energy.sum(), rel=1e-10, abs=1e-13
