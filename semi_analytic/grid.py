@@ -740,7 +740,7 @@ class Grid:
     ) -> tuple[NormalSolution, TangentialSolution]:
         """Normal and tangential solution of all grids at the end of an increment. For like bodies
         the normal problem is solved first, then the tangential one; for unlike bodies both in turn,
-        until neither changes. Where P is not positive there is no contact.
+        until the shear rests. Where P is not positive there is no contact.
 
         The new cells in contact are stored in the grid. Without coupling the normal solution
         depends on P and the tilt only: it is cached for the next cycle.
