@@ -4,6 +4,7 @@ events, layer, long records.
 
 from __future__ import annotations
 
+import math
 import sys
 from functools import cache
 from itertools import pairwise
@@ -829,8 +830,8 @@ def test_instants_that_are_left_out_cost_nothing_but_themselves(
     rows: int, most: int, repeats: bool
 ) -> None:
     """Each instant is as in the whole answer; what is of the whole path is that of the whole answer
-    to rounding, and it is said. Edges are corrected by how the half-width grows with the load, which
-    fewer instants tell less well: they differ by less than a fifth of their uncertainty.
+    to rounding, and it is said. Edges are corrected by how the half-width grows with the load. Fewer
+    instants tell that less well: edges differ by less than a fifth of their uncertainty.
     """
     thinned = solved(rows, most, repeats)
     complete = solved(rows, 10**9, repeats)
@@ -862,10 +863,12 @@ def test_instants_that_are_left_out_cost_nothing_but_themselves(
         assert getattr(thinned, name) == pytest.approx(
             getattr(complete, name), rel=1e-14, nan_ok=True
         ), name
-    uncertainty = complete.uncertainties["permanent_stick_half_width"]
-    assert thinned.permanent_stick_half_width == pytest.approx(
-        complete.permanent_stick_half_width, abs=0.2 * uncertainty
-    )
+    if math.isfinite(complete.permanent_stick_half_width):
+        uncertainty = complete.uncertainties["permanent_stick_half_width"]
+        difference = thinned.permanent_stick_half_width - complete.permanent_stick_half_width
+        assert abs(difference) < 0.2 * uncertainty
+    else:
+        assert math.isnan(thinned.permanent_stick_half_width)
     for name, energy in complete.record.energy.items():
         assert thinned.record.energy[name].sum() == pytest.approx(
             energy.sum(), rel=1e-10, abs=1e-13
