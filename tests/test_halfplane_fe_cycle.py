@@ -830,8 +830,8 @@ def test_instants_that_are_left_out_cost_nothing_but_themselves(
     rows: int, most: int, repeats: bool
 ) -> None:
     """Each instant is as in the whole answer; what is of the whole path is that of the whole answer
-    to rounding, and it is said. Edges are corrected by how the half-width grows with the load. Fewer
-    instants tell that less well: edges differ by less than a fifth of their uncertainty.
+    to rounding, and it is said. Edges are corrected by how the half-width grows with the load.
+    Fewer instants tell that less well: edges differ by less than a fifth of their uncertainty.
     """
     thinned = solved(rows, most, repeats)
     complete = solved(rows, 10**9, repeats)
