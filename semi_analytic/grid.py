@@ -83,6 +83,9 @@ _SAFETY_OF_CHANGE = 2.0
 # and of a logarithm, 0. With 1/2 the true error was up to 1.7 times the stated one, where next to
 # nothing slips; with 1 up to 2.6.
 _ORDER_OF_SHEAR_BESIDE_EDGE = 1 / 3
+# Share of the friction work done in the outermost cells above which slip zones count as narrower
+# than a cell: it is 1.00 in scenes of such zones, and 0.1 at most in others.
+_SHARE_OF_MOST_WORK = 0.5
 # Relative difference of two times below which they are one.
 _ROUND_OFF_OF_TIME = 1e-12
 # Cycles that the fine grids follow where coarse ones followed those before: the last two.
@@ -1421,6 +1424,9 @@ class _GridSolution:
         (g,) friction work of the last cycle; its closed integral of Q dU - m_q d eps
     work_per_area
         (g, k) friction work per area of the k cells in the last cycle
+    edge_work_share
+        share of the friction work of the last cycle that is done in the outermost cells in contact
+        and in cells that open
     permanent_stick_edges
         (2,) mean edges of the cells that stick through the last cycle [length]
     """
@@ -1440,6 +1446,7 @@ class _GridSolution:
     work_of_last_cycle: Array = field(default_factory=lambda: np.empty(0))
     load_work_of_last_cycle: Array = field(default_factory=lambda: np.empty(0))
     work_per_area: Array = field(default_factory=lambda: np.empty(0))
+    edge_work_share: float = 0.0
     permanent_stick_edges: Array = field(default_factory=lambda: np.full(2, np.nan))
 
     @classmethod
@@ -1532,7 +1539,8 @@ class _GridSolution:
         permanent_stick_edges: Array,
     ) -> None:
         """Store the friction work of all cycles. Of the last cycle store friction work, work of the
-        loads, friction work per area, and edges of permanent stick.
+        loads, friction work per area, the share of the outermost cells, and edges of permanent
+        stick.
 
         Parameters
         ----------
@@ -1549,7 +1557,24 @@ class _GridSolution:
         self.work_of_last_cycle = works_of_cycles[-1]
         self.load_work_of_last_cycle = np.sum(cell_fields.work_of_loads, axis=0)
         self.work_per_area = np.sum(cell_fields.density, axis=0)
+        self.edge_work_share = _work_share_of_edge_cells(cell_fields)
         self.permanent_stick_edges = permanent_stick_edges
+
+
+def _work_share_of_edge_cells(cell_fields: GridFields) -> float:
+    """Share of the friction work that is done in the outermost cells in contact and in cells that
+    open in an increment, of the sum over n increments on g grids of k cells; 0 without work.
+
+    `cell_fields` has state and friction work per area (`density`) of the cells, (n, g, k) each.
+    """
+    work_per_area = cell_fields.density
+    whole_work = float(np.sum(work_per_area))
+    if not whole_work > 0:
+        return 0.0
+    is_touching = cell_fields.state != OPEN
+    is_between_others = np.zeros(is_touching.shape, dtype=bool)
+    is_between_others[..., 1:-1] = is_touching[..., :-2] & is_touching[..., 2:]
+    return float(np.sum(work_per_area, where=~is_between_others)) / whole_work
 
 
 class _PointFields(NamedTuple):
@@ -2349,6 +2374,9 @@ class _CoarseAndFineSolutions:
     coarse_grids, coarse_solution
         the coarse grids that the fine ones are compared with, and their solution; those that went
         first where the last cycle alone is wanted
+    coarse_solution_in_all_increments
+        by coarse grids in as many increments as the fine ones take, where slip zones are narrower
+        than a cell; else None
     plan
         cycles that the fine grids followed, and instants of their solution
     """
@@ -2358,6 +2386,7 @@ class _CoarseAndFineSolutions:
     fine_solution: _GridSolution
     coarse_grids: Grid
     coarse_solution: _GridSolution
+    coarse_solution_in_all_increments: _GridSolution | None
     plan: _Plan
 
     def works_by_same_grids(self) -> Array:
@@ -2436,12 +2465,24 @@ def _run_coarse_and_fine(
             plan.cycle_numbers,
             len(plan.cycle_numbers),
         )
+    coarse_solution_in_all_increments = None
+    if coarse_solution.edge_work_share > _SHARE_OF_MOST_WORK:
+        n_cycles = first_solution.works_of_cycles.shape[1] if loads.path.cycle else 0
+        coarse_solution_in_all_increments = _follow_cycles(
+            setup.moved_grids(request.cells // 2, _GRID_SHIFTS),
+            _PathInIncrements(loads, request.increments),
+            x=np.zeros(0),
+            time=np.zeros(0),
+            cycle_numbers=range(-1, n_cycles),
+            least_cycles=n_cycles + 1,
+        )
     return _CoarseAndFineSolutions(
         first_solution=first_solution,
         fine_grids=fine_grids,
         fine_solution=fine_solution,
         coarse_grids=coarse_grids,
         coarse_solution=coarse_solution,
+        coarse_solution_in_all_increments=coarse_solution_in_all_increments,
         plan=plan,
     )
 
@@ -2629,18 +2670,27 @@ def _errors_of_work(
     """Relative errors of the friction work W of the last cycle and of W(x), the work per area at
     points x (k,), from the change between coarse and fine grids.
 
+    Where slip zones are narrower than a cell, the increments make as large an error of W as the
+    cells do, of the first order, often of the other sign: the change by both at once may be next to
+    nothing. There each makes a change of its own, and the squares of what they leave are added.
+
     `work_per_area` (g, k) is W(x) by each of g fine grids.
     """
     coarse_work_per_area = _work_per_area_at(solutions.coarse_grids, solutions.coarse_solution, x)
-    # convergence_order: power of the cell width with which the error falls
+    work = solutions.fine_solution.work_of_last_cycle
+    coarse_work = solutions.coarse_solution.work_of_last_cycle
+    # convergence_order: power of the cell width, or of the increment, with which the error falls
+    error_left_in_work = _error_left(work, coarse_work, convergence_order=1.5)
+    if solutions.coarse_solution_in_all_increments is not None:
+        work_by_cells = solutions.coarse_solution_in_all_increments.work_of_last_cycle
+        error_left_in_work = np.hypot(
+            _error_left(work, work_by_cells, convergence_order=1.5),
+            _error_left(work_by_cells, coarse_work, convergence_order=1),
+        )
     return {
-        "dissipation": _relative_error(
-            solutions.fine_solution.work_of_last_cycle,
-            solutions.coarse_solution.work_of_last_cycle,
-            convergence_order=1.5,
-        ),
+        "dissipation": _relative_error(work, error_left_in_work),
         "dissipation_density": _relative_error(
-            work_per_area, coarse_work_per_area, convergence_order=1
+            work_per_area, _error_left(work_per_area, coarse_work_per_area, convergence_order=1)
         ),
     }
 
@@ -2672,17 +2722,15 @@ def _errors_of_fields(
     is_beside_edge_at_instants = is_beside_edge[:: solutions.plan.stride]
     fine_solution = solutions.fine_solution
     coarse_solution = solutions.coarse_solution
+    shear = limit_at_instants * fine_solution.friction_ratio_by_grid
+    coarse_shear = limit_at_instants * coarse_solution.friction_ratio_by_grid
+    slip = fine_solution.slip_by_grid
     # convergence_order: power of the cell width with which the error falls
+    order_of_shear = np.where(is_beside_edge_at_instants, _ORDER_OF_SHEAR_BESIDE_EDGE, 1.0)
     return {
-        "shear": _relative_error(
-            limit_at_instants * fine_solution.friction_ratio_by_grid,
-            limit_at_instants * coarse_solution.friction_ratio_by_grid,
-            convergence_order=np.where(
-                is_beside_edge_at_instants, _ORDER_OF_SHEAR_BESIDE_EDGE, 1.0
-            ),
-        ),
+        "shear": _relative_error(shear, _error_left(shear, coarse_shear, order_of_shear)),
         "slip": _relative_error(
-            fine_solution.slip_by_grid, coarse_solution.slip_by_grid, convergence_order=0.9
+            slip, _error_left(slip, coarse_solution.slip_by_grid, convergence_order=0.9)
         ),
     }
 
@@ -2724,6 +2772,9 @@ def _counts_of(solutions: _CoarseAndFineSolutions, n_cells: int) -> dict[str, in
     # Where the last cycle alone is wanted, the coarse grids are those that went first.
     if not solutions.plan.is_last_cycle_alone:
         counts["increments"] += solutions.coarse_solution.n_increments
+    if solutions.coarse_solution_in_all_increments is not None:
+        counts["grids"] += len(_GRID_SHIFTS)
+        counts["increments"] += solutions.coarse_solution_in_all_increments.n_increments
     if solutions.plan.is_resumed:
         # index of the first cycle that the fine grids followed
         counts["cycles on coarse grids alone"] = solutions.plan.cycle_numbers[0]
@@ -2886,28 +2937,39 @@ def _work_per_area_at(grids: Grid, solution: _GridSolution, x: Array) -> Array:
     return np.array(by_grid)
 
 
-def _relative_error(
+def _error_left(
     fine_values: Array, coarse_values: Array, convergence_order: float | Array
-) -> float:
+) -> Array:
+    """Error that is left in the mean over fine grids: its change from coarse ones divided by
+    2^order - 1 (Richardson).
+
+    Parameters
+    ----------
+    fine_values, coarse_values
+        values by each grid, with the grids along the first axis, of one shape
+    convergence_order
+        order with which the error falls if cells or increments are halved, one for all or one for
+        each value
+    """
+    change_from_coarse_grids = np.mean(fine_values, axis=0) - np.mean(coarse_values, axis=0)
+    return np.asarray(change_from_coarse_grids / (2**convergence_order - 1))
+
+
+def _relative_error(fine_values: Array, error_left: Array) -> float:
     """Relative error of the mean over the fine grids: a root mean square over all points and
     instants, divided by the largest fine value. 0 where all fine values are 0.
 
     It is twice the sum of two parts, of which each is such a root mean square:
 
-    - the change of the mean from coarse grids to fine ones, divided by 2^order - 1 (Richardson);
+    - `error_left`, by the change from coarse grids to fine ones;
     - twice the standard error of the mean, from the means of four groups of grids.
 
-    Parameters
-    ----------
-    fine_values, coarse_values
-        values by each grid, with the grids along the first axis
-    convergence_order
-        order with which the error falls with the cell width, one for all or one for each value
+    `fine_values` are by each grid, with the grids along the first axis; `error_left` has the other
+    axes.
     """
     largest_value = float(np.max(np.abs(fine_values), initial=0.0))
     if largest_value <= 0:
         return 0.0
-    change_from_coarse_grids = np.mean(fine_values, axis=0) - np.mean(coarse_values, axis=0)
     # Every fourth grid forms a group.
     means_of_groups = np.array(
         [
@@ -2917,7 +2979,6 @@ def _relative_error(
     )
     squared_standard_error = np.var(means_of_groups, axis=0) / (_COUNT_OF_GRID_GROUPS - 1)
     standard_error = np.sqrt(np.mean(squared_standard_error))
-    remaining_error = change_from_coarse_grids / (2**convergence_order - 1)
-    error_by_change = np.sqrt(np.mean(remaining_error**2))
+    error_by_change = np.sqrt(np.mean(error_left**2))
     error = 2 * standard_error + error_by_change
     return _SAFETY_OF_CHANGE * float(error) / largest_value

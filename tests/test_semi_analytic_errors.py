@@ -14,6 +14,7 @@ from scenes import (
     HarmonicLoad,
     Hertz,
     PowerLaw,
+    Scene,
     Tabulated,
     TimeSeriesLoad,
     load_scene,
@@ -109,6 +110,31 @@ def test_shear_at_the_stick_edge_is_as_uncertain_as_the_edge(name):
     )
     assert 1e-8 < solution.record.errors["shear at the edge"] < 1e-4
     assert error <= solution.record.errors["shear at the edge"]
+
+
+def test_on_grids_w_states_what_increments_leave_where_slip_zones_are_narrower_than_a_cell():
+    """A tilt under next to no Q moves the contact by 5 cells; what slips is narrower than one. Its
+    errors by cells and by increments have other signs: the change by both at once stated 0.0043 of
+    W, which is 0.0054 too large beside the limit of 480 cells and 640 increments.
+    """
+    scene = Scene.model_validate(
+        {
+            "material": {"young_modulus": 2.0, "poisson_ratio": 0.0},
+            "profile": {"kind": "hertz", "radius": 1.0},
+            "friction": 0.7902869940653182,
+            "load": {
+                "kind": "ellipse",
+                "mean_normal_load": math.pi / 4,
+                "tangential_amplitude": 0.0012911811912391209,
+                "phase_degrees": 7.844066814671564,
+                "tilt": {"amplitude": 0.07043538332905509, "phase_degrees": 154.06264697550876},
+            },
+        }
+    )
+    solution = solve(scene, x=[0.0], fields="dissipation")
+    error = solution.dissipation / 6.2508e-8 - 1
+    assert error == pytest.approx(0.0054, abs=1e-4)
+    assert 2 * error < solution.record.errors["dissipation"] < 4 * error
 
 
 def test_closed_forms_claim_no_error_and_rough_tables_state_theirs(monkeypatch, tmp_path):
