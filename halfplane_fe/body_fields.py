@@ -50,6 +50,7 @@ from halfplane_fe.supports import bodies_are_alike
 from scenes import ContactSolution, Elastic, HalfPlane, InputError, Scene, Tabulated
 from scenes.array_types import Array, Indices
 from scenes.bodies import Block, Shape, TShape, face_of
+from scenes.solution import require_solution
 
 # VTK's order of an element's nodes the other way round, by number of nodes.
 _NODES_OF_MIRRORED = {
@@ -194,6 +195,7 @@ def _require_meshes(caller: str, solution: ContactSolution) -> None:
     """Raise InputError for a solution without meshes: one that is not by finite elements, or that
     was read back from disk. `caller` is the name of the public function for the message.
     """
+    require_solution(solution, caller)
     if not isinstance(solution, FiniteElementSolution):
         raise InputError(
             f"{caller}: the answer has no meshes, so nothing inside the bodies is known"
@@ -386,6 +388,7 @@ def edge_tension(solution: ContactSolution, steps: Sequence[int]) -> tuple[Array
         For bodies of finite size whose meshes are not there: answers that were read back from disk
         have none, nor have kernel solves, of which flat bodies need none.
     """
+    require_solution(solution, "edge_tension")
     if not _has_data_of_size_effect(solution):
         raise InputError(
             "edge_tension: the answer has no meshes, so what the size of its bodies adds is not"
@@ -1186,6 +1189,7 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
     may be the largest by its error alone. So the instant, body and edge are those of the largest
     value minus its uncertainty. By how far another value is larger counts as uncertainty too.
     """
+    require_solution(solution, "largest_edge_tension")
     if why_tension_is_unknown(solution) is not None:
         return None
     # Candidates: indices of up to some forty stored steps with the highest estimates of tension.

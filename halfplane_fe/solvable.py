@@ -10,6 +10,7 @@ from halfplane_fe.actuators import prescribed_path
 from halfplane_fe.path import check_admissible
 from halfplane_fe.supports import check_bulk_stress, check_supports
 from scenes import InputError, Scene
+from scenes.frozen import validated
 
 if TYPE_CHECKING:
     from halfplane_fe.scales import RoomForContact
@@ -42,6 +43,7 @@ def require_solvable(scene: Scene, mesh: MeshSettings | None = None) -> RoomForC
     ConvergenceError
         Where the solution on the coarse mesh does not converge.
     """
+    scene = validated(scene, Scene)
     check_loads(scene)
     if scene.bodies.half_planes:
         return None

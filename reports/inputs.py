@@ -61,6 +61,7 @@ from scenes import (
     sampled_times,
 )
 from scenes.array_types import Array
+from scenes.frozen import validated
 
 WORK = "dissipation"
 PEAK = "peak_pressure"
@@ -1419,6 +1420,7 @@ def input_effects(scene: Scene, effects: BodyEffects | None = None) -> InputEffe
     >>> f"{100 * change / dissipation.value:.1f} %"
     '7.1 %'
     """
+    scene = validated(scene, Scene)
     if not scene.inputs:
         return None
     assert scene.uncertainty is not None

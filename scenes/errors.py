@@ -5,11 +5,14 @@ in sentences.
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import PurePath
 from typing import Any, NamedTuple
 
 # Characters of a sentence, of a value in it.
 _MOST_CHARACTERS_OF_MESSAGE = 2000
 _MOST_CHARACTERS_OF_VALUE = 120
+# Plain data, which a sentence states as they are; of other objects it states the class.
+_PLAIN_DATA = (bool, int, float, complex, str, bytes, list, tuple, dict, set, PurePath)
 
 
 class InputError(ValueError):
@@ -212,6 +215,37 @@ def shortened_repr(value: object) -> str:
         if len(text) <= _MOST_CHARACTERS_OF_VALUE
         else f"{text[:_MOST_CHARACTERS_OF_VALUE]} ..."
     )
+
+
+def value_or_class(value: object) -> str:
+    """What stands in the place of an object that is needed, for a sentence: plain data as Python
+    writes them, of anything else its class, whose text may have many lines.
+
+    >>> value_or_class("hertz-paper"), value_or_class(InputError("load: P < 0"))
+    ("'hertz-paper'", 'an InputError')
+    """
+    if value is None or isinstance(value, _PLAIN_DATA):
+        return shortened_repr(value)
+    name = type(value).__name__
+    return f"{'an' if name[0] in 'AEIOU' else 'a'} {name}"
+
+
+def require_class(value: object, needed: type | tuple[type, ...], caller: str, maker: str) -> None:
+    """Raise InputError, one sentence, where a Python caller passes an object of another class than
+    the `needed` one (or of several, the first of which the sentence names).
+
+    `caller` is the name of the public function, `maker` states what returns such an object.
+
+    >>> require_class(7, InputError, "explain", "solve raises it")
+    Traceback (most recent call last):
+    scenes.errors.InputError: explain: an InputError is needed, not 7; solve raises it
+    """
+    if not isinstance(value, needed):
+        name = (needed[0] if isinstance(needed, tuple) else needed).__name__
+        article = "an" if name[0] in "AEIOU" else "a"
+        raise InputError(
+            f"{caller}: {article} {name} is needed, not {value_or_class(value)}; {maker}"
+        )
 
 
 def first_line(reason: BaseException) -> str:

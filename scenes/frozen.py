@@ -29,7 +29,7 @@ from pydantic import (
 from pydantic_core import CoreSchema, ErrorDetails
 
 from scenes.arrays import LARGEST_NUMBER
-from scenes.errors import InputError, shortened_repr
+from scenes.errors import InputError, shortened_repr, value_or_class
 
 if TYPE_CHECKING:
     from pydantic._internal._model_construction import ModelMetaclass
@@ -488,7 +488,7 @@ def validated(table: M, model: type[Frozen]) -> M:
         advice = (
             "; load_scene reads one from the library or a file" if model.__name__ == "Scene" else ""
         )
-        raise InputError(f"a {model.__name__} is needed, not {shortened_repr(table)}{advice}")
+        raise InputError(f"a {model.__name__} is needed, not {value_or_class(table)}{advice}")
     name = getattr(table, "name", "")
     message_begin = f"{model.__name__} {shortened_repr(name)}" if name else type(table).__name__
     return checked(type(table), table, message_begin)

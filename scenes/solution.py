@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenes.array_types import Array
-from scenes.errors import InputError, first_line
+from scenes.errors import InputError, first_line, require_class
 from scenes.files import replace_file
 from scenes.netcdf import StoredArray, StoredArrays, netcdf_of, read_netcdf
 from scenes.notebook_forms import forms_for, registered_forms
@@ -107,6 +107,15 @@ class Work:
     counts: Mapping[str, int] = field(default_factory=dict)
     skipped: Mapping[str, tuple[int, str]] = field(default_factory=dict)
     seconds: Mapping[str, float] = field(default_factory=dict)
+
+
+def require_solution(solution: object, caller: str) -> None:
+    """Raise InputError, one sentence, where what a Python caller passes to the public function
+    `caller` is no ContactSolution, such as a Scene or the path of a file.
+    """
+    require_class(
+        solution, ContactSolution, caller, "semi_analytic.solve and halfplane_fe.solve return one"
+    )
 
 
 @dataclass(frozen=True, eq=False)

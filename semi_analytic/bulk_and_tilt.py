@@ -30,6 +30,7 @@ from scenes import (
 )
 from scenes.array_types import Array
 from scenes.chebyshev import UnresolvedError
+from scenes.frozen import validated
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.opposite_slip import OppositeSlip
 from semi_analytic.profiles import contact_of, convex_profile
@@ -849,6 +850,7 @@ def eccentricity(scene: Scene) -> Eccentricity | None:
     >>> eccentricity(scene) is None
     True
     """
+    scene = validated(scene, Scene)
     path = scene.load.path()
     profile = scene.profile
     friction_coefficient = scene.friction.coefficient

@@ -21,6 +21,7 @@ import numpy as np
 
 from scenes import BodyEffects, ContactSolution, InputError, read_only_copy
 from scenes.array_types import Array
+from scenes.solution import require_solution
 from semi_analytic.elasticity import composite_modulus
 
 
@@ -86,6 +87,7 @@ def hysteresis(
     >>> round(loop.damping_ratio, 5)
     0.00607
     """
+    require_solution(solution, "hysteresis")
     rows_of_cycle = solution.last_cycle  # indices of its instants
     if any(
         np.any(stress)
@@ -208,6 +210,7 @@ def compliance(
     ... )  # ln(2000/0.632)/ln(2000)
     (True, 1.060275)
     """
+    require_solution(solution, "compliance")
     if solution.tilt is not None:
         raise InputError("compliance: it is for symmetric profiles without bulk stress and tilt")
     is_half_plane_theory = solution.engine == "semi_analytic" and "effects" not in solution.settings

@@ -27,7 +27,7 @@ import numpy as np
 
 from scenes import NORMAL_LOAD, OPEN, ContactSolution, LoadSegment, Scene
 from scenes.array_types import Array
-from scenes.solution import range_of_slip
+from scenes.solution import range_of_slip, require_solution
 from semi_analytic.bulk_and_tilt import one_curve
 from semi_analytic.history import histories_kept
 from semi_analytic.memory import slip_combination
@@ -140,6 +140,7 @@ def extremes(answer: ContactSolution, names: Sequence[str] = SEARCHED_VALUES) ->
     ... )  # a = 1
     (1.0, 1.0)
     """
+    require_solution(answer, "extremes")
     # a path that is asked for again is not followed again
     with histories_kept():
         return _extremes(answer, tuple(names))

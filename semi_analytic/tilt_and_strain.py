@@ -23,6 +23,7 @@ import numpy as np
 from scenes import BodyEffects, Combination, Estimate, InputError, LoadSegment, Scene
 from scenes.array_types import Array
 from scenes.body_effects import ZERO_ESTIMATE
+from scenes.frozen import validated
 from semi_analytic.answer import Question
 from semi_analytic.answer_by_memory import findings_by_memory
 from semi_analytic.body_numbers import checked_effects
@@ -116,6 +117,7 @@ def change_by_tilt_and_strain(scene: Scene, effects: BodyEffects) -> Estimate:
         for a path of more than 60 segments, a profile that bends down somewhere, a grid that does
         not converge.
     """
+    scene = validated(scene, Scene)
     # None where every number of `effects` is 0
     if checked_effects(effects) is None:
         return ZERO_ESTIMATE

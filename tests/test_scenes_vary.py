@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import halfplane_fe
+import reports
 import semi_analytic
 from refusals import refused_for, require_facts
 from reports import score
@@ -249,6 +250,62 @@ CALLS: list[tuple[Callable[[Path], object], str]] = [
     ),
     (lambda _: semi_analytic.events("hertz-paper"), "a Scene is needed, not 'hertz-paper'"),
 ]
+
+
+# Public functions of a solution, of a scene and of a comparison.
+OF_SOLUTION: tuple[Callable[[Any], object], ...] = (
+    semi_analytic.extremes,
+    semi_analytic.hysteresis,
+    semi_analytic.compliance,
+    halfplane_fe.largest_edge_tension,
+    lambda solution: halfplane_fe.edge_tension(solution, [1]),
+    lambda solution: halfplane_fe.fields(solution, [1.0]),
+    lambda solution: halfplane_fe.stress(solution, [0.0], [0.0], [1.0]),
+    lambda solution: reports.compare(solution, solution),
+)
+OF_SCENE: tuple[Callable[[Any], object], ...] = (
+    semi_analytic.eccentricity,
+    semi_analytic.events,
+    semi_analytic.solve,
+    lambda scene: semi_analytic.change_by_tilt_and_strain(scene, effects=None),
+    lambda scene: semi_analytic.fretting_map(scene, [1.0]),
+    halfplane_fe.body_effects,
+    halfplane_fe.require_solvable,
+    halfplane_fe.solve,
+    reports.input_effects,
+)
+OF_COMPARISON: tuple[Callable[[Any], object], ...] = (
+    lambda comparison: reports.figure(comparison, "hysteresis"),
+    lambda comparison: reports.write(comparison, "nowhere"),
+)
+
+
+@pytest.mark.parametrize("solution_function", OF_SOLUTION)
+def test_what_is_no_solution_is_refused_in_one_sentence(
+    solution_function: Callable[[Any], object],
+) -> None:
+    others = {"a Scene": PAPER, "'hertz-paper'": "hertz-paper", "None": None, "{}": {}}
+    for words, other in others.items():
+        with pytest.raises(InputError, match=f"ContactSolution is needed, not {words};.*return"):
+            solution_function(other)
+
+
+@pytest.mark.parametrize("scene_function", OF_SCENE)
+def test_a_solution_is_refused_where_a_scene_is_needed(
+    scene_function: Callable[[Any], object],
+) -> None:
+    solution = semi_analytic.solve(PAPER, x=[0.0], time=[2.0], fields=())
+    with pytest.raises(InputError, match="a Scene is needed, not a ContactSolution; load_scene"):
+        scene_function(solution)
+
+
+@pytest.mark.parametrize("comparison_function", OF_COMPARISON)
+def test_a_solution_is_refused_where_a_comparison_is_needed(
+    comparison_function: Callable[[Any], object],
+) -> None:
+    solution = semi_analytic.solve(PAPER, x=[0.0], time=[2.0], fields=())
+    with pytest.raises(InputError, match="a Comparison is needed, not a ContactSolution; compare"):
+        comparison_function(solution)
 
 
 @pytest.mark.parametrize(("call", "words"), CALLS)

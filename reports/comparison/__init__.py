@@ -84,6 +84,7 @@ from reports.comparison.pairs import (
     engine_in_words,
 )
 from scenes import BodyEffects, ContactSolution, InputError
+from scenes.solution import require_solution
 
 _DISPLACEMENT = "tangential_displacement"
 
@@ -210,6 +211,11 @@ def compare(
     >>> compare(exact, exact).metric("dissipation").value
     0.0
     """
+    for solution in (reference, result):
+        require_solution(solution, "compare")
+    for optional_solution in (polygon_reference, scales_from, plain_reference):
+        if optional_solution is not None:
+            require_solution(optional_solution, "compare")
     _refuse_unknown_metrics(tolerances or {})
     _refuse_other_question(reference, result)
     if polygon_reference is not None:

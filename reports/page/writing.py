@@ -65,6 +65,7 @@ from reports.report import Report, ThirdAnswer
 from reports.units import load_unit, minus, units
 from scenes import InputError
 from scenes.array_types import Array
+from scenes.errors import require_class
 
 if TYPE_CHECKING:
     from reports.field_output.files import Instant
@@ -116,6 +117,7 @@ def write(
     InputError
         If the folder can't be written to, or VTU or stress is requested of a result without bodies.
     """
+    _require_report(report, "write")
     report = _with_input_effects(report)
     comparison = report.comparison
     # a temporary folder, whose files move to `out` at the end; after an error the solutions alone
@@ -141,6 +143,13 @@ def write(
         if log:
             _write_log(comparison, log, folder)
     return Path(out) / "report.html"
+
+
+def _require_report(report: object, caller: str) -> None:
+    """Raise InputError, one sentence, where what a Python caller passes to the public function
+    `caller` is neither a comparison nor a report.
+    """
+    require_class(report, (Comparison, Report), caller, "compare and score return one")
 
 
 def _with_input_effects(report: Comparison | Report) -> Report:
@@ -695,6 +704,7 @@ def figure(report: Comparison | Report, name: str) -> str:
     >>> reports.figure(reports.compare(exact, exact), "hysteresis")[:11]
     '<svg xmlns='
     """
+    _require_report(report, "figure")
     if not isinstance(report, Report):
         report = Report(report)
     figures = {plate.name: plate for plate in draw(report)}
