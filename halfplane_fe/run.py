@@ -307,9 +307,8 @@ class PathRun:
         (n_steps + 1)
     may_thin
         whether states may lose pressure, shear and gap
-    places_edges
-        whether edges of contact and stick are located between nodes; if not, `contact_edges` and
-        `stick_edges` have none at any instant
+    places_stick_edges
+        whether stick edges are located between nodes; if not, `stick_edges` has none at any instant
     increment_records
         energies and admissibility checks by name, in batches: (k,) of k increments of a curved
         segment, or of straight ones
@@ -350,7 +349,7 @@ class PathRun:
 
     states: list[InterfaceState]
     may_thin: bool = False
-    places_edges: bool = True
+    places_stick_edges: bool = True
     increment_records: list[dict[str, Array]] = field(default_factory=list)
     iterations: list[int] = field(default_factory=list)
     nodal_work: Array = field(default_factory=lambda: np.zeros(0))
@@ -466,9 +465,9 @@ class PathRun:
 
         # Edges of contact and stick are located between nodes by the load that moves them.
         passed_nodes = dict(self.passed_nodes)  # changed in place by `stick_by_load`
-        contact_edges = stick_edges = EdgesByLoad.nowhere(len(increments))
-        if self.places_edges:
-            contact_edges = contact_by_load(problem, states_with_start[1:])
+        contact_edges = contact_by_load(problem, states_with_start[1:])
+        stick_edges = EdgesByLoad.nowhere(len(increments))
+        if self.places_stick_edges:
             stick_edges = stick_by_load(problem, states_with_start, slips_since_stop, passed_nodes)
 
         # All attributes are set at once, so that Ctrl-C comes before or after it.
@@ -647,7 +646,7 @@ def run_path(
     *,
     uncertainty: Callable[[PathRun], float] = lambda _run: np.inf,
     keep_all_states: bool = False,
-    places_edges: bool = True,
+    places_stick_edges: bool = True,
 ) -> PathRun:
     """Solve a load path increment by increment: initial loading, then at most `cycles`
     revolutions, until one repeats the one before. Returns states and friction work; all scaled.
@@ -674,8 +673,8 @@ def run_path(
     keep_all_states
         whether all states of a long path stay complete, instead of some losing pressure, shear and
         gap of their nodes to save memory
-    places_edges
-        whether edges of contact and stick are located between nodes at each instant, which takes a
+    places_stick_edges
+        whether stick edges are located between nodes at each instant, which takes a
         quarter of the time of an increment; the friction work that edges add is found in any case
 
     Returns
@@ -693,7 +692,7 @@ def run_path(
     run = PathRun(
         [_initial_state(problem, path, pace)],
         may_thin=has_straight_segments and not keep_all_states,
-        places_edges=places_edges,
+        places_stick_edges=places_stick_edges,
     )
 
     # The follower solves segments of the path and appends their increments to the run. The longest

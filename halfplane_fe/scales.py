@@ -786,7 +786,7 @@ def _coarse_run(
         cycles,
         lambda _step, _of_steps, _text: None,
         keep_all_states=True,
-        places_edges=False,
+        places_stick_edges=False,
     )
     coarse_bodies.work_counts[UNPLACED_EDGES] += len(run.iterations)
     if run.failure is not None:

@@ -24,6 +24,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from halfplane_fe.between_nodes import EdgesByLoad
 from halfplane_fe.contact import InterfaceState
 from halfplane_fe.edges import contact_edges
 from halfplane_fe.interface import Interface
@@ -390,15 +391,15 @@ def run_values(
     cycle_number = cycle or len(run.cycle_starts)
     first_index = run.cycle_starts[cycle_number - 1] if cycle_number else 0
     has_next_cycle = cycle_number < len(run.cycle_starts)
-    states = run.states[
-        first_index : run.cycle_starts[cycle_number] + 1 if has_next_cycle else None
-    ]
+    rows = slice(first_index, run.cycle_starts[cycle_number] + 1 if has_next_cycle else None)
+    states = run.states[rows]
 
     # Largest slip; 0 where it is round-off.
     time = np.array([state.time for state in states])
     slip = np.array([state.slip for state in states])
     is_closed = np.array([state.is_closed for state in states])
-    edges = _contact_edges(interface, states)
+    edges_by_load = EdgesByLoad.joined(run.contact_edges).at(rows)
+    edges = _contact_edges(interface, states, edges_by_load)
     largest = largest_slip_of_cycle(interface.x, slip, is_closed, edges)
     largest_slip = largest.value
     # _ROUND_OFF: relative round-off
@@ -422,11 +423,14 @@ def run_values(
     )
 
 
-def _contact_edges(interface: Interface, states: Sequence[InterfaceState]) -> Array:
+def _contact_edges(
+    interface: Interface, states: Sequence[InterfaceState], edges_by_load: EdgesByLoad
+) -> Array:
     """Left and right edge of contact in k states, (k, 2), scaled; NaN without contact.
 
-    They follow from the form of pressure and gap at the outermost nodes of the interface. States of
-    long runs that have dropped these end at the outermost node that touches.
+    Those that a load locates are given. Others follow from the form of pressure and gap at the
+    outermost nodes of the interface. States of long runs that have dropped these end at the
+    outermost node that touches.
     """
     edges = np.full((len(states), 2), math.nan)
     for edges_of_state, state in zip(edges, states, strict=True):
@@ -441,7 +445,7 @@ def _contact_edges(interface: Interface, states: Sequence[InterfaceState]) -> Ar
         np.array([state.is_closed for state in complete_states]),
         1.0,
     )
-    return edges
+    return np.where(edges_by_load.last_node >= 0, edges_by_load.places, edges)
 
 
 @dataclass(frozen=True)
