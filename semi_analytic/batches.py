@@ -786,6 +786,7 @@ class Reason(IntEnum):
     INVALID = 3
     EXTENT = 4
     UNSETTLED = 5
+    BODIES = 6
 
 
 @dataclass(frozen=True, eq=False)
@@ -806,7 +807,9 @@ class DissipationBatch:
         masked, NaN or not admitted (P0 > 0, the rest of the loads >= 0, parameters by the rules
         of the profile; all of them, and P0 over E* and the height unit of the profile, which is
         b^2/R of a flat face, at most 1e100 and where they are scales at least 1e-100), 4 the
-        profile ends before the contact does, 5 the quadrature did not converge
+        profile ends before the contact does, 5 the quadrature did not converge, 6 the contact of
+        the finite bodies, `effects`, would be more than twice as wide as that of half-planes, be
+        wider than the profile, or split
     value_error
         error of `value` from above [energy per unit thickness]: by quadrature and by round-off;
         NaN where `reason` is not 0
@@ -892,8 +895,8 @@ def dissipation(
     effects
         what finite bodies add to half-planes, curvatures and compliances that follow the loads, for
         all members. Some 0.3 ms a member; `permanent_stick_load` then is the load of half-planes
-        whose contact is the permanent stick zone. A member whose contact would split or leave the
-        profile gets NaN and reason 5
+        whose contact is the permanent stick zone. A member whose contact would split, leave the
+        profile or be more than twice as wide as on half-planes gets NaN and reason 6
 
     Returns
     -------
@@ -944,13 +947,23 @@ def dissipation(
     effects = checked_effects(effects)
     # the function that computes five rows of m members: work, forward, reverse, error, P_T
     works_of_members = _works_of_members
+    reason_if_not_finite = Reason.UNSETTLED
     notes = list(neglected_coupling(material))
     if effects is not None:
+        reason_if_not_finite = Reason.BODIES
         works_of_members = partial(_works_with_effects, curvatures_of(effects))
         notes.extend(notes_of_batch(effects))
     # the first four come times pi E*/(2 f^2)
     rows_of_results, reason = _results_of_members(
-        profile, material, loads, _MemberResults(works_of_members, n_results=5, n_normalised=4)
+        profile,
+        material,
+        loads,
+        _MemberResults(
+            works_of_members,
+            n_results=5,
+            n_normalised=4,
+            reason_if_not_finite=reason_if_not_finite,
+        ),
     )
     work, forward_work, reverse_work, work_error, permanent_stick_load = rows_of_results
     return DissipationBatch(
@@ -1402,18 +1415,20 @@ class _MemberResults(NamedTuple):
     Attributes
     ----------
     compute
-        results (n, m) of m members with admissible loads; where the first one of a member is not
-        finite the quadrature did not converge
+        results (n, m) of m members with admissible loads
     n_results
         n
     n_normalised
         how many results, from the first on, come times pi E*/(2 f^2), E* the composite modulus, f
         the friction
+    reason_if_not_finite
+        why the first result of a member is not finite
     """
 
     compute: Callable[[Members], Array]
     n_results: int
     n_normalised: int
+    reason_if_not_finite: Reason = Reason.UNSETTLED
 
 
 def _results_of_members(
@@ -1478,8 +1493,8 @@ def _results_of_block(
             2 / (math.pi * batch.modulus) * members.loads.friction**2
         )
         rows_of_results[:, admissible_numbers] = results
-        not_converged_numbers = admissible_numbers[~np.isfinite(results[0])]
-        reason_codes[not_converged_numbers] = Reason.UNSETTLED
+        numbers_without_result = admissible_numbers[~np.isfinite(results[0])]
+        reason_codes[numbers_without_result] = wanted_results.reason_if_not_finite
     return rows_of_results, reason_codes
 
 

@@ -965,10 +965,13 @@ def test_an_axis_without_a_name_has_that_of_its_key() -> None:
 
 
 def test_an_axis_of_pairs_has_no_name_of_its_own() -> None:
-    axis_of_pairs = {"names": ("a", "b"), "key": "load.normal_load", "pairs": ((1, 2), (3, 4))}
+    axis_of_pairs = {"names": ("a", "b"), "pairs": ((1, 2), (3, 4))}
     assert Axis(**axis_of_pairs).columns == ("a", "b")
     with pytest.raises(ValueError, match="names head their columns; leave name out"):
         Axis(**axis_of_pairs, name="zzz")
+    # One key would take the values of the first column alone, without a word.
+    with pytest.raises(ValueError, match="one key for each of names; leave key out"):
+        Axis(**axis_of_pairs, key="load.mean_normal_load")
 
 
 # ---------------------------------------------------------------------- killed, starved and doubled
@@ -1297,6 +1300,21 @@ def test_an_edge_without_an_estimate_does_not_hide_that_of_the_other_one() -> No
         "peak_pressure": 1e-3,
         "dissipation": 1e-3,
     }
+
+
+def test_an_instant_with_one_estimate_counts_in_the_uncertainty_of_a_half_width() -> None:
+    """Of three instants the first has one estimate, the last none: the median is that of two."""
+    solution = SimpleNamespace(
+        last_cycle=np.arange(3),
+        contact_edge_uncertainty=np.array([[np.nan, 0.5], [0.1, 0.2], [np.nan, np.nan]]),
+    )
+    uncertainty = solving._uncertainty_of_edges(
+        "fe.contact_half_width",
+        load_scene("hertz-paper"),
+        solution,  # type: ignore[arg-type]
+        None,
+    )
+    assert uncertainty == pytest.approx(0.35)
 
 
 @needs_dask

@@ -347,8 +347,9 @@ def _uncertainty_of_edges(
     zone, the quantity `name` such as "fe.contact_half_width"; 0 for other quantities, and where it
     states none.
 
-    It is the larger uncertainty of both edges, as the median over the last cycle [length]; of an
-    error (prefix "error.", finite elements/theory − 1) it is divided by theory's half-width.
+    It is the larger uncertainty of both edges, or that of the only edge which has an estimate, as
+    the median over the instants of the last cycle which have one [length]. Of an error (prefix
+    "error.", finite elements/theory − 1) it is divided by theory's half-width.
     `theory` is None where that engine did not run.
     """
     prefix, _, quantity = name.partition(".")
@@ -359,8 +360,9 @@ def _uncertainty_of_edges(
         return 0.0
     # (instants, 2): left and right edge
     edge_uncertainties = np.asarray(getattr(fe_solution, field_name))[fe_solution.last_cycle]
-    is_known = np.isfinite(edge_uncertainties).all(axis=1)
-    uncertainty_of_worse_edge = edge_uncertainties.max(axis=1)[is_known]
+    # NaN where neither edge has an estimate
+    uncertainty_of_worse_edge = np.fmax.reduce(edge_uncertainties, axis=1)
+    uncertainty_of_worse_edge = uncertainty_of_worse_edge[np.isfinite(uncertainty_of_worse_edge)]
 
     # over the half-width by theory, where it is an error
     reference_length = 1.0

@@ -99,6 +99,8 @@ class Axis(Frozen):
                     "pairs: each row has one value for each of names, and keys (if given) are as"
                     " many"
                 )
+            if self.key:
+                raise ValueError("pairs: keys has one key for each of names; leave key out")
             if self.name:
                 raise ValueError("pairs: names head their columns; leave name out")
         elif not self.name or self.names:
