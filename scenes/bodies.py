@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any, Literal, NamedTuple, Self
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from scenes.array_types import Array
 from scenes.frozen import Frozen, Positive
@@ -141,11 +141,32 @@ class Pad(_Rectangle):
     kind: Literal["pad"] = "pad"
 
 
+INSTEAD_OF_HOLLOW = (
+    "a hollow face is no body here: take half-planes or blocks, and the profile's relative radius"
+    " by 1/R = 1/R1 - 1/R2, R2 being the hollow's"
+)
+"""What to do for a cylinder in a hollow."""
+
+
+def _refuse_hollow(radius: Any) -> Any:
+    """The radius of a cylinder as it is; ValueError for a negative one, by which contact mechanics
+    states a hollow.
+    """
+    if isinstance(radius, int | float) and radius < 0:
+        raise ValueError(INSTEAD_OF_HOLLOW)
+    return radius
+
+
 class Cylinder(Frozen):
-    """Half of a solid cylinder, its plane of symmetry bonded to a rigid plane."""
+    """Half of a solid cylinder, its plane of symmetry bonded to a rigid plane.
+
+    A cylinder in a hollow is not possible: the hollow has no body.
+    """
 
     kind: Literal["cylinder"] = "cylinder"
-    radius: Positive = Field(description="radius of the cylinder, length units (library: mm)")
+    radius: Annotated[Positive, BeforeValidator(_refuse_hollow)] = Field(
+        description="radius of the cylinder, length units (library: mm)"
+    )
 
     @property
     def face_half_width(self) -> float:

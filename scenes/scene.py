@@ -16,7 +16,7 @@ from pydantic import Field, field_validator, model_validator
 from pydantic_core import PydanticSerializationError
 
 from scenes.arrays import LARGEST_NUMBER
-from scenes.bodies import Bodies, Elastic, Materials, Pad, ShoulderedPad
+from scenes.bodies import INSTEAD_OF_HOLLOW, Bodies, Elastic, Materials, Pad, ShoulderedPad
 from scenes.errors import InputError, shortened_repr
 from scenes.files import keys_of, parsed_toml, write_keys
 from scenes.frozen import (
@@ -318,9 +318,11 @@ class Scene(Frozen):
         if cylinder_radius is not None and not (
             self.profile.kind == "hertz" and arc and abs(arc[1] / cylinder_radius - 1) <= 1e-9
         ):
+            is_wider = arc is not None and arc[1] > cylinder_radius
             raise ValueError(
                 "profile is not that of the cylinders: it is kind = 'hertz' with radius ="
                 f" {cylinder_radius:.12g} (1/R is the sum of 1/radius over the cylinders)"
+                + (f"; {INSTEAD_OF_HOLLOW}" if is_wider else "")
             )
 
         for body_name, body in (("lower", self.bodies.lower), ("upper", self.bodies.upper)):

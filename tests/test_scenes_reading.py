@@ -248,6 +248,18 @@ REFUSED = {
         *bodies(upper='{kind = "cylinder", radius = 50.0}'),
         "not that of the cylinders|radius = 50",
     ),
+    "a cylinder in a hollow, by a negative radius": (
+        *bodies(
+            lower='{kind = "cylinder", radius = -100.0}', upper='{kind = "cylinder", radius = 50.0}'
+        ),
+        "bodies.lower.radius|a hollow face is no body here|1/R = 1/R1 - 1/R2",
+    ),
+    "a cylinder in a hollow, by the relative radius": (
+        *bodies(
+            lower='{kind = "cylinder", radius = 0.9}', upper='{kind = "cylinder", radius = 0.9}'
+        ),
+        "not that of the cylinders|a hollow face is no body here",
+    ),
     "no width": (
         *bodies(upper='{kind = "pad", width = 0.0, height = 5.0}'),
         "bodies.upper.width = 0.0",
