@@ -312,8 +312,8 @@ def _notes_on_pair(pair: Pair) -> Iterator[str]:
     that count from different places, errors of load steps that can't be told apart, no friction.
 
     `pair` holds reference and result. Its masks (k,): `is_in_contact` where a point carries
-    pressure, `is_judged` where also P is at least a tenth of the reference load. `effects` are the
-    compliances that lead from one datum of displacements to the other, where one is needed and
+    pressure, `is_too_light` where also P is less than a tenth of the reference load. `effects` are
+    the compliances that lead from one datum of displacements to the other, where one is needed and
     known.
     """
     from reports.charts.templating import in_template
@@ -324,7 +324,7 @@ def _notes_on_pair(pair: Pair) -> Iterator[str]:
         # `in_template`: the text of that name in a template, filled with these values
         yield in_template("interpolated", interpolation_errors)
     # instants in contact whose load is too light to be judged
-    n_light_instants = int((pair.is_in_contact & ~pair.is_judged).sum())
+    n_light_instants = int(pair.is_too_light.sum())
     if n_light_instants:
         # LEAST_JUDGED_SHARE_OF_LOAD: 0.1 of the reference load
         yield in_template(

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from reports.comparison.cycles import Cycle
 from reports.comparison.dimensionless import Scales
 from reports.comparison.isolated import masks_of_isolated_values
-from scenes import BodyEffects, ContactSolution, Scene
+from scenes import BodyEffects, ContactSolution, Scene, TimeSeriesLoad
 
 if TYPE_CHECKING:
     from semi_analytic import Extremes
@@ -25,6 +25,8 @@ Mask = NDArray[np.bool_]
 # unloaded state a contact passes through sizes of a few elements and of one, where an error
 # relative to its own traction measures the mesh only.
 LEAST_JUDGED_SHARE_OF_LOAD = 0.1
+# Share of the time from the first row of a record to the second within which two times are one.
+_ROUND_OFF_OF_TIME = 1e-9
 # Of beta, at most 1/2: rounding of like moduli written with a few digits more or less.
 _NEGLIGIBLE_BETA = 1e-9
 
@@ -139,12 +141,27 @@ class Pair:
         return has_pressure.any(axis=1)
 
     @cached_property
-    def is_judged(self) -> Mask:
-        """(k,) whether a verdict is taken from an instant: in contact, and P at least 0.1 P_ref."""
+    def is_too_light(self) -> Mask:
+        """(k,) whether an instant is in contact, but P is less than 0.1 P_ref."""
         is_loaded = (
             self.reference_cycle.normal_load >= LEAST_JUDGED_SHARE_OF_LOAD * self.scales.normal_load
         )
-        return self.is_in_contact & is_loaded
+        return self.is_in_contact & ~is_loaded
+
+    @cached_property
+    def is_judged(self) -> Mask:
+        """(k,) whether a verdict is taken from an instant: in contact, P at least 0.1 P_ref, and
+        not before the first row of a measured record. Where its rows start loaded, the path comes
+        to them from P = Q = 0 on a straight line, which nobody measured.
+        """
+        is_judged = self.is_in_contact & ~self.is_too_light
+        load = self.result.scene.load
+        if isinstance(load, TimeSeriesLoad):
+            first_time, second_time = load.kept_rows()[:2, 0].tolist()
+            # _ROUND_OFF_OF_TIME: 1e-9 of the time between two rows
+            start_time = first_time - _ROUND_OFF_OF_TIME * (second_time - first_time)
+            is_judged &= self.result_cycle.time >= start_time
+        return is_judged
 
     @cached_property
     def masks_of_isolated(self) -> dict[str, Mask]:
