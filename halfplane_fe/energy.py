@@ -60,7 +60,7 @@ class Energies:
     elastic
         change of elastic energy, that of the penalty layer included
     layer
-        change of the energy of the penalty layer
+        change of the energy of the penalty layer alone: part of `elastic`, not beside it
     interface
         trapezoidal work of shear minus that of pressure
     end_of_step

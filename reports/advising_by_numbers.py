@@ -95,7 +95,8 @@ class Change(NamedTuple):
     theory_value
         of half-planes, theory's own [energy / length, stress or length]
     relative_change
-        finite bodies over half-planes, minus 1
+        finite bodies over half-planes, minus 1: over theory's value of itself, also of permanent
+        stick, which the metrics of a comparison state over a_ref
     """
 
     name: str

@@ -71,7 +71,7 @@ class Record:
         name -> (n_steps,), dimensionless residuals and violations of each step (0 is perfect)
     energy
         name -> (n_steps,), energies of each step alone (increments, not running totals) per
-        unit thickness, in the scene's units
+        unit thickness, in the scene's units; "layer", of the penalty method, is part of "elastic"
     notes
         everything that a reader must not miss: fallbacks, neglected coupling, clipped values
     errors
