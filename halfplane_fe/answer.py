@@ -221,11 +221,9 @@ def _edges_corrected_for_growth(
         distance_to_move = held_back_by_growth(places, half_width_by_load, growth, spacing)
         correction = np.where(is_pressed, distance_to_move, 0.0)
         edges[f"{edge_name}s"] = places + correction
-        edges[f"{edge_name}_uncertainty"] = (
-            edges[f"{edge_name}_uncertainty"]
-            + left_of_growth(correction, _is_thick(task))
-            + uncertainty_by_growth(growth, spacing)
-        )
+        edges[f"{edge_name}_uncertainty"] = np.hypot(
+            edges[f"{edge_name}_uncertainty"], uncertainty_by_growth(growth, spacing)
+        ) + left_of_growth(correction, _is_thick(task))
 
     # Likewise the ends of the permanent stick zone.
     ends = scaled_permanent_stick.places * half_width

@@ -62,37 +62,51 @@ _JUMP_OF_MIDDLE = 0.5 + _V * (1 / _D + 1 / (1 - _D))
 # rms of g over the edge's places.
 _RMS = 0.0155
 # Shares of the distance of two nodes by which an edge between them is uncertain: one beyond a
-# corner, one beyond a mid-side node; and the root of the squares of the others: one of the square
-# of how unevenly the load takes it on; one over the square of the nodes that it is from x = 0, and
-# of those that a stick edge has passed since slip began. Beyond corners it errs by 0.009 in the
-# median on the coarse mesh and by 0.003 on the default one, beyond mid-side nodes by 0.0035 and
-# 0.002, three nodes from x = 0 by 0.06, and by 0.3 beside the start of slip. Seeds 289, 703 and 708
-# of benchmarks/covered.py values.
-_BEYOND_CORNER = 0.021
-_BEYOND_MID_SIDE = 0.006
-_BY_UNEVENNESS = 0.6
-_BY_FEW_NODES = 0.1
+# corner, one beyond a mid-side node, after both are corrected. By them it errs by 0.006 and 0.003
+# in the median on the coarse mesh, by 0.003 and 0.002 on the default one. Seeds 501 and 701 to 703
+# of benchmarks/covered.py values, as the next four.
+_BEYOND_CORNER = 0.018
+_BEYOND_MID_SIDE = 0.0085
+# Of the square of how unevenly the load takes it on: the range of what nodes behind and ahead show.
+# Where earlier loads have left shear, they show the opposite of each other.
+_BY_UNEVENNESS = 0.35
+# Of the correction itself, or of the largest one where it would be larger.
+_BY_CORRECTION = 0.7
+# Over the square of the nodes that the edge is from x = 0: of wedges it errs by 0.05 and more up to
+# twelve nodes from their tip. And over the cube of the nodes that a stick edge has passed since
+# slip began: 98 of 100 err by up to 0.035 beside the first one, by no more than others from the
+# second one on.
+_BY_NEAR_MIDDLE = 3.0
+_BY_FEW_NODES = 0.06
 # Share of the distance of two nodes, over how much farther a small load takes an edge of stick than
 # one of contact (`_leverage`): 0.0015 to 0.002 in the median where that is 6 to 100, on both
 # presets. Seeds 289, 703 and 708 of benchmarks/covered.py values.
-_BY_LEVERAGE = 0.003
+_BY_LEVERAGE = 0.002
 # Share of how uncertain a stick edge was on its way to a node that is left where it has just passed
 # that. Beyond an older stick edge the nodes behind it soon show nothing uneven, while the edge is
-# still 0.4 of their distance beside its place: up to 17 times what was stated, 2.8 times with this.
-_LEFT_AT_NEXT_NODE = 0.4
+# still 0.4 of their distance beside its place: up to 17 times what was stated without it. As the
+# nodes ahead count too, it need not be 0.4: what was stated by it was 13 times the error in the
+# median.
+_LEFT_AT_NEXT_NODE = 0.2
 # Distances of nodes that a stick edge moves in one increment above which it jumps.
 JUMP = 6.0
-# Share of that at the edges of permanent stick, whose two turning points err less: by 0.004 in the
-# median on the coarse mesh, by 0.002 on the default one.
-_AT_TURNS = 0.85
+# Factor on that at the edges of permanent stick: their two turning points err less, but beyond
+# corners they are not corrected.
+_AT_TURNS = 0.9
 # Share of the distance of two nodes, over a logarithm, by which an edge errs beyond a mid-side
 # node: the slope is 0.12 to 0.15 on both presets. Putting that right takes the median error from
-# 0.0045 to 0.0019 of the distance on the default mesh. Beyond corners there is no such error.
+# 0.0045 to 0.0019 of the distance on the default mesh.
 # Seeds 284 to 286 and 401 to 405 of benchmarks/covered.py values.
 _OFF_MID_SIDE = 0.13
-# Beyond this share it is no error of the elements, and nothing is put right: the pressure at the
+# The same beyond a corner: of the difference between the first and the third node behind it, and
+# of that between the first node behind it and those ahead. Edges of contact and of stick on both
+# presets have slopes of 0.18 to 0.22 and 0.10 to 0.17. It takes the median error from 0.0085 to
+# 0.0060 of the distance on the coarse mesh.
+_OFF_CORNER = (0.19, 0.15)
+# Beyond this share it is no error of the elements, and nothing is put right: where it would be
+# more, edges err by 0.01 in the median without it, and by 0.06 to 0.3 with it. The pressure at the
 # edge of a bonded rigid body swings, and its nodes would give 0.8.
-_MOST_OFF_MID_SIDE = 0.5
+_MOST_CORRECTION = 0.045
 # Closed nodes on its side of x = 0 below which no load locates a contact edge.
 _CLOSED = 6
 # Load since an edge met each of three nodes behind the last one, less that of the last one, over
@@ -414,8 +428,8 @@ class EdgesByLoad(NamedTuple):
         edge
             between this node and the next, located by the load
         unevenness
-            (3,) how unevenly the load takes it on, by nodes behind it: beyond a mid-side node its
-            place is corrected by that; of a stick edge a fourth, by nodes ahead
+            (3,) how unevenly the load takes it on, by nodes behind it; or (4,) with the nodes
+            ahead: its place is corrected by that
         share
             uncertainty over the distance of the edge's places at both nodes; 1 at most
         """
@@ -460,10 +474,7 @@ def contact_by_load(problem: ContactProblem, states: Sequence[InterfaceState]) -
                     _unevenness(edge, last_closed_node, state.pressure, pressure_rates),
                     _unevenness_ahead(edge, last_closed_node, state.gap, gap_rates),
                 )
-                share_at_nodes, *other_shares = _shares_of_spacing(
-                    edge, last_closed_node, unevenness
-                )
-                share = share_at_nodes + math.hypot(*other_shares)
+                share = math.hypot(*_shares_of_spacing(edge, last_closed_node, unevenness))
                 edges.put(row, last_closed_node, edge, unevenness, share)
     return edges
 
@@ -541,16 +552,15 @@ def _uncertainty_share_of_stick_edge(
     edge
         of stick, between the first sliding node and the last one that sticks (`next_node`)
     unevenness
-        (4,) how unevenly the load moves the edge, by three nodes behind it and one ahead
+        (3,) how unevenly the load moves the edge, by three nodes behind it; or (4,) with the nodes
+        ahead
     passed_before
         how uncertain it was between the nodes that it had passed at the instant before
     n_nodes_passed
         number of nodes that it has passed since slip began
     """
-    share_at_nodes, share_by_middle, share_by_unevenness = _shares_of_spacing(
-        edge, edge.next_node, unevenness
-    )
-    share_by_late_start = _share_by_late_start(unevenness[:-1])
+    *other_shares, share_by_unevenness = _shares_of_spacing(edge, edge.next_node, unevenness)
+    share_by_late_start = _share_by_late_start(unevenness[:3])
     passed_now = passed_before.followed_by(edge.next_node, n_nodes_passed).with_share(
         max(min(share_by_unevenness, 1.0), share_by_late_start)
     )
@@ -562,9 +572,9 @@ def _uncertainty_share_of_stick_edge(
         passed_now.share_left * (1.0 if passed_now.has_passed_several else fading),
     )
     # _BY_FEW_NODES: fitted share where slip began a single node away
-    share_by_few_nodes = _BY_FEW_NODES / passed_now.n_nodes_since_jump(n_nodes_passed) ** 2
-    share = share_at_nodes + math.hypot(
-        share_by_middle,
+    share_by_few_nodes = _BY_FEW_NODES / passed_now.n_nodes_since_jump(n_nodes_passed) ** 3
+    share = math.hypot(
+        *other_shares,
         share_by_few_nodes,
         # _BY_LEVERAGE: fitted share
         _BY_LEVERAGE * _leverage(problem, state, edge),
@@ -749,7 +759,8 @@ def _stick_edge_and_unevenness(
     problem: ContactProblem, state: InterfaceState, travel: Array, side: int, last_stuck: int
 ) -> tuple[Edge, Array]:
     """The stick edge that slip takes inwards to the node `last_stuck`, and how unevenly a load
-    takes it on, (4,), by three nodes behind it and by the two ahead that it has passed last.
+    takes it on, by three nodes behind it and by the two ahead that it has passed last, (4,); (3,)
+    where it has passed a single node.
 
     Parameters
     ----------
@@ -775,13 +786,10 @@ def _stick_edge_and_unevenness(
     turn = TurnOfSlip(sense, sense * float(travel[node]), float(forces_to_limit[last_stuck]))
     edge = Edge.of_stick(problem, side, last_stuck, turn, rates_by_load)
     unevenness_behind = _unevenness(edge, last_stuck, forces_to_limit, rates_to_limit)
-    # none where the edge has passed a single node
-    is_second_node_sliding = slip_sign(state.node_states[node + side]) == sense
-    unevenness_ahead = (
-        _unevenness_ahead(edge, last_stuck, sense * travel, slip_rates)
-        if is_second_node_sliding
-        else 0.0
-    )
+    # by the nodes ahead too, unless the edge has passed a single node
+    if slip_sign(state.node_states[node + side]) != sense:
+        return edge, unevenness_behind
+    unevenness_ahead = _unevenness_ahead(edge, last_stuck, sense * travel, slip_rates)
     return edge, np.append(unevenness_behind, unevenness_ahead)
 
 
@@ -848,13 +856,9 @@ def _unevenness_ahead(edge: Edge, last_node: int, distance: Array, distance_rate
 
 
 def _place_put_right(edge: Edge, last_node: int, unevenness: Array) -> float:
-    """Place x of an edge by the load, corrected where the last node of its zone is a mid-side node;
-    scaled.
-
-    The load at which elements let an edge meet a mid-side node errs, by how the sizes around it
-    differ. That shows in the unevenness of the first node behind it, not of the second: the
-    correction is a share of their difference (`_OFF_MID_SIDE`), times the distance of two nodes.
-    Where it would be more than half of that distance, nothing is corrected.
+    """Place x of an edge by the load, corrected by how the nodes around it differ (`_correction`);
+    scaled. Where that is more than a small share of the distance of two nodes, it is no error of
+    the elements, and nothing is corrected.
 
     Parameters
     ----------
@@ -862,34 +866,66 @@ def _place_put_right(edge: Edge, last_node: int, unevenness: Array) -> float:
         between two nodes; `spacing` is the distance of its places at them, `side` 1 on the right of
         x = 0, -1 on the left
     last_node
-        of the zone that ends at the edge
+        last node of the zone that ends at the edge
     unevenness
-        (3,) how unevenly the load moves the edge, by the nodes behind it: 0 where evenly; of a
-        stick edge a fourth, by the nodes ahead
+        (3,) how unevenly the load moves the edge, by the nodes behind it: 0 where evenly; or (4,)
+        with that by the nodes ahead
     """
-    unevenness_at_first_node, unevenness_at_second_node = unevenness[:2]  # behind the last one
-    if (
-        _is_corner(edge.interface, last_node)
-        or not np.isfinite([unevenness_at_first_node, unevenness_at_second_node]).all()
-    ):
+    correction = _correction(edge, last_node, unevenness)
+    # _MOST_CORRECTION: largest share of the distance
+    if abs(correction) > _MOST_CORRECTION:
         return edge.place
-    share_of_spacing = _OFF_MID_SIDE * float(unevenness_at_first_node - unevenness_at_second_node)
-    if abs(share_of_spacing) > _MOST_OFF_MID_SIDE:
-        return edge.place
-    return edge.place + edge.side * edge.spacing * share_of_spacing
+    return edge.place + edge.side * edge.spacing * correction
 
 
-def _shares_of_spacing(edge: Edge, last_node: int, unevenness: Array) -> tuple[float, float, float]:
-    """How uncertain the place of an edge is, over the distance of its two nodes, in three parts: by
-    the kind of the last node of its zone (corner or mid-side); by how near x = 0 is; and by how
-    unevenly the load moves it, `unevenness` (3,) or (4,), 0 where evenly. To the first is added the
-    root of the squares of the others, which have nothing to do with each other.
+def _correction(edge: Edge, last_node: int, unevenness: Array) -> float:
+    """Correction of the place of an edge by the load, outwards, over the distance of its two nodes;
+    infinite where the load does not move the edge.
+
+    The load at which elements let an edge meet a node errs, by how the sizes around it differ. That
+    shows in the unevenness of the first node behind it, not in that of others. At a mid-side node
+    the correction is a share of its difference from the second one (`_OFF_MID_SIDE`). At a corner
+    it is one share of its difference from the third one, and one of that from the nodes ahead
+    (`_OFF_CORNER`); 0 where these are not known.
+
+    Parameters
+    ----------
+    edge
+        between two nodes of its `interface`
+    last_node
+        last node of the zone that ends at the edge: a mid-side node or a corner
+    unevenness
+        (3,) how unevenly the load moves the edge, by the nodes behind it: 0 where evenly; or (4,)
+        with that by the nodes ahead
+    """
+    if not np.isfinite(unevenness).all():
+        return math.inf
+    first, second, third, *ahead = unevenness.tolist()
+    if not _is_corner(edge.interface, last_node):
+        return float(_OFF_MID_SIDE * (first - second))
+    if not ahead:
+        return 0.0
+    share_by_third, share_by_ahead = _OFF_CORNER
+    return float(share_by_third * (first - third) + share_by_ahead * (first - ahead[0]))
+
+
+def _shares_of_spacing(
+    edge: Edge, last_node: int, unevenness: Array
+) -> tuple[float, float, float, float]:
+    """How uncertain the place of an edge is, over the distance of its two nodes, in four parts: by
+    the kind of the last node of its zone (corner or mid-side); by how near x = 0 is; by its
+    correction; and by how unevenly the load moves it, `unevenness` (3,) or (4,), 0 where evenly.
+    The root of the sum of their squares counts, as they have nothing to do with each other.
     """
     is_corner = _is_corner(edge.interface, last_node)
     share_at_nodes = _BEYOND_CORNER if is_corner else _BEYOND_MID_SIDE
     nodes_from_middle = max(abs(edge.place) / edge.spacing, 1.0)
-    share_by_middle = _BY_FEW_NODES / nodes_from_middle**2
-    return share_at_nodes, share_by_middle, _BY_UNEVENNESS * float(np.max(unevenness**2))
+    share_by_middle = _BY_NEAR_MIDDLE / nodes_from_middle**2
+    correction = abs(_correction(edge, last_node, unevenness))
+    share_by_correction = _BY_CORRECTION * min(correction, _MOST_CORRECTION)
+    range_of_unevenness = max(unevenness.max(), 0.0) - min(unevenness.min(), 0.0)
+    share_by_unevenness = _BY_UNEVENNESS * float(range_of_unevenness) ** 2
+    return share_at_nodes, share_by_middle, share_by_correction, share_by_unevenness
 
 
 def _share_by_late_start(unevenness: Array) -> float:
@@ -1433,7 +1469,7 @@ def _edge_at_turn(
     _, pressure_rates, shear_rates, _ = rates_by_load
     rates_to_limit = force_to_limit(pressure_rates, shear_rates, turn.sense, problem.friction)
     unevenness = _unevenness(edge, nodes.last_stuck, forces_to_limit, rates_to_limit)
-    # _AT_TURNS: share of the uncertainty of single edges that remains at turning points
+    # _AT_TURNS: factor on the uncertainty of single edges at turning points
     share_at_nodes, *other_shares = _shares_of_spacing(edge, nodes.last_stuck, unevenness)
     share = _AT_TURNS * (share_at_nodes + math.hypot(*other_shares))
     return _EdgeAtTurn(
