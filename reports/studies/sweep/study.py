@@ -248,7 +248,8 @@ class Study(Frozen):
     share_condensations
         cut all points alike that have bodies, materials, profile and largest load in common:
         fine elements everywhere in the contact, one condensation for all; else each is cut for
-        its own edges
+        its own edges. Without a coarse run of its own a point states no uncertainty of W, U and
+        the approach; "cheap" and "budget" find it by further runs
     """
 
     place_of_key_list = "docs/sweeps.md"
