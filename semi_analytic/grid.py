@@ -470,9 +470,9 @@ class Grid:
         """
         pressure = np.zeros(unloaded_gap.shape)
         approach = np.zeros(len(unloaded_gap))
-        # Grids with equally many cells in contact have one C. For m cells `root` is M with M^T M =
-        # C^-1, `traction_per_shift` (m,) the tractions that displace all m by 1,
-        # `total_per_shift` their sum.
+        # Grids with equally many cells in contact have one C. For m cells `root_of_stiffness` is
+        # M with M^T M = C^-1, `traction_per_shift` (m,) the tractions that displace all m by
+        # 1, `total_per_shift` their sum.
         for n_cells in np.unique(contact.n_cells).tolist():
             cell_stiffness = self._stiffness_of_cells(n_cells)
             grid_numbers = np.flatnonzero(contact.n_cells == n_cells)
@@ -559,7 +559,8 @@ class Grid:
         friction_limit
             (g, k) f p at the end of the increment [stress]
         contact_before
-            cells in contact before the increment; those after it are stored in the grid
+            cells in contact before the increment; those after it are stored in the grid. `begin`
+            and `end` are numbers of cells: the first in contact, and the one behind the last
         """
         contact = self._contact
         earlier_contact = contact.common_with(contact_before)
@@ -635,7 +636,7 @@ class Grid:
             Where all cells in contact slip, or the active set does not converge.
         """
         block = _BlockOfCells.around(contact, grid_numbers, self.n_cells)
-        # C of the m cells of a block: its inverse, and tractions that displace all cells by 1
+        # of the m cells of a block: G, and the tractions that displace all of them by 1
         cell_stiffness = self._stiffness_of_cells(block.n_cells)
         # slip of the increment if there were neither shear nor U
         free_slip = block.values_of(displacement_without_shear - slip_at_begin)
@@ -1286,24 +1287,26 @@ class _PathInIncrements:
         cycle_start = segments[0].start
         cycle_end = segments[-1].end
         # wanted instants as times of the first cycle
-        time_in_cycle = _times_at_boundaries_made_exact(
+        instants_in_first_cycle = _times_at_boundaries_made_exact(
             wanted_times - max(cycle_number, 0) * (load_path.period or 0.0), cycle_start, cycle_end
         )
 
         times_of_segments = [
-            self._increment_times(segment, segment_number, is_initial_loading, time_in_cycle)
+            self._increment_times(
+                segment, segment_number, is_initial_loading, instants_in_first_cycle
+            )
             for segment_number, segment in enumerate(segments)
         ]
         loads_of_segments = [self._loads_at(times) for times in times_of_segments]
 
         # An instant at the start of a cycle belongs to the cycle before, which ends there.
-        is_after_start = (time_in_cycle > cycle_start) | is_initial_loading
-        instant_numbers = np.flatnonzero((time_in_cycle <= cycle_end) & is_after_start)
+        is_after_start = (instants_in_first_cycle > cycle_start) | is_initial_loading
+        instant_numbers = np.flatnonzero((instants_in_first_cycle <= cycle_end) & is_after_start)
         # the increment whose end is nearest to each instant
         increment_ends = np.concatenate(times_of_segments)
         increment_numbers = [
-            np.argmin(np.abs(increment_ends - max(instant, load_path.start)))
-            for instant in time_in_cycle[instant_numbers]
+            np.argmin(np.abs(increment_ends - max(wanted_instant, load_path.start)))
+            for wanted_instant in instants_in_first_cycle[instant_numbers]
         ]
         return _Increments(
             np.concatenate(loads_of_segments),
@@ -1341,26 +1344,30 @@ class _PathInIncrements:
             (m,) wanted instants, as times of the first cycle
         """
         load_path = self.load_path
-        is_first_touch = segment is load_path.initial_loading[0]
+        begins_at_first_touch = segment is load_path.initial_loading[0]
         duration = segment.end - segment.start
         n_increments = self._number_of_increments(segment, segment_number, is_initial)
         # From first touch P grows as the square of the contact's size.
-        exponent = 2 if is_first_touch else 1
+        exponent = 2 if begins_at_first_touch else 1
         shares_of_segment = np.linspace(0, 1, n_increments + 1)[1:] ** exponent
         even_times = segment.start + duration * shares_of_segment
         # turning points of the loads within the segment, and its end
         turning_times = self.path_loads.turning_times(segment)
-        instants = time_in_cycle[(time_in_cycle > segment.start) & (time_in_cycle <= segment.end)]
-        if is_first_touch and np.any(time_in_cycle <= load_path.start):
-            instants = np.append(instants, load_path.start)
+        wanted_instants = time_in_cycle[
+            (time_in_cycle > segment.start) & (time_in_cycle <= segment.end)
+        ]
+        if begins_at_first_touch and np.any(time_in_cycle <= load_path.start):
+            wanted_instants = np.append(wanted_instants, load_path.start)
 
-        time_to_instant = np.min(np.abs(even_times[:, None] - instants), axis=1, initial=math.inf)
+        time_to_instant = np.min(
+            np.abs(even_times[:, None] - wanted_instants), axis=1, initial=math.inf
+        )
         even_times = even_times[time_to_instant >= 0.5 * duration / n_increments]
         time_to_turning_point = np.min(
-            np.abs(instants[:, None] - turning_times), axis=1, initial=math.inf
+            np.abs(wanted_instants[:, None] - turning_times), axis=1, initial=math.inf
         )
-        instants = instants[time_to_turning_point > 2e-9 * duration]
-        return np.unique(np.concatenate([even_times, turning_times, instants]))
+        wanted_instants = wanted_instants[time_to_turning_point > 2e-9 * duration]
+        return np.unique(np.concatenate([even_times, turning_times, wanted_instants]))
 
     def _number_of_increments(
         self, segment: LoadSegment, segment_number: int, is_initial: bool
@@ -1776,7 +1783,7 @@ def _follow_cycles(
         number of cycles to follow in any case
     stride
         values of each single grid are stored at every `stride`-th instant, means over the grids at
-        all
+        all instants
 
     Raises
     ------
@@ -1795,7 +1802,8 @@ def _follow_cycles(
         )
     for cycle_number in cycle_numbers:
         if cycle_number >= 0:
-            # mean slip over x at the start of each cycle, from which finer grids may resume
+            # slip as a function of x, mean over the grids, at the start of each cycle: finer grids
+            # may resume from it
             solution.slip_at_starts.append(grids.slip_field())
         # loads at the ends of the increments, and which of them end at the instants `time`
         increments = path_in_increments.increments_of_cycle(cycle_number, time)
@@ -2422,6 +2430,9 @@ def _run_coarse_and_fine(
     grids follow as many, then 16 coarse ones for comparison. Where the last cycle alone is wanted,
     all 16 coarse grids go first, and are the comparison. If there are more than two cycles, the
     fine grids then start from their mean slip, where the last but one cycle begins.
+
+    Where edge cells do most of the friction work, 16 coarse grids also follow the increments of the
+    fine ones. So the effects of cell width and of increments are known apart.
 
     Parameters
     ----------

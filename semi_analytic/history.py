@@ -480,11 +480,11 @@ def _unloading_spans(
     falls and |dQ/dP| <= f.
 
     `memory_curve` is M(eta) at the begin, the tangential force of the flat punches up to the load
-    eta. The contact slips forward where the path runs above M(P) in the P-Q plane, in reverse below
-    it, and not along it. Each later point of the path lies inside the Coulomb limits |dQ| <= f |dP|
-    of the earlier ones. So a cut of the path does not change the state. The spans are `delay` later
-    than the load segment itself: whole periods of the cycle. `begin_instant` and `end_instant` hold
-    time, P and Q.
+    eta. Without slip the contact would carry M(P) alone. So it slips forward where the path runs
+    above M(P) in the P-Q plane, in reverse below it, and not along it. Each later point of the path
+    lies inside the Coulomb limits |dQ| <= f |dP| of the earlier ones. So a cut of the path does not
+    change the state. The spans are `delay` later than the load segment itself: whole periods of the
+    cycle. `begin_instant` and `end_instant` hold time, P and Q.
     """
     # begin, end and direction of slip: 1 above the curve, -1 below, 0 along it
     for begin_time, end_time, direction in slip_directions(
@@ -551,22 +551,22 @@ def slip_directions(
     # fall of P from begin to end of the path, negative
     change_in_path = float(segment.change_of(NORMAL_LOAD, end_time, begin_instant.time))
     parts_by_direction: list[tuple[float, float, int]] = []
-    part_begin = begin_instant.time
+    time_at_piece_top = begin_instant.time
     # from the uppermost piece down
     for memory_piece in pieces(curve):
         change_to_bottom = memory_piece.bottom_load - begin_instant.normal_load
         load_leaves_piece = change_in_path < change_to_bottom
-        part_end = end_time
-        # when P is at the lower end of the piece
+        time_at_piece_bottom = end_time
+        # when P is at the lower end of the piece, else the end of the path
         if load_leaves_piece:
-            part_end = float(
+            time_at_piece_bottom = float(
                 segment.time_of(NORMAL_LOAD, change_to_bottom, begin_instant.time, end_time)
             )
-        if part_end > part_begin:
+        if time_at_piece_bottom > time_at_piece_top:
             parts_by_direction += _directions_on(
-                memory_piece, segment, part_begin, part_end, friction
+                memory_piece, segment, time_at_piece_top, time_at_piece_bottom, friction
             )
-        part_begin = max(part_begin, part_end)
+        time_at_piece_top = max(time_at_piece_top, time_at_piece_bottom)
         if not load_leaves_piece:
             break
 
@@ -596,13 +596,13 @@ def _directions_on(
     """
     force_above_piece = _ForceAbovePiece(memory_piece, segment)
     sample_times = force_above_piece.sample_times(begin, end)
-    force_above_curve = force_above_piece(sample_times)
+    forces_at_samples = force_above_piece(sample_times)
     # _ROUND_OFF_SHARE: 1e-14
     force_roundoff = _ROUND_OFF_SHARE * (
         friction * memory_piece.anchor.normal_load + abs(memory_piece.anchor.tangential_load)
     )
     direction_at_samples = np.where(
-        np.abs(force_above_curve) <= force_roundoff, 0, np.sign(force_above_curve)
+        np.abs(forces_at_samples) <= force_roundoff, 0, np.sign(forces_at_samples)
     ).astype(int)
     if not np.any(direction_at_samples):
         return [(begin, end, 0)]
@@ -780,12 +780,12 @@ class History:
         span_number, times_in_segments = self._spans_at(time)
         # times of each span, in the time of its load segments
         order_by_span = np.argsort(span_number, kind="stable")
-        numbers_with_times, first_of_span = np.unique(span_number[order_by_span], return_index=True)
+        spans_with_times, first_of_span = np.unique(span_number[order_by_span], return_index=True)
         times_of_spans = np.split(times_in_segments[order_by_span], first_of_span[1:])
         # states in the order of the spans
         snapshot = snapshot_of(
-            (self.spans[number], times)
-            for number, times in zip(numbers_with_times, times_of_spans, strict=True)
+            (self.spans[index_of_span], times)
+            for index_of_span, times in zip(spans_with_times, times_of_spans, strict=True)
         )
 
         # back to the order of the instants

@@ -464,8 +464,8 @@ class _Search:
             """Largest tension of both edges and both faces at each instant, (n,) [stress]."""
             nonlocal largest_uncertainty
             # (n, 2, 2) by body and edge
-            tension, errors = edge_tension(self.scene, time)
-            largest_uncertainty = max(largest_uncertainty, float(errors.max()))
+            tension, uncertainties = edge_tension(self.scene, time)
+            largest_uncertainty = max(largest_uncertainty, float(uncertainties.max()))
             return np.asarray(tension.max(axis=(1, 2)))
 
         # instants between which the tension is smooth

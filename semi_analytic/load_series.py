@@ -418,10 +418,10 @@ def _curve_after_loading_in_stick(
     begin_station, end_station
         P, Q and the share of the step that is over, at both ends; only P and Q matter here
     """
-    load, force, _ = begin_station
-    load_at_end, force_at_end, _ = end_station
-    line_length = load_at_end - load
-    line_rise = force_at_end - force
+    begin_load, begin_force, _ = begin_station
+    end_load, end_force, _ = end_station
+    line_length = end_load - begin_load
+    line_rise = end_force - begin_force
     curve_below = curve
     if curve is not None:
         # The slopes of the line below and of the step, both times both lengths.
@@ -437,13 +437,13 @@ def _curve_after_loading_in_stick(
             line_rise += curve.force_rise
     # The lowest line begins at P = 0: its length is the load, without the round-off of a sum.
     if curve_below is None:
-        return _new_tuple(Line, (None, load_at_end, force_at_end, load_at_end, line_rise, 1))
+        return _new_tuple(Line, (None, end_load, end_force, end_load, line_rise, 1))
     return _new_tuple(
         Line,
         (
             curve_below,
-            load_at_end,
-            force_at_end,
+            end_load,
+            end_force,
             line_length,
             line_rise,
             curve_below.line_count + 1,
@@ -613,8 +613,9 @@ def _curve_after_unloading(
     out of contact.
 
     The memory curve M(eta) is the tangential force of the flat punches up to the load eta. The step
-    slips forward where the path runs above the memory curve M(P) in the P-Q plane, and in reverse
-    below it. Where the path crosses the curve the step is cut into parts. Each later point lies
+    slips forward where the path runs above the memory curve M(P) in the P-Q plane: without slip the
+    contact would carry M(P) alone, and forward slip carries the rest of Q. Below the curve it slips
+    in reverse. Where the path crosses the curve the step is cut into parts. Each later point lies
     inside the Coulomb limits |dQ| <= f |dP| of the earlier ones, so that a cut does not change the
     state.
 
@@ -629,11 +630,11 @@ def _curve_after_unloading(
     recorder
         takes a record for each line of the curve that the step goes through
     """
-    load, force, begin_share = begin_station
-    load_at_end, force_at_end, end_share = end_station
-    load_drop = load - load_at_end
-    path_slope = (force_at_end - force) / (load_at_end - load)
-    force_tolerance = _ON_CURVE_FORCE_SHARE * friction * load
+    begin_load, begin_force, begin_share = begin_station
+    end_load, end_force, end_share = end_station
+    load_drop = begin_load - end_load
+    path_slope = (end_force - begin_force) / (end_load - begin_load)
+    force_tolerance = _ON_CURVE_FORCE_SHARE * friction * begin_load
     # Each part has its direction of slip, and the fall of P from the begin of the step to its end.
     *earlier_parts, last_part = _parts_of_unloading(curve, load_drop, path_slope, force_tolerance)
     station = begin_station
@@ -642,8 +643,8 @@ def _curve_after_unloading(
             end_share - begin_share
         )
         next_station = (
-            load - part.load_drop_at_end,
-            force - path_slope * part.load_drop_at_end,
+            begin_load - part.load_drop_at_end,
+            begin_force - path_slope * part.load_drop_at_end,
             share_at_part_end,
         )
         curve = _curve_after_unloading_part(
@@ -653,7 +654,7 @@ def _curve_after_unloading(
     curve = _curve_after_unloading_part(
         curve, last_part.direction, station, end_station, friction, recorder
     )
-    return curve if load_at_end > 0 else None
+    return curve if end_load > 0 else None
 
 
 class _UnloadingPart(NamedTuple):
@@ -765,9 +766,9 @@ def _curve_after_retracing(
     recorder
         takes a record for each line that P passes: the line, direction 0, stations at both ends
     """
-    load, force, begin_share = begin_station
-    load_at_end, _, end_share = end_station
-    load_drop = load - load_at_end
+    begin_load, begin_force, begin_share = begin_station
+    end_load, _, end_share = end_station
+    load_drop = begin_load - end_load
     drop_below_line_top = load_drop  # from the upper end of `curve` to the new P
     station = begin_station
     while curve is not None and drop_below_line_top > 0 and station is not end_station:
@@ -780,8 +781,8 @@ def _curve_after_retracing(
             share_of_drop = 1 - drop_below_line_top / load_drop
             # Q of a station inside a step is not recorded.
             next_station = (
-                load - share_of_drop * load_drop,
-                force,
+                begin_load - share_of_drop * load_drop,
+                begin_force,
                 begin_share + share_of_drop * (end_share - begin_share),
             )
         recorder.add(curve, 0, station, next_station)
@@ -1372,7 +1373,7 @@ def _follow_cycles(
     if not n_whole_cycles:
         n_covered_cycles = len(followed_cycles) if repeats else 1
     followed_of_covered_cycles = tuple(
-        min(number, len(followed_cycles) - 1) for number in range(n_covered_cycles)
+        min(cycle_number, len(followed_cycles) - 1) for cycle_number in range(n_covered_cycles)
     )
     return LoadSeries(
         friction,
@@ -1490,7 +1491,7 @@ class States:
         n_lines_before = len(self._lines)
         if self.stores_curves:
             records_with_instants, line_number = np.unique(record_number, return_inverse=True)
-            self._lines += [block.lines[number] for number in records_with_instants.tolist()]
+            self._lines += [block.lines[record] for record in records_with_instants.tolist()]
         self._columns.append(
             _StateColumns(
                 normal_load,

@@ -126,8 +126,9 @@ class Stroke:
         return np.asarray(self.friction * pressure * self.slip_rate(x, u))
 
     def slip_rate(self, x: Array, u: Array) -> Array:
-        """Rate of slip d ds/du at points x outside the stick zone and fractions u of the stroke,
-        arrays that broadcast [length]; positive in the direction d of slip.
+        """Rate of slip, ds/du times the direction d, at points x outside the stick zone and
+        fractions u of the stroke, arrays that broadcast [length]; positive where slip goes in the
+        direction d.
 
             -dN/du (A/pi) arccosh(|x - m|/c) + da/du sgn(x - m) sqrt((x - m)^2 - c^2)
 

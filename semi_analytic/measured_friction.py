@@ -545,7 +545,8 @@ def _friction_batch(
     work_of
         function that gives W by coefficients of friction and the indices of members
     least_friction_of_member, load_amplitude_ratio
-        (m,) f_min, below which the member slides grossly, and Q1/P1, 0 where P is constant
+        (m,) f_min, below which the member slides grossly, and Q1/P1, the amplitude of Q over that
+        of P, 0 where P is constant
     shape
         shape of the batch, m members in all
     notes
@@ -843,7 +844,7 @@ def _roots_of(work_curve: _WorkCurve, work_of: WorkFunction, targets: _Targets) 
     from scipy.optimize import elementwise  # noqa: PLC0415
 
     member_of_root = targets.member[target_of_root]
-    works_at_roots = targets.works[target_of_root]
+    target_works = targets.works[target_of_root]
     # iteration over ln f between two samples
     root_search = elementwise.find_root(
         lambda log_f_at_trial, member_of_trial, work_at_root: (
@@ -853,13 +854,13 @@ def _roots_of(work_curve: _WorkCurve, work_of: WorkFunction, targets: _Targets) 
             work_curve.log_f[sample_before_root, member_of_root],
             work_curve.log_f[sample_before_root + 1, member_of_root],
         ),
-        args=(member_of_root.astype(float), works_at_roots),
+        args=(member_of_root.astype(float), target_works),
     )
     # each root in the row of its target, in ascending order
     place_in_row = np.arange(len(target_of_root)) - np.searchsorted(target_of_root, target_of_root)
     root_rows[target_of_root, place_in_row] = np.exp(root_search.x)
     # a residual above 1e-8 of the target: not found
-    is_found = np.abs(root_search.f_x) <= _LARGEST_RESIDUAL * works_at_roots
+    is_found = np.abs(root_search.f_x) <= _LARGEST_RESIDUAL * target_works
     is_not_converged[target_of_root[~is_found]] = True
     return _Roots(root_rows, n_roots, is_not_converged)
 
@@ -875,12 +876,12 @@ def _samples_before_roots(
     not above 0, or of members whose W is not known at all samples, have none.
     """
     target_works = targets.works
-    works_of_targets = work_curve.works[:, targets.member]
+    sampled_works = work_curve.works[:, targets.member]
     is_valid_target = (
         np.isfinite(target_works) & (target_works > 0) & work_curve.is_solvable[targets.member]
     )
-    is_above_target = works_of_targets > np.where(is_valid_target, target_works, np.inf)
-    is_work_known = np.isfinite(works_of_targets)
+    is_above_target = sampled_works > np.where(is_valid_target, target_works, np.inf)
+    is_work_known = np.isfinite(sampled_works)
     encloses_root = (
         (is_above_target[:-1] != is_above_target[1:])
         & is_work_known[:-1]

@@ -623,8 +623,8 @@ def _gauss_times(span: Span, n_points: int) -> tuple[Array, Array]:
 
 
 def _work_in_span(span: Span, radius: float, n_points: int) -> Array:
-    """Matrix (4, 4) of the friction work that tilt and strain add while both edges slip in one
-    direction s, in a span of time: work = o . matrix o, o = (alpha_P, alpha_Q, e_P, e_Q).
+    """Matrix (4, 4) of the friction work that tilt and strain add while both edges of contact slip
+    in one direction s, in a span of time: work = o . matrix o, o = (alpha_P, alpha_Q, e_P, e_Q).
 
         int f (-N' D^2/(2R) - a_s' D (P - P_c)) dt,    N = f P - s Q,    a_s = f alpha - s eps
 
@@ -635,18 +635,18 @@ def _work_in_span(span: Span, radius: float, n_points: int) -> Array:
     The integrals are taken by Gauss' rule of `n_points` nodes in time; `radius` is R of the
     parabola. DeclinedError where the contact slides as a whole.
     """
-    piece_at_edge = span.sticking_piece  # of the memory curve, where the stick edge is
-    if piece_at_edge is None:
+    piece_at_stick_edge = span.sticking_piece  # of the memory curve, where the stick edge is
+    if piece_at_stick_edge is None:
         raise DeclinedError("the contact slides as a whole")
     time, time_weights = _gauss_times(span, n_points)
 
     # P - P_c; then the steepness mu = f - s dM/d eta of the memory curve at the stick edge, (n,), D
     # and v, how far the centre of stick has moved since the memory was set, (n, 4).
     slip_zone_load = span.slip_zone_load(time)
-    stick_edge = _stick_edge_at(span, piece_at_edge, time, slip_zone_load, radius)
+    stick_edge = _stick_edge_at(span, piece_at_stick_edge, time, slip_zone_load, radius)
     s_q_minus_f_p = slip_combination(span.direction, span.friction)  # -N
     rate_of_s_q_minus_f_p = np.asarray(span.segment.rate_of(s_q_minus_f_p, time))  # -N'
-    tilt_and_strain_rate = _equivalent_tilt_coefficients(
+    rate_of_a_s = _equivalent_tilt_coefficients(
         span.friction, span.direction, *span.segment.rates(time)
     )
     centre_distance = stick_edge.centre_distance(radius)
@@ -657,9 +657,9 @@ def _work_in_span(span: Span, radius: float, n_points: int) -> Array:
         centre_distance,
     )
     work_matrix = work_matrix - _quadratic_form(
-        friction_times_weights * slip_zone_load, tilt_and_strain_rate, centre_distance
+        friction_times_weights * slip_zone_load, rate_of_a_s, centre_distance
     )
-    if _is_set_by_slip(piece_at_edge, span.friction):
+    if _is_set_by_slip(piece_at_stick_edge, span.friction):
         return work_matrix
     # s f (P - P_c) |dP_c|, since P_c falls by -N' dt/mu
     weights_along_memory = (
@@ -670,7 +670,7 @@ def _work_in_span(span: Span, radius: float, n_points: int) -> Array:
         / stick_edge.steepness
     )
     work_by_bend, work_by_tilt = _work_along_memory(
-        piece_at_edge, stick_edge, weights_along_memory, radius
+        piece_at_stick_edge, stick_edge, weights_along_memory, radius
     )
     return work_matrix - work_by_bend - work_by_tilt
 
@@ -877,11 +877,11 @@ def _smooth_end(
     """
     segment = span.segment
     s_q_minus_f_p = slip_combination(span.direction, span.friction)
-    middle_time = (span.begin.time + span.end.time) / 2
+    time_in_middle = (span.begin.time + span.end.time) / 2
     # Rates of s Q - f P; `time` is taken as the end of the stroke.
     rate_at_begin, rate_in_middle, rate_at_end = (
         abs(float(segment.rate_of(s_q_minus_f_p, rate_time)))
-        for rate_time in (span.begin.time, middle_time, time)
+        for rate_time in (span.begin.time, time_in_middle, time)
     )
     largest_rate = max(rate_at_begin, rate_in_middle, rate_at_end)
     load_at_end = float(segment.loads(time)[0])
@@ -898,9 +898,9 @@ def _smooth_end(
     if second_rate <= 0:
         return None
     # a_s' = f alpha' - s eps', as coefficients (4,) of (alpha_P, alpha_Q, e_P, e_Q).
-    tilt_rate = _equivalent_tilt_coefficients(span.friction, span.direction, *segment.rates(time))
+    rate_of_a_s = _equivalent_tilt_coefficients(span.friction, span.direction, *segment.rates(time))
     return _SmoothEnd(
-        load_at_end, stick_edge_load, radius / second_rate * np.outer(tilt_rate, tilt_rate)
+        load_at_end, stick_edge_load, radius / second_rate * np.outer(rate_of_a_s, rate_of_a_s)
     )
 
 
@@ -940,9 +940,9 @@ def _work_at_stroke_end(span: Span, radius: float, n_panels: int) -> Array:
         return np.zeros((4, 4))
     # Loads eta of punches, and the tangential load left next to each over R a_s'^2/N'';
     # tilt_rate_form is R a_s'^2/N'' as a quadratic form of tilt and strain.
-    eta, remaining_load_at_eta = smooth_end.remaining_loads(n_panels)
-    integral_of_loads = float(np.sum(remaining_load_at_eta * (smooth_end.load - eta)))
-    return np.asarray(span.friction * integral_of_loads * smooth_end.tilt_rate_form)
+    eta, tangential_load_left = smooth_end.remaining_loads(n_panels)
+    integral_of_load_left = float(np.sum(tangential_load_left * (smooth_end.load - eta)))
+    return np.asarray(span.friction * integral_of_load_left * smooth_end.tilt_rate_form)
 
 
 def _work_at_passed_end(span: Span, radius: float, n_panels: int) -> Array:
@@ -969,16 +969,18 @@ def _work_at_passed_end(span: Span, radius: float, n_panels: int) -> Array:
         return np.zeros((4, 4))
     # Loads eta of punches, and the tangential load left next to each over R a_s'^2/N'';
     # tilt_rate_form is R a_s'^2/N'' as a quadratic form of tilt and strain.
-    eta, remaining_load_at_eta = smooth_end.remaining_loads(n_panels)
+    eta, tangential_load_left = smooth_end.remaining_loads(n_panels)
     # P_c, which falls in slip
     stick_edge_load_at_end = span.end.normal_load - float(span.slip_zone_load(span.end.time))
     stick_edge_load_at_begin = span.begin.normal_load - float(span.slip_zone_load(span.begin.time))
     # Only the punches that the stick edge passes in this span.
     is_passed = (eta < stick_edge_load_at_begin) & (eta >= stick_edge_load_at_end)
     eta = eta[is_passed]
-    load_at_passage = _load_when_stick_edge_at(eta, span, memory_piece)
-    integral_of_loads = float(np.sum(remaining_load_at_eta[is_passed] * (load_at_passage - eta)))
-    return np.asarray(span.friction * integral_of_loads * smooth_end.tilt_rate_form)
+    normal_load_at_passage = _load_when_stick_edge_at(eta, span, memory_piece)
+    integral_of_load_left = float(
+        np.sum(tangential_load_left[is_passed] * (normal_load_at_passage - eta))
+    )
+    return np.asarray(span.friction * integral_of_load_left * smooth_end.tilt_rate_form)
 
 
 def _load_when_stick_edge_at(eta: Array, span: Span, memory_piece: Piece) -> Array:
@@ -1063,5 +1065,5 @@ def _contact_edge_slip_coefficients(
         rate_of_s_q_minus_f_p, np.finfo(float).tiny
     )
     # a_s' as coefficients (n, 4).
-    tilt_rate = _equivalent_tilt_coefficients(span.friction, direction, *span.segment.rates(time))
-    return np.asarray(np.pi * modulus / 2 * length_over_load_rate[:, None] * tilt_rate)
+    rate_of_a_s = _equivalent_tilt_coefficients(span.friction, direction, *span.segment.rates(time))
+    return np.asarray(np.pi * modulus / 2 * length_over_load_rate[:, None] * rate_of_a_s)

@@ -326,26 +326,24 @@ class OppositeSlip(TiltedProfile):
         # the constant load P, then middle and half-width of the contact
         largest_load, contact_middle, contact_half_width = self._contact
         relative_x = (np.asarray(half_width, dtype=float) - contact_middle) / contact_half_width
-        least_unloading = np.zeros(relative_x.shape)
-        most_unloading = np.full(relative_x.shape, self._largest_unloading)
+        lower_bound = np.zeros(relative_x.shape)
+        upper_bound = np.full(relative_x.shape, self._largest_unloading)
         # functions of the unloading, edges over the contact half-width
         left_edge_at, right_edge_at = self._stick_edges
         for _ in range(60):
-            unloading = (least_unloading + most_unloading) / 2
+            unloading = (lower_bound + upper_bound) / 2
             is_outside_stick_zone = np.where(
                 relative_x < 0,
                 relative_x < left_edge_at(unloading),
                 relative_x > right_edge_at(unloading),
             )
-            least_unloading = np.where(is_outside_stick_zone, least_unloading, unloading)
-            most_unloading = np.where(is_outside_stick_zone, unloading, most_unloading)
+            lower_bound = np.where(is_outside_stick_zone, lower_bound, unloading)
+            upper_bound = np.where(is_outside_stick_zone, unloading, upper_bound)
         largest_unloading = np.array(self._largest_unloading)
         always_sticks = (relative_x >= left_edge_at(largest_unloading)) & (
             relative_x <= right_edge_at(largest_unloading)
         )
-        load_at_x = np.where(
-            always_sticks, 0.0, largest_load - (least_unloading + most_unloading) / 2
-        )
+        load_at_x = np.where(always_sticks, 0.0, largest_load - (lower_bound + upper_bound) / 2)
         distance_beyond_contact = np.abs(relative_x) - 1
         return np.where(
             distance_beyond_contact > 0, largest_load * (1 + distance_beyond_contact), load_at_x

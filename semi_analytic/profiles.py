@@ -506,7 +506,7 @@ def _log_table(
         first_rising_row = int(np.max(np.flatnonzero(np.diff(advances) <= 0), initial=-1)) + 1
         advances = advances[first_rising_row:]
         log_loads = log_loads[first_rising_row:]
-        # d ln d/d ln P by dP/dd, and by the chord between neighbouring rows
+        # slope of ln d over ln P, P/d over dP/dd, and that of the chord between neighbouring rows
         slopes = np.exp(log_loads) / (advances * stiffness(advances))
         chord_slopes = np.diff(np.log(advances)) / np.diff(log_loads)
     # As long as no slope is more than three times that of a chord beside it the cubic rises.
@@ -1340,7 +1340,9 @@ def law_of_function(modulus: float, profile: CallableProfile) -> ContactLaw:
     jump_distances = _corners(profile)
     # the half-length of a flat, 0 without one: it is the half-width without load
     least_half_width = _flat_half_length(profile, jump_distances)
-    corners_beyond_flat = [b for b in jump_distances if least_half_width < b < profile.extent]
+    corners_beyond_flat = [
+        corner for corner in jump_distances if least_half_width < corner < profile.extent
+    ]
     # P and dP/da are smooth between two of these half-widths
     first_half_widths = [least_half_width, *corners_beyond_flat]
     half_width_ranges = list(pairwise([*first_half_widths, profile.extent]))

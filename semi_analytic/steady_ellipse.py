@@ -1169,16 +1169,16 @@ def _work_over_loads(
         _LEAST_WORK_OF_COURSES,
     )
     (
-        load_course_of_reverse_slip,
-        load_course_of_forward_slip,
-        stick_course_of_reverse_slip,
-        early_stick_course,
-        later_stick_course,
+        load_term_of_reverse_slip,
+        load_term_of_forward_slip,
+        stick_term_of_reverse_slip,
+        early_stick_term,
+        later_stick_term,
     ) = works_of_courses
     # a last digit, 1e-15, of the square of the largest load
     error_of_work += _LAST_DIGIT_SHARE * np.square(ellipses.mean_load + ellipses.load_amplitude)
-    forward_work = load_course_of_forward_slip + early_stick_course + later_stick_course
-    reverse_work = load_course_of_reverse_slip + stick_course_of_reverse_slip
+    forward_work = load_term_of_forward_slip + early_stick_term + later_stick_term
+    reverse_work = load_term_of_reverse_slip + stick_term_of_reverse_slip
     return np.stack([forward_work, reverse_work, error_of_work])
 
 
@@ -1395,8 +1395,8 @@ def log_weight_and_load(name: str, ellipses: Ellipses, angle: Array) -> tuple[Ar
         # cosine and sine of the angle from t_E
         cosine_from_start = ellipses.cosine_of_start * cosine + ellipses.sine_of_start * sine
         sine_from_start = ellipses.cosine_of_start * sine - ellipses.sine_of_start * cosine
-        squared_sine = 2 * ellipses.sine_of_start * sine_from_start * sine_from_start
-        weight_over_amplitudes = (1 - cosine_from_start) * sine + squared_sine
+        squared_sine_term = 2 * ellipses.sine_of_start * sine_from_start * sine_from_start
+        weight_over_amplitudes = (1 - cosine_from_start) * sine + squared_sine_term
         return -ellipses.forward_amplitude * ellipses.load_amplitude * weight_over_amplitudes, load
     # along P: the phase ends at t_E + D, or at t_E a turn later
     if name == "P, E-G":
@@ -1583,20 +1583,24 @@ def _integrals_of_intervals(
     integrals = np.empty(len(intervals.ellipse))
     largest_checks = np.empty(len(intervals.ellipse))
     for rule_number, rule in enumerate(rules):
-        numbers_of_rule = np.flatnonzero(intervals.rule_number == rule_number)
+        intervals_of_rule = np.flatnonzero(intervals.rule_number == rule_number)
         intervals_at_once = _INTERVAL_NODES_AT_ONCE // len(rule.weight)
-        for first_interval in range(0, len(numbers_of_rule), intervals_at_once):
-            numbers = numbers_of_rule[first_interval : first_interval + intervals_at_once]
-            begin_angle = intervals.begin_angle[numbers]
-            end_angle = intervals.end_angle[numbers]
+        for first_interval in range(0, len(intervals_of_rule), intervals_at_once):
+            interval_numbers = intervals_of_rule[
+                first_interval : first_interval + intervals_at_once
+            ]
+            begin_angle = intervals.begin_angle[interval_numbers]
+            end_angle = intervals.end_angle[interval_numbers]
             angle = (
                 np.where(rule.starts_at_lower_end, begin_angle, end_angle)
                 + (end_angle - begin_angle) * rule.distance_from_end
             )
-            values_at_nodes = integrand(intervals.group[numbers], intervals.ellipse[numbers], angle)
+            values_at_nodes = integrand(
+                intervals.group[interval_numbers], intervals.ellipse[interval_numbers], angle
+            )
             interval_length = np.abs(end_angle - begin_angle)
-            integrals[numbers] = rule.weight @ values_at_nodes * interval_length
-            largest_checks[numbers] = (
+            integrals[interval_numbers] = rule.weight @ values_at_nodes * interval_length
+            largest_checks[interval_numbers] = (
                 np.max(np.abs(rule.error_checks @ values_at_nodes), axis=0) * interval_length
             )
     return integrals, largest_checks

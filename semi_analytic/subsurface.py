@@ -454,8 +454,8 @@ def _panels_of_curves(
     lower_loads: list[float] = []
     upper_loads: list[float] = []
     slope_functions: list[Slope] = []
-    for instant_number, snapshot_number in enumerate(instants_in_contact.tolist()):
-        for lower_load, upper_load, slope_function in _curve_parts(snapshot, snapshot_number):
+    for instant_number, row_of_snapshot in enumerate(instants_in_contact.tolist()):
+        for lower_load, upper_load, slope_function in _curve_parts(snapshot, row_of_snapshot):
             part_instants.append(instant_number)
             lower_loads.append(lower_load)
             upper_loads.append(upper_load)
@@ -721,13 +721,13 @@ def _edge_tensions_of_answer(
         sliding_tension, x_of_points, friction_ratio
     )
 
-    # largest f p at the instant
-    largest_friction = friction_coefficient * float(answer.pressure[row].max())
+    # f p at its largest
+    largest_friction_limit = friction_coefficient * float(answer.pressure[row].max())
     if coarse_grids is None:
         cell_width = 0.0
         change_by_grids = np.zeros(2)
-        # 1e-3 of it
-        error_by_shear = _TENSION_ERROR_SHARE_BETWEEN_PLACES * largest_friction
+        # 1e-3 of the largest f p
+        error_by_shear = _TENSION_ERROR_SHARE_BETWEEN_PLACES * largest_friction_limit
     else:
         # cells of the solution itself
         cell_width = coarse_grids.cell_width / 2
@@ -735,7 +735,9 @@ def _edge_tensions_of_answer(
         change_by_grids = sliding_tension.times_ratio(x_of_points, coarse_ratio) - tensions
         # stated error of the shear, over the largest shear
         shear_error_share = answer.record.errors.get("shear", 0.0)
-        error_by_shear = _TENSION_ERROR_OVER_SHEAR_ERROR * shear_error_share * largest_friction
+        error_by_shear = (
+            _TENSION_ERROR_OVER_SHEAR_ERROR * shear_error_share * largest_friction_limit
+        )
 
     # at the left edge and at the right one
     slip_zone_tensions = np.array(

@@ -6,7 +6,7 @@ and carries P. `CurvedProfile` takes averages over it by quadrature, `PiecewiseP
 form, some tens of times as fast; tables have hundreds of knots.
 
 # notation: b_j knots, J_j jumps of h'' there, k_0 and s_0 the curvature left of b_0 and the slope
-#           at it; m, c centre and half-length of the contact, x = m + t, b_j = m + c cos(theta_j),
+#           at it; m, c centre and half-width of the contact, x = m + t, b_j = m + c cos(theta_j),
 #           0 <= theta_j <= pi; alpha tilt, A = 2/E*; sums run over the knots
 
     h' = s_0 + k_0 (x - b_0) + sum J_j (x - b_j)_+
@@ -19,7 +19,7 @@ and rounded, compound, wedges with a rounded tip and tables, whose sides may be 
 profiles.
 
 # notation: eps difference of the bulk strains; eta normal load, I(eta) contact interval of load eta
-#           and tilt alpha_0 + kappa eta, m its centre, c its half-length, t = x - m; M(eta) memory
+#           and tilt alpha_0 + kappa eta, m its centre, c its half-width, t = x - m; M(eta) memory
 #           curve
 
 Where tilt and bulk strain are the same affine function of the loads, alpha = alpha_0 + kappa P and
@@ -86,7 +86,7 @@ _SMALL_SLIP_FRACTION = 0.03
 
 
 class Balance(NamedTuple):
-    """Integrals over contacts of centre m and half-length c, one value for each contact; theta is
+    """Integrals over contacts of centre m and half-width c, one value for each contact; theta is
     the angle of x = m + c cos(theta), 0 <= theta <= pi.
 
     Attributes
@@ -119,7 +119,7 @@ class Angles(NamedTuple):
 class ConvexProfile(abc.ABC):
     """A profile h(x) that bends down nowhere, and its contact under any load and tilt.
 
-    A contact is given by its centre m and half-length c. Subclasses hold h as parabolas or as
+    A contact is given by its centre m and half-width c. Subclasses hold h as parabolas or as
     functions.
 
     Attributes
@@ -127,7 +127,7 @@ class ConvexProfile(abc.ABC):
     knots
         (n,) ascending: where h'' is not smooth [length]
     typical_half_length
-        a typical half-length of contact [length]
+        a typical half-width of contact [length]
     extent
         ends of the profile [length]
     relative_roundoff
@@ -156,7 +156,7 @@ class ConvexProfile(abc.ABC):
 
     @abc.abstractmethod
     def balance(self, m: Array, c: Array) -> Balance:
-        """Mean slope, load and integrals of h'' over contacts of centre m and half-length c."""
+        """Mean slope, load and integrals of h'' over contacts of centre m and half-width c."""
 
     @property
     @abc.abstractmethod
@@ -170,13 +170,13 @@ class ConvexProfile(abc.ABC):
     def _gap(self, x: Array, m: Array, c: Array) -> Array: ...
 
     def pressure(self, x: Array, m: Array, c: Array) -> Array:
-        """pi A p(x), p >= 0 the pressure at x of contacts of centre m and half-length c; 0 outside.
+        """pi A p(x), p >= 0 the pressure at x of contacts of centre m and half-width c; 0 outside.
         Arrays that broadcast.
         """
         return self._block_by_block(self._pressure, x, m, c)
 
     def gap(self, x: Array, m: Array, c: Array) -> Array:
-        """Gap >= 0 at x of contacts of centre m and half-length c [length]; 0 inside. Arrays that
+        """Gap >= 0 at x of contacts of centre m and half-width c [length]; 0 inside. Arrays that
         broadcast.
         """
         return self._block_by_block(self._gap, x, m, c)
@@ -189,7 +189,7 @@ class ConvexProfile(abc.ABC):
 
     @abc.abstractmethod
     def moment(self, m: Array, c: Array, tilt: ArrayLike) -> Array:
-        """A times the moment, the integral of x p, of contacts of centre m and half-length c under
+        """A times the moment, the integral of x p, of contacts of centre m and half-width c under
         a tilt, arrays of one shape [length^2]; A = 2/E*.
         """
 
@@ -224,7 +224,7 @@ class ConvexProfile(abc.ABC):
     def contact_centre_and_half_width(
         self, load_product: ArrayLike, tilt: ArrayLike
     ) -> tuple[Array, Array]:
-        """Centre m and half-length c of the contact under a load P and a tilt alpha [rad], arrays
+        """Centre m and half-width c of the contact under a load P and a tilt alpha [rad], arrays
         that broadcast [length].
 
         They minimise int h d theta + pi alpha m - A P ln(c). h(x) is the profile, at x = m + c
@@ -269,7 +269,7 @@ class ConvexProfile(abc.ABC):
         return centre, half_width
 
     def _wide_contact(self, first_touch: Array) -> tuple[Array, Array]:
-        """Centre and half-length, (n,) each [length], of a contact that is wider than the one
+        """Centre and half-width, (n,) each [length], of a contact that is wider than the one
         looked for: the start of Newton's method. `first_touch` (n,) is where the profile touches
         without load.
 
@@ -287,7 +287,7 @@ class ConvexProfile(abc.ABC):
     def _contact_by_newton(
         self, load_product: Array, tilt: Array, first_touch: Array
     ) -> tuple[Array, Array]:
-        """Centre m and half-length c of contacts under positive loads P and tilts alpha, (n,) each
+        """Centre m and half-width c of contacts under positive loads P and tilts alpha, (n,) each
         [length], by Newton's method.
 
         Two equations hold: the mean slope of the profile is -alpha, and the contact carries P. They
@@ -352,20 +352,20 @@ class ConvexProfile(abc.ABC):
 def _limited_step(
     shift: Array, widening: Array, centre_to_first_touch: Array, half_width: Array
 ) -> tuple[Array, Array]:
-    """Steps of the centre and of the half-length of contacts, (n,) each [length], shortened such
+    """Steps of the centre and of the half-width of contacts, (n,) each [length], shortened such
     that no end of contact moves too far.
 
-    An end moves outwards by the half-length at most. It moves inwards by 0.9 of its distance from
+    An end moves outwards by the half-width at most. It moves inwards by 0.9 of its distance from
     the place that touches without load at most.
 
     Parameters
     ----------
     shift, widening
-        (n,) steps of centre and half-length without these limits [length]
+        (n,) steps of centre and half-width without these limits [length]
     centre_to_first_touch
         (n,) x of the place that touches without load minus that of the centre of contact [length]
     half_width
-        (n,) half-length of contact before the step [length]
+        (n,) half-width of contact before the step [length]
     """
     left_move = np.clip(
         shift - widening,
@@ -387,12 +387,12 @@ def _newton_step(
     half_width: Array,
     fallback_widening: Array,
 ) -> tuple[Array, Array]:
-    """Newton steps of the centre m and of the half-length c of contacts, (n,) each [length], from
+    """Newton steps of the centre m and of the half-width c of contacts, (n,) each [length], from
     the residuals of the balances of slope and of load.
 
     A potential is least at the solution. The residual of slope is its derivative by m, that of load
     is minus its derivative by c. Where the Hessian is not positive the centre stays, and the
-    half-length grows by `fallback_widening`.
+    half-width grows by `fallback_widening`.
 
     Parameters
     ----------
@@ -404,9 +404,9 @@ def _newton_step(
     load_residual
         (n,) missing load A (P - P of the contact)/c, A = 2/E* [1]
     half_width
-        (n,) half-length c before the step [length]
+        (n,) half-width c before the step [length]
     fallback_widening
-        (n,) growth of the half-length where Newton's method gives no step [length]
+        (n,) growth of the half-width where Newton's method gives no step [length]
     """
     curvature_integral = balance.curvature_integral
     curvature_cosine_integral = balance.curvature_cosine_integral
@@ -479,7 +479,7 @@ class PiecewiseParabola(ConvexProfile):
 
     def angles(self, m: Array, c: Array) -> Angles:
         """Angles theta, sines and cosines of the n knots b = m + c cos(theta) of the profile over
-        contacts of centre m and half-length c, (..., n) for m and c of shape (...).
+        contacts of centre m and half-width c, (..., n) for m and c of shape (...).
 
         theta is 0 for knots beyond the right end, pi for those beyond the left one.
 
@@ -530,7 +530,7 @@ class PiecewiseParabola(ConvexProfile):
         )
 
     def balance(self, m: Array, c: Array) -> Balance:
-        """Mean slope, load and integrals of h'' over contacts of centre m and half-length c, in
+        """Mean slope, load and integrals of h'' over contacts of centre m and half-width c, in
         closed form: sums over the knots, with the jump J of h'' at each.
 
             mean slope = h'(m) + (c/pi) sum J (sin(theta) - theta cos(theta))
@@ -559,9 +559,9 @@ class PiecewiseParabola(ConvexProfile):
         # sin(theta) - theta cos(theta) and theta - sin(theta) cos(theta).
         side = np.where(distance_from_centre >= 0, 1.0, -1.0)
         mean_functions, load_functions = _mean_and_load_functions(theta, sine, 1 - relative_depth)
-        slope_at_middle = self.slopes[knot_before] + curvature * (m - self.knots[knot_before])
+        slope_at_centre = self.slopes[knot_before] + curvature * (m - self.knots[knot_before])
         return Balance(
-            mean_slope=c * (mean_functions @ self.jumps) / np.pi + slope_at_middle,
+            mean_slope=c * (mean_functions @ self.jumps) / np.pi + slope_at_centre,
             load_product=c * c / 2 * (np.pi * curvature + (side * load_functions) @ self.jumps),
             curvature_integral=np.pi * curvature + (side * theta) @ self.jumps,
             curvature_cosine_integral=sine @ self.jumps,
@@ -570,11 +570,11 @@ class PiecewiseParabola(ConvexProfile):
     def contact_centre_and_half_width(
         self, load_product: ArrayLike, tilt: ArrayLike
     ) -> tuple[Array, Array]:
-        """Centre and half-length of the contact under a load P and a tilt alpha, arrays that
+        """Centre and half-width of the contact under a load P and a tilt alpha, arrays that
         broadcast [length]; in closed form if the profile is a single parabola, else by Newton's
         method.
 
-        `load_product` is A P, A = 2/E* [length]. A contact without load has the half-length 0.
+        `load_product` is A P, A = 2/E* [length]. A contact without load has the half-width 0.
         """
         if not self.is_parabola:
             return super().contact_centre_and_half_width(load_product, tilt)
@@ -595,7 +595,7 @@ class PiecewiseParabola(ConvexProfile):
         return len(self.knots)
 
     def _pressure(self, x: Array, m: Array, c: Array) -> Array:
-        """Contact pressure times pi A at x, A = 2/E*, for contacts of centre m and half-length c,
+        """Contact pressure times pi A at x, A = 2/E*, for contacts of centre m and half-width c,
         arrays that broadcast [1]; 0 outside.
 
             pi A p = pi h''_0 r + sum over knots of J [r theta_b - (b - x) ln|s_+/s_-|],
@@ -633,7 +633,7 @@ class PiecewiseParabola(ConvexProfile):
         return np.where(r[..., 0] > 0, pressure, 0.0)
 
     def _gap(self, x: Array, m: Array, c: Array) -> Array:
-        """Gap at x outside contacts of centre m and half-length c with the profile h, arrays that
+        """Gap at x outside contacts of centre m and half-width c with the profile h, arrays that
         broadcast [length]; 0 inside.
 
         With F = d r - c^2 u, r = sqrt(d^2 - c^2), it is h''_0 F/2 plus for each knot b the jump J
@@ -681,7 +681,7 @@ class PiecewiseParabola(ConvexProfile):
         return np.where(np.abs(t) > c, gap, 0.0)
 
     def approach(self, m: Array, c: Array, tilt: ArrayLike) -> Array:
-        """Normal approach of the point x = 0 of contacts of centre m and half-length c under a
+        """Normal approach of the point x = 0 of contacts of centre m and half-width c under a
         tilt alpha, without its term (A P/pi) ln(2 L/c) [length]; A = 2/E*, L the distance of the
         point that does not move.
 
@@ -712,7 +712,7 @@ class PiecewiseParabola(ConvexProfile):
 
     def moment(self, m: Array, c: Array, tilt: ArrayLike) -> Array:
         """Moment of the pressure about x = 0 times A, A int x p dx, of contacts of centre m and
-        half-length c under a tilt alpha [length^2]; A = 2/E*.
+        half-width c under a tilt alpha [length^2]; A = 2/E*.
 
         It is A P m plus the moment about the centre m: (pi/2) c^2 times the slope plus tilt at m of
         the parabola left of all knots, plus what the jumps of h'' at the knots add.
@@ -724,11 +724,11 @@ class PiecewiseParabola(ConvexProfile):
         angle_functions = sine - sine**3 / 3 - sine * cosine * cosine / 2
         sum_over_knots = (half_width * angle_functions - theta * distance_to_knot / 2) @ self.jumps
         # h' + alpha at m, of the parabola left of all knots
-        slope_at_middle = (
+        slope_at_centre = (
             np.asarray(tilt) + self.slope_at_first_knot + self.curvature[0] * (m - self.knots[0])
         )
         load_product = self.balance(m, c).load_product  # A P
-        return np.asarray(m * load_product + c * c * (sum_over_knots + np.pi / 2 * slope_at_middle))
+        return np.asarray(m * load_product + c * c * (sum_over_knots + np.pi / 2 * slope_at_centre))
 
 
 def _mean_and_load_functions(theta: Array, sine: Array, cosine: Array) -> tuple[Array, Array]:
@@ -740,7 +740,7 @@ def _mean_and_load_functions(theta: Array, sine: Array, cosine: Array) -> tuple[
     Parameters
     ----------
     theta, sine, cosine
-        angle of the jump at b = m + c cos(theta) in a contact of centre m and half-length c, with
+        angle of the jump at b = m + c cos(theta) in a contact of centre m and half-width c, with
         its sine and cosine; arrays of one shape
     """
     mean_function = sine - theta * cosine
@@ -814,7 +814,7 @@ class CurvedProfile(ConvexProfile):
 
         The profile is even in x and h' falls nowhere. The first and the last place of the slope
         -alpha are found by bisection, in an interval about x = 0. It is doubled until it holds
-        them, up to 1e9 times `typical_half_length`, a typical half-length of contact. Their middle
+        them, up to 1e9 times `typical_half_length`, a typical half-width of contact. Their middle
         is returned.
         """
         target_slope = -np.asarray(tilt, dtype=float)
@@ -855,7 +855,7 @@ class CurvedProfile(ConvexProfile):
         places x = m + c cos(theta) [length], (..., k + 2) each for k knots of the profile: right
         end of the contact, knots from right to left, left end.
 
-        m and c are centres and half-lengths, (..., 1). A knot outside a contact lies at the end
+        m and c are centres and half-widths, (..., 1). A knot outside a contact lies at the end
         that is next to it.
         """
         distance_to_knot = self.knots[::-1] - m
@@ -886,7 +886,7 @@ class CurvedProfile(ConvexProfile):
         return weights
 
     def _nodes_of_contact(self, m: Array, c: Array) -> tuple[Array, Array, Array]:
-        """Quadrature over contacts of centre m and half-length c: places xi of the nodes, distances
+        """Quadrature over contacts of centre m and half-width c: places xi of the nodes, distances
         xi - m [length], and weights whose sum is 1, in a new last axis of all nodes.
 
         They give means over equal angles theta, xi = m + c cos(theta). The range 0 < theta < pi is
@@ -914,15 +914,15 @@ class CurvedProfile(ConvexProfile):
             angle_spans * self.rule.distance_from_begin,
             -angle_spans * self.rule.distance_from_end,
         )
-        half_sine = np.sin(angle_from_nearer_end / 2)
-        half_cosine = np.sqrt(1 - half_sine * half_sine)
+        sine_of_half = np.sin(angle_from_nearer_end / 2)
+        cosine_of_half = np.sqrt(1 - sine_of_half * sine_of_half)
 
         # Of the angle at that end.
         sine = at_nearer_end(np.sin(angles_of_part_ends))
         cosine = at_nearer_end(np.cos(angles_of_part_ends))
         # c [cos(end) - cos(end + angle_from_nearer_end)] as a product
         distance_from_nearer_end = (
-            2 * c[..., None] * half_sine * (sine * half_cosine + cosine * half_sine)
+            2 * c[..., None] * sine_of_half * (sine * cosine_of_half + cosine * sine_of_half)
         )
         xi = at_nearer_end(places_of_part_ends) - distance_from_nearer_end
         weights = self._weights_of_nodes(angle_spans, places_of_part_ends)
@@ -930,7 +930,7 @@ class CurvedProfile(ConvexProfile):
         return xi.reshape(shape), (xi - m[..., None]).reshape(shape), weights.reshape(shape)
 
     def balance(self, m: Array, c: Array) -> Balance:
-        """Mean slope, load and integrals of h'' over contacts of centre m and half-length c, arrays
+        """Mean slope, load and integrals of h'' over contacts of centre m and half-width c, arrays
         that broadcast, by quadrature over the angle theta of x = m + c cos(theta).
 
         `gradient` and `second_derivative` are h' and h'' of the profile as functions of x.
@@ -958,7 +958,7 @@ class CurvedProfile(ConvexProfile):
         return (len(self.knots) + 1) * len(self.rule.distance_from_begin)
 
     def _pressure(self, x: Array, m: Array, c: Array) -> Array:
-        """Contact pressure times pi A at x, A = 2/E*, for contacts of centre m and half-length c,
+        """Contact pressure times pi A at x, A = 2/E*, for contacts of centre m and half-width c,
         arrays that broadcast [1]; 0 outside.
 
             pi A p = pi sqrt(c^2 - (x - m)^2) mean of (h'(xi) - h'(x))/(xi - x)
@@ -991,7 +991,7 @@ class CurvedProfile(ConvexProfile):
         return np.asarray(np.pi * root_of_squares * np.sum(weights * quotient, axis=-1))
 
     def _gap(self, x: Array, m: Array, c: Array) -> Array:
-        """Gap at x outside contacts of centre m and half-length c, arrays that broadcast [length];
+        """Gap at x outside contacts of centre m and half-width c, arrays that broadcast [length];
         0 inside.
 
             gap = mean of s c sinh(u) [(h(x) - h(xi))/(x - xi) - h'(xi)] - u (xi - m) h'(xi)
@@ -1022,7 +1022,7 @@ class CurvedProfile(ConvexProfile):
         return np.asarray(np.sum(weights * values_at_nodes, axis=-1))
 
     def approach(self, m: Array, c: Array, tilt: ArrayLike) -> Array:
-        """Normal approach of the point x = 0 of contacts of centre m and half-length c under a tilt
+        """Normal approach of the point x = 0 of contacts of centre m and half-width c under a tilt
         alpha, without its term (A P/pi) ln(2 L/c) [length]; A = 2/E*, L the distance of the point
         that does not move.
 
@@ -1035,7 +1035,7 @@ class CurvedProfile(ConvexProfile):
 
     def moment(self, m: Array, c: Array, tilt: ArrayLike) -> Array:
         """Moment of the pressure about x = 0 times A, A int x p dx, of contacts of centre m and
-        half-length c [length^2]; A = 2/E*.
+        half-width c [length^2]; A = 2/E*.
 
             A int x p = pi mean of (m t + t^2 - c^2/2) h'(x),    t = x - m
 
@@ -1058,7 +1058,7 @@ class NestedIntervals:
     """Contact intervals I(eta) of a convex profile under normal loads eta and tilts alpha_0 + kappa
     eta, by Chebyshev series over the load.
 
-    Their centre m and half-length c are series of sqrt(eta - eta_b) above each load eta_b at which
+    Their centre m and half-width c are series of sqrt(eta - eta_b) above each load eta_b at which
     an end of contact meets a knot.
 
     Attributes
@@ -1080,7 +1080,7 @@ class NestedIntervals:
     largest_load: float
 
     def exact_centre_and_half_width(self, load: ArrayLike) -> tuple[Array, Array]:
-        """Centre m and half-length c of the contact under normal loads eta and the tilt alpha_0 +
+        """Centre m and half-width c of the contact under normal loads eta and the tilt alpha_0 +
         kappa eta that belongs to each [length], by equilibrium, not by the series over eta.
         """
         eta = np.asarray(load, dtype=float)
@@ -1100,7 +1100,7 @@ class NestedIntervals:
 
     @cached_property
     def flat_face(self) -> tuple[float, float]:
-        """Middle and half-length of a flat face, all of which touches without load [length]."""
+        """Middle and half-width of a flat face, all of which touches without load [length]."""
         middle = float(self.unloaded_centre_and_half_width[0])
         if self.profile.radius is not None:
             return middle, 0.0
@@ -1143,7 +1143,7 @@ class NestedIntervals:
     def _series_between(
         self, lower_load: float, upper_load: float
     ) -> tuple[PiecewiseSeries, PiecewiseSeries]:
-        """Chebyshev series of the centre m and half-length c of contact over v = sqrt(eta -
+        """Chebyshev series of the centre m and half-width c of contact over v = sqrt(eta -
         lower_load), for loads eta between two neighbouring ones at which an end of contact meets a
         knot.
 
@@ -1180,7 +1180,7 @@ class NestedIntervals:
             ) from fault
 
     def centre_and_half_width(self, load: ArrayLike) -> tuple[Array, Array]:
-        """Centre m and half-length c of the contact [length] under normal loads eta and the tilt
+        """Centre m and half-width c of the contact [length] under normal loads eta and the tilt
         that belongs to each, by Chebyshev series over the load; in closed form of a parabola.
 
         Loads above the largest of the series count as the largest. Between two loads at which an
@@ -1227,7 +1227,7 @@ class NestedIntervals:
         """Distance by which one end of contact moves outwards while the load rises by `load_rise`
         to `load`, (n,) [length]: the integral over the load of the derivatives of two series.
 
-        These are the centre m and the half-length c of the contact, as functions of v = sqrt(eta -
+        These are the centre m and the half-width c of the contact, as functions of v = sqrt(eta -
         eta_b) above each cut load eta_b (`begin_loads`). The ranges of v are laid end to end on one
         axis. The end at `side` = +1 or -1, (n,), moves outwards at the rate dc + side dm.
         """
@@ -1303,7 +1303,7 @@ class NestedIntervals:
 
 
 class _IntervalSeries(NamedTuple):
-    """Chebyshev series of the contact's centre and half-length [length] on one axis, on which the
+    """Chebyshev series of the contact's centre and half-width [length] on one axis, on which the
     ranges of v = sqrt(eta - eta_b) between neighbouring cut loads eta_b lie end to end.
 
     Attributes
@@ -1403,7 +1403,7 @@ class TiltedProfile:
 
     @property
     def relative_roundoff(self) -> float:
-        """Relative error of the centre m and half-length c of contact."""
+        """Relative error of the centre m and half-width c of contact."""
         return self.profile.relative_roundoff
 
     @property
@@ -1425,7 +1425,7 @@ class TiltedProfile:
         return float(np.pi * self.intervals.tilt_per_load / self._compliance)
 
     def centre_and_half_width(self, load: ArrayLike) -> tuple[Array, Array]:
-        """Centre m and half-length c of I(eta) [length] at loads eta."""
+        """Centre m and half-width c of I(eta) [length] at loads eta."""
         return self.intervals.centre_and_half_width(load)
 
     @property
@@ -1467,11 +1467,11 @@ class TiltedProfile:
     # --- normal contact under a load and a tilt
 
     def centre_and_half_width_under(self, load: Array, tilt: Array) -> tuple[Array, Array]:
-        """Centre m and half-length c of contacts under loads and tilts, (n,) each [length]."""
+        """Centre m and half-width c of contacts under loads and tilts, (n,) each [length]."""
         return self.profile.contact_centre_and_half_width(self._compliance * load, tilt)
 
     def pressure_over(self, x: Array, m: Array, c: Array) -> Array:
-        """Pressure p >= 0 (n, k) at points x (k,) of contacts of centre m and half-length c, (n,)
+        """Pressure p >= 0 (n, k) at points x (k,) of contacts of centre m and half-width c, (n,)
         each [stress].
         """
         pressure = np.maximum(self.profile.pressure(x, m[:, None], c[:, None]), 0.0)
@@ -1483,7 +1483,7 @@ class TiltedProfile:
         Parameters
         ----------
         m, c
-            (n,) centre and half-length [length]
+            (n,) centre and half-width [length]
         load, tilt
             (n,) P [force per thickness] and tilt alpha [rad]
         """
@@ -1529,8 +1529,9 @@ class TiltedProfile:
             moment_excess = self.moment(centre, contact_half_width, load, tilt) - moment
             least_tilt = np.where(moment_excess > 0, tilt, least_tilt)
             largest_tilt = np.where(moment_excess > 0, largest_tilt, tilt)
-            # A change d alpha of tilt adds -(d alpha/A) t/sqrt(c^2 - t^2) to p, with t = x - m, c
-            # the half-width and A = 2/E*: so the moment falls by pi c^2/(2 A) per tilt.
+            # A change d alpha of tilt adds -(d alpha/A) t/sqrt(c^2 - t^2) to p, with t = x - m, m
+            # the centre, c the half-width and A = 2/E*: so the moment falls by pi c^2/(2 A) per
+            # tilt.
             half_width = np.where(contact_half_width > 0, contact_half_width, 1.0)
             newton_step = 2 * self._compliance * moment_excess / (np.pi * half_width**2)
             # No step moves a contact by more than about a third of it.
@@ -1617,7 +1618,7 @@ class TiltedProfile:
 
             tangential_fraction arccosh(|t|/c) - pressure_skewness sgn(t) sqrt(t^2 - c^2)
 
-        t = x - m, m is the centre of the interval, c its half-length. The skew term is that of bulk
+        t = x - m, m is the centre of the interval, c its half-width. The skew term is that of bulk
         strain or tilt in proportion to the load: `pressure_skewness` = pi kappa/A, kappa the tilt
         per load, A = 2/E*. `tangential_fraction` is 1, but 0 where bulk strain alone changes.
         `excess` is not used.
@@ -1638,7 +1639,7 @@ class TiltedProfile:
 
             (tangential_fraction - pressure_skewness t)/sqrt((c - t)(c + t)),  t = x - m
 
-        m is the centre of the interval, c its half-length. The skew term is that of bulk strain or
+        m is the centre of the interval, c its half-width. The skew term is that of bulk strain or
         tilt in proportion to the load: `pressure_skewness` = pi kappa/A, kappa the tilt per load, A
         = 2/E*. `tangential_fraction` is 1, but 0 where bulk strain alone changes.
 
@@ -1690,7 +1691,7 @@ class TiltedProfile:
         phi = `tangential_fraction`: 1, but 0 where bulk strain alone changes, with Q = 0.
 
         # notation: A = 2/E*, L datum length of displacements, U tangential displacement, m and c
-        #           centre and half-length of the interval, kappa tilt per load, m_q moment of the
+        #           centre and half-width of the interval, kappa tilt per load, m_q moment of the
         #           shear about x = 0; pressure_skewness = pi kappa/A
         """
         m, c = self.centre_and_half_width(load)
@@ -1781,7 +1782,7 @@ class TiltedProfile:
 
     def quadrature_error(self, name: str, *arguments: ArrayLike) -> Array:
         """Error of the values that the kernel method `name` returns for its `arguments`, in their
-        units: by the round-off of the contact's centre m and half-length c.
+        units: by the round-off of the contact's centre m and half-width c.
 
         It is the relative round-off times the size of the value. `dissipation_kernel` is a
         difference of larger numbers: there the load, its first argument, is added to the size.
