@@ -249,10 +249,10 @@ def solve_refinements(
 
     The meshes have edge elements of the sizes h, r h, r^2 h, r^3 h, the first being that of the
     run, r = `mesh_ratio(mesh)`. Where that is None, nothing is solved. Two coarser meshes are the
-    least that shows an order, at a third of the cost. The far field, a half-disc of finite radius
-    in place of a half-plane, is measured at r^2 h. So are load increments where theory has no
-    solution on their polygon. A penalty layer, springs that let the faces overlap and creep, is
-    measured at h and r h.
+    least that shows an order of convergence, at a third of the cost. The far field, a half-disc of
+    finite radius in place of a half-plane, is measured at r^2 h. So are load increments where
+    theory has no solution on their polygon. A penalty layer, springs that let the faces overlap and
+    creep, is measured at h and r h.
 
     Parameters
     ----------
@@ -280,8 +280,8 @@ def solve_refinements(
     # solves the scene on a mesh and compares it with theory; `follows_polygon`: with theory on the
     # polygon of the run's own increments
     solver = _RunSolver(comparison, stage)
-    sizes = [ratio**exponent for exponent in range(1, coarsenings + 1)]
-    mesh_runs = (base_run, *_coarser_runs(solver, mesh, settings, sizes))
+    sizes_over_h = [ratio**exponent for exponent in range(1, coarsenings + 1)]
+    mesh_runs = (base_run, *_coarser_runs(solver, mesh, settings, sizes_over_h))
 
     # far field and load increments are measured on the mesh of size r^2 h
     coarse_run = mesh_runs[2]
@@ -290,9 +290,9 @@ def solve_refinements(
     reason_without_far_field = _reason_without_far_field(comparison.scene, mesh)
     if _has_far_field(comparison.scene) and not reason_without_far_field:
         far_field_runs = _far_field_runs(solver, coarse_run, coarse_mesh, coarse_settings)
-    step_runs: tuple[Run, ...] | None = None
     # Where theory has no solution on the increments of a run, their error is measured by halving
-    # them.
+    # them; `step_runs`: the run with its own increments, and that with halved ones.
+    step_runs: tuple[Run, ...] | None = None
     if not solver.follows_polygon:
         step_runs = (coarse_run, _finer_steps_run(solver, coarse_run, coarse_mesh, coarse_settings))
     penalty_pairs: tuple[tuple[Run, Run], ...] = ()

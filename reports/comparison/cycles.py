@@ -222,9 +222,9 @@ def interpolated_cycle(cycle: Cycle, target_cycle: Cycle, engine: str) -> Cycle:
         cycle.x, target_cycle.x, _POINT_TOLERANCE * float(np.ptp(target_cycle.x))
     ):
         _refuse_points_beyond(cycle, target_cycle.x, engine)
-        cycle, error_in_x = _interpolate_to_points(cycle, target_cycle.x)
-        for name, value in error_in_x.items():
-            error_by_field[name] = error_by_field.get(name, 0.0) + value
+        cycle, error_in_x_by_field = _interpolate_to_points(cycle, target_cycle.x)
+        for name, error in error_in_x_by_field.items():
+            error_by_field[name] = error_by_field.get(name, 0.0) + error
     return replace(cycle, interpolation_errors=error_by_field)
 
 

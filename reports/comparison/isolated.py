@@ -81,13 +81,13 @@ def without_spikes(values: Array) -> Array:
         return values
     smooth_values = values.copy()
     # indices of the instant and the point of each spike
-    for step, point in np.argwhere(is_spike):
+    for instant, point in np.argwhere(is_spike):
         neighbours = [
             neighbour
             for neighbour in (point - 1, point + 1)
-            if 0 <= neighbour < values.shape[1] and not is_spike[step, neighbour]
+            if 0 <= neighbour < values.shape[1] and not is_spike[instant, neighbour]
         ]
-        smooth_values[step, point] = np.mean(values[step, neighbours]) if neighbours else 0.0
+        smooth_values[instant, point] = np.mean(values[instant, neighbours]) if neighbours else 0.0
     return read_only_copy(smooth_values)
 
 

@@ -80,7 +80,7 @@ def solution_content(solution: ContactSolution, checks: tuple[Certificate, ...])
     laws of contact: largest violation, its limit, its time. Energies are per unit thickness.
 
     Beside them, where there are any: work and stick ends of scenes with bulk stress or tilt, load
-    cycles of a measured record, and quality of the finite-element meshes.
+    cycles of measured loads, and quality of the finite-element meshes.
     """
     names_of_values = (
         "engine",
@@ -95,10 +95,11 @@ def solution_content(solution: ContactSolution, checks: tuple[Certificate, ...])
         "settings",
         "versions",
     )
+    # how the solve went: solution.record
     names_in_record = ("converged", "termination", "message", "notes")
     # meshed bodies; none in a solution that is not of finite elements, or was read from a file
     bodies = zip(("lower", "upper"), getattr(solution, "bodies", ()), strict=False)
-    # counted in a measured record; None for other loads
+    # counted in a table of measured loads; None for other loads
     cycles = load_cycles(solution)
     return {
         **{name: getattr(solution, name) for name in names_of_values},

@@ -113,10 +113,9 @@ def certificates(solution: ContactSolution) -> tuple[Certificate, ...]:
         admitted_violation = _LIMIT_OF_PRINTED_DIGITS
     elif is_corrected(solution):
         admitted_violation = _LIMIT_OF_STRAIGHT_STEPS
-    violations_by_source = {
-        "fields": violations_in_fields,
-        "record": solution.record.certificates,
-    }
+    # name of a law -> (n_instants,) residual, as the engine reports it
+    residuals_of_laws = solution.record.certificates
+    violations_by_source = {"fields": violations_in_fields, "record": residuals_of_laws}
     certificates_of_laws = []
     for source, violations in violations_by_source.items():
         for name, violation in violations.items():

@@ -171,7 +171,7 @@ def judged_metrics(pair: Pair, tolerances: Mapping[str, float]) -> tuple[Metric,
     for metric in METRICS.values():
         if metric.exists is not None and not metric.exists(pair):
             continue
-        tolerance = metric.tolerance_from(tolerances)  # largest |E|; None where it is not judged
+        tolerance = metric.tolerance_from(tolerances)  # None: not judged
         reason = _reason_for_none(metric, reasons_by_engine)  # "" where all fields are there
         if FRICTION in metric.needs and not pair.result.scene.friction.coefficient:
             note = "frictionless: nothing sticks and nothing resists slip"

@@ -1107,7 +1107,7 @@ def summary_rows(
 ) -> list[tuple[str, str]]:
     """Rows (label with unit, value) of the summary of a solution: engine, size, largest pressure,
     half-widths and dissipation first; then how the dissipation changes from cycle to cycle, the
-    work of the loads, load cycles of a record, laws of contact, notes, and what was skipped.
+    work of the loads, load cycles of measured loads, laws of contact, notes, and what was skipped.
 
     `loads_are_found`: whether the solver determined the loads, from a prescribed displacement. Then
     a row states how near they come to gross sliding. `solution.loop_work` is the closed integral of

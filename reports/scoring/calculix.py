@@ -200,16 +200,16 @@ def read_results(path: Path, mapping: Mapping) -> SurfaceResult:
             " missing"
         )
 
-    face_values, plane_notes = _values_on_face(mesh, blocks, face)
+    surface_values, plane_notes = _values_on_surface(mesh, blocks, face)
     printed_file = _printed_file_beside(path)
-    return _result_of_face(
-        path, mapping, file.version, face_values, printed_file, [*notes, *plane_notes]
+    return _surface_result_of(
+        path, mapping, file.version, surface_values, printed_file, [*notes, *plane_notes]
     )
 
 
-def _values_on_face(
+def _values_on_surface(
     mesh: CalculixMesh, blocks: Sequence[FrdBlock], face: _Face
-) -> tuple[_FaceValues, list[str]]:
+) -> tuple[_SurfaceValues, list[str]]:
     """Tractions (and slip, from contact values) at the nodes of a contact face, in the scene's
     units and signs, at the times of the result blocks; and notes. Of a mesh with depth the nodes of
     one plane z = const are taken, in the order of x.
@@ -223,7 +223,7 @@ def _values_on_face(
         values = np.array([mesh.values_at_nodes(block, component)[rows] for block in blocks])
         fields[quantity] = face.factors[quantity] * values
     times = np.array([block.time for block in blocks])
-    return _FaceValues(mesh.points[rows, 0], extent_along_z, fields, times), plane_notes
+    return _SurfaceValues(mesh.points[rows, 0], extent_along_z, fields, times), plane_notes
 
 
 def _require_finite_values(file: FrdFile) -> None:
@@ -360,8 +360,8 @@ def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
     }
     extent_along_z = float(np.ptp(mesh.points[:, 2]))
     times = np.array([table.time for table in tables.stress])
-    face_values = _FaceValues(points.x, extent_along_z, fields, times)
-    return _result_of_face(path, mapping, "CalculiX", face_values, printed_file, notes)
+    surface_values = _SurfaceValues(points.x, extent_along_z, fields, times)
+    return _surface_result_of(path, mapping, "CalculiX", surface_values, printed_file, notes)
 
 
 class _ContactTables(NamedTuple):
@@ -439,7 +439,7 @@ class _PrintedPoints(NamedTuple):
     x
         (n_points,) [length of the file]
     ids
-        for each point the number of its node, or the numbers of its element and face
+        for each point the number of its node, or those of its element and element face
     body
         the body whose face it is, "upper" or "lower"
     notes
@@ -498,17 +498,18 @@ def _factor_with_sign(mapping: Mapping, quantity: _Quantity, body: str) -> float
 def _means_at_points(
     table: DatTable, column: int, ids_of_points: Sequence[tuple[int, ...]]
 ) -> list[float]:
-    """One column of a printed table at each point of a contact face: the mean of the rows that
+    """One column of a printed table at each point of a contact surface: the mean of the rows that
     belong to its node or element face, 0 where there are none.
 
     Parameters
     ----------
     table
-        `ids` (n_rows, 1 or 2), numbers of the node, or of element and face; `values` (n_rows, k)
+        `ids` (n_rows, 1 or 2), number of the node, or of element and element face; `values`
+        (n_rows, k)
     column
         index of the column among the table's values
     ids_of_points
-        for each point the number of its node, or the numbers of its element and face
+        for each point the number of its node, or those of its element and element face
     """
     values_by_id: dict[tuple[int, ...], list[float]] = {}
     for numbers, value in zip(table.ids.tolist(), table.values[:, column].tolist(), strict=True):
@@ -607,8 +608,8 @@ def _nodes_of_face(mesh: CalculixMesh, touching_rows: Integers) -> tuple[Integer
     return np.flatnonzero(is_at_height & is_of_same_body), []
 
 
-class _FaceValues(NamedTuple):
-    """Values at the points of a contact face, at the times of the file.
+class _SurfaceValues(NamedTuple):
+    """Values at the points of a contact surface, at the times of the file.
 
     Attributes
     ----------
@@ -628,16 +629,16 @@ class _FaceValues(NamedTuple):
     times: Array
 
 
-def _result_of_face(
+def _surface_result_of(
     path: Path,
     mapping: Mapping,
     code: str,
-    face_values: _FaceValues,
+    surface_values: _SurfaceValues,
     printed_file: DatFile | None,
     notes: list[str],
 ) -> SurfaceResult:
     """The result of another program in the scene's units, checked and sorted by x, from the values
-    on a contact face.
+    on its contact surface.
 
     Loads are those of the printed .dat file, where there is one. Times are those of the mapping
     where it states them, else those of the file.
@@ -646,8 +647,8 @@ def _result_of_face(
     ----------
     code
         name of the program that wrote the file, used where the mapping names none
-    face_values
-        x, tractions and slip at the points of the face, at all times
+    surface_values
+        x, tractions and slip at the points of the surface, at all times
     printed_file
         the .dat file with the loads; None without one
     notes
@@ -658,18 +659,23 @@ def _result_of_face(
     series: dict[str, ArrayLike | None] = {}
     load_notes: list[str] = []
     if printed_file is not None:
-        # P and Q per thickness, at the times of the face values
+        # P and Q per thickness, at the times of the surface values
         loads, load_notes = _pair_loads(
-            printed_file, mapping, face_values.times, face_values.extent_along_z
+            printed_file, mapping, surface_values.times, surface_values.extent_along_z
         )
         series |= loads
     if mapping.times is not None:
-        series["time"] = stated_times(str(path), mapping, len(face_values.times))
+        series["time"] = stated_times(str(path), mapping, len(surface_values.times))
     else:
-        series["time"] = converted_values(mapping, "time", face_values.times)
-    x = converted_values(mapping, "x", face_values.x)
+        series["time"] = converted_values(mapping, "time", surface_values.times)
+    x = converted_values(mapping, "x", surface_values.x)
     return surface_result(
-        str(path), mapping.code or code, x, dict(face_values.fields), series, [*notes, *load_notes]
+        str(path),
+        mapping.code or code,
+        x,
+        dict(surface_values.fields),
+        series,
+        [*notes, *load_notes],
     )
 
 

@@ -141,7 +141,7 @@ def read_frd(
         elements=tuple(elements),
         times=tuple(results.times),
         blocks=tuple(results.blocks),
-        names=tuple(results.block_names),
+        names=tuple(results.block_names),  # of all blocks, also of those not read
         has_end_mark=has_end_mark,
     )
 

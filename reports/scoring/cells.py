@@ -84,8 +84,8 @@ def pressure_on_layer(
     # theory of bare half-planes: half-width under any load
     contact = contact_of(scene.profile, scene.material)
     # cells reach 1.8 half-widths of the contact of bare half-planes: a layer makes it wider
-    half_width_of_cells = _REACH_OF_CELLS_ON_LAYER * float(contact.half_width(normal_loads.max()))
-    cell_centres, cell_width = cell_centres_and_width(half_width_of_cells, _N_CELLS)
+    half_width_of_grid = _REACH_OF_CELLS_ON_LAYER * float(contact.half_width(normal_loads.max()))
+    cell_centres, cell_width = cell_centres_and_width(half_width_of_grid, _N_CELLS)
     compliance_matrix = influence_matrix(
         scene, cell_centres, cell_width
     ) + layer_compliance * np.eye(_N_CELLS)
@@ -115,7 +115,7 @@ def _interpolated_to_points(x: Array, cell_centres: Array, tractions: Array) -> 
 
 
 def shear_by_coupling(
-    scene: Scene, x: Array, loads: Array, rows: NDArray[np.intp], beta: float
+    scene: Scene, x: Array, loads: Array, step_numbers: NDArray[np.intp], beta: float
 ) -> Array:
     """Shear (k, n) of two half-planes with Dundurs' `beta` minus that of like ones [stress], at
     points x (n,) and at the ends of k load steps. Both are computed on cells of constant traction.
@@ -132,7 +132,7 @@ def shear_by_coupling(
         (n,) points [length]
     loads
         (n_steps, 2): P and Q at the ends of the load steps [force / thickness]
-    rows
+    step_numbers
         (k,) numbers of the load steps at whose ends the shear is returned
     beta
         Dundurs' constant of the unlike materials
@@ -141,8 +141,8 @@ def shear_by_coupling(
     """
     # theory of like half-planes: half-width and pressure under any load
     contact = contact_of(scene.profile, scene.material)
-    half_width_of_cells = _REACH_OF_SHEAR_CELLS * float(contact.half_width(loads[:, 0].max()))
-    cell_centres, cell_width = cell_centres_and_width(half_width_of_cells, _N_CELLS_OF_SHEAR)
+    half_width_of_grid = _REACH_OF_SHEAR_CELLS * float(contact.half_width(loads[:, 0].max()))
+    cell_centres, cell_width = cell_centres_and_width(half_width_of_grid, _N_CELLS_OF_SHEAR)
     # displacement at each cell by a unit traction on each
     matrix = influence_matrix(scene, cell_centres, cell_width)
     pressure = contact.pressure(cell_centres, loads[:, :1])
@@ -160,7 +160,7 @@ def shear_by_coupling(
         matrix, cell_width, coulomb_limit, tangential_load, 0 * displacement_by_pressure
     )
     shear_by_coupling_on_cells = np.array(shear_with_coupling) - np.array(shear_without_coupling)
-    return _interpolated_to_points(x, cell_centres, shear_by_coupling_on_cells[rows])
+    return _interpolated_to_points(x, cell_centres, shear_by_coupling_on_cells[step_numbers])
 
 
 def _shear_history(

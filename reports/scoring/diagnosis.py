@@ -269,7 +269,7 @@ def _finding_of_scene_bodies(judgement: Judgement) -> Iterator[Diagnosis]:
     theory_tractions = np.where(
         np.isfinite(theory_tractions), theory_tractions, discrepancy.reference_tractions
     )
-    # a fit without causes, which leaves the difference from half-plane theory
+    # no cause is fitted here: what is left is the difference from half-plane theory
     fit_of_theory = Fit((), (), theory_tractions, discrepancy.residuals(theory_tractions))
     fit_with_bodies = judgement.fit_without_causes  # its reference has the bodies in it
     share_left_by_bodies = share_of_difference_left(
@@ -304,7 +304,7 @@ def _finding_of_mesh_at_edges(judgement: Judgement) -> Iterator[Diagnosis]:
     ):
         return  # a mesh that errs at stick edges errs at the edges of contact as well
     predicted_tractions, is_near_edge = prediction
-    # a fit without causes: it leaves the difference of the result from these tractions
+    # no cause is fitted here: what is left is the difference of the result from these tractions
     fit_of_coarse_mesh = Fit(
         (), (), predicted_tractions, discrepancy.residuals(predicted_tractions)
     )

@@ -191,10 +191,12 @@ def _history_by_resultants(surface: SurfaceResult, scene: Scene) -> History:
             surface, scene, loads, _LARGEST_MISFIT_OF_SUMS, corrected_in_words
         )
     # a shear whose integral exceeds 5 % of the largest P
-    has_shear = float(np.max(np.abs(tangential_load))) > _LARGEST_MISFIT_OF_SUMS * float(
+    has_resultant_shear = float(np.max(np.abs(tangential_load))) > _LARGEST_MISFIT_OF_SUMS * float(
         np.max(normal_load)
     )
-    has_either_sign = has_shear and history_with_sign(-shear_sign, source_in_words) is not None
+    has_either_sign = (
+        has_resultant_shear and history_with_sign(-shear_sign, source_in_words) is not None
+    )
     return replace(history, has_either_sign=has_either_sign)
 
 
@@ -392,7 +394,7 @@ def _history_by_loads(
     misfit, time = _best_times(scene, loads, largest_normal_load, largest_misfit)
     # the last instant is put a period after an earlier one with the same loads
     time = _with_closed_cycle(time, scene, loads, misfit * largest_normal_load)
-    normal_load, tangential_load = path.at(time)
+    normal_load_of_path, tangential_load_of_path = path.at(time)
     if misfit > largest_misfit:
         relative_distances = _distances_from_path(path, time, loads) / largest_normal_load
         instant = int(np.flatnonzero(relative_distances > largest_misfit)[0])
@@ -400,16 +402,16 @@ def _history_by_loads(
             f"{surface.source}: its history is not the scene's: at instant {instant + 1} P ="
             f" {loads[0][instant]:.6g} and Q = {loads[1][instant]:.6g} (from {source_in_words}),"
             f" and the nearest that the scene's path has, in order, is P ="
-            f" {normal_load[instant]:.6g} and Q = {tangential_load[instant]:.6g} at time"
-            f" {time[instant]:.6g}"
-            f"{_hint_on_constant_ratio(loads[0], normal_load, largest_normal_load)}"
+            f" {normal_load_of_path[instant]:.6g} and Q ="
+            f" {tangential_load_of_path[instant]:.6g} at time {time[instant]:.6g}"
+            f"{_hint_on_constant_ratio(loads[0], normal_load_of_path, largest_normal_load)}"
         )
     notes = [
         f"its instants were matched to the load path by {source_in_words}; the farthest is"
         f" {misfit:.1e} of the largest P away",
         *_notes_on_other_places(time, scene),
     ]
-    return History(time, normal_load, tangential_load, tuple(notes))
+    return History(time, normal_load_of_path, tangential_load_of_path, tuple(notes))
 
 
 def _best_times(

@@ -119,11 +119,11 @@ def find_branches(
     """
     # standard deviation of Q that neighbouring rows show, at least that of the last digit
     load_noise = max(row_noise(load), resolution / math.sqrt(12))
-    range_of_load = _least_and_largest_load(load, load_noise)
-    _refuse_scatter(load, load_noise, range_of_load, source)
-    record = _record_of_two_cycles(displacement, load, time, load_noise, range_of_load, source)
+    extreme_loads = _least_and_largest_load(load, load_noise)
+    _refuse_scatter(load, load_noise, extreme_loads, source)
+    record = _record_of_two_cycles(displacement, load, time, load_noise, extreme_loads, source)
     _refuse_few_rows(record, source)
-    turns = _turns_of_record(record, sum(range_of_load) / 2, load_noise)
+    turns = _turns_of_record(record, sum(extreme_loads) / 2, load_noise)
     return _branches_between(turns, load, time, load_noise)
 
 
@@ -165,20 +165,17 @@ def _turns_of_record(record: _CyclicRows, middle_load: float, load_noise: float)
     crossing_times = _crossing_times(
         record.load, record.time, record.rows_before, record.rows_after, middle_load
     )
-    # turning points, and how long after the middle time of two crossings they come
-    highest_turn, highest_after_middle = _mean_turning_point(
-        record, crossing_times, True, load_noise
-    )
-    lowest_turn, lowest_after_middle = _mean_turning_point(
-        record, crossing_times, False, load_noise
-    )
+    # turning points, and their delay: how long after the mean time of the two crossings beside
+    # them they come
+    highest_turn, delay_of_highest = _mean_turning_point(record, crossing_times, True, load_noise)
+    lowest_turn, delay_of_lowest = _mean_turning_point(record, crossing_times, False, load_noise)
     turn_times = _times_of_turns(
-        crossing_times, record.rises_at_crossing, highest_after_middle, lowest_after_middle
+        crossing_times, record.rises_at_crossing, delay_of_highest, delay_of_lowest
     )
     # Q falls at the first crossing, and so the turning point before it is a highest one
     first_is_highest = not bool(record.rises_at_crossing[0])
     if record.is_repeated:
-        # The two turning points in the middle of a record that was repeated are known best: they
+        # The two inner turning points of a record that was repeated are known best: they
         # are taken again in the two periods before and after. `turn_times` now begins with a copy
         # of the second turning point, which is of the other kind, highest or lowest.
         turn_times = np.concatenate(
@@ -242,11 +239,11 @@ class _CyclicRows:
 
 
 def _refuse_scatter(
-    load: Array, load_noise: float, range_of_load: tuple[float, float], source: str
+    load: Array, load_noise: float, extreme_loads: tuple[float, float], source: str
 ) -> None:
     """InputError where most of the range of Q (n,) is scatter of the rows, of sigma
     `load_noise`."""
-    least_load, largest_load = range_of_load
+    least_load, largest_load = extreme_loads
     if load_noise > _LARGEST_SCATTER_SHARE * (largest_load - least_load) / 2:
         raise InputError(
             f"{source}: its Q goes up and down to {200 * load_noise / np.ptp(load):.0f} % of its"
@@ -260,7 +257,7 @@ def _record_of_two_cycles(
     load: Array,
     time: Array,
     load_noise: float,
-    range_of_load: tuple[float, float],
+    extreme_loads: tuple[float, float],
     source: str,
 ) -> _CyclicRows:
     """The rows of a measured loop as they are, where they have three crossings of the middle of Q's
@@ -275,28 +272,36 @@ def _record_of_two_cycles(
         (n,) U, Q and time of the rows
     load_noise
         sigma of Q
-    range_of_load
+    extreme_loads
         least and largest Q, without what noise adds
 
     # notation: Q tangential load, sigma standard deviation of the noise, U relative tangential
     #           displacement
     """
-    rows_before, rows_after, rises_at_crossing = _crossings_of_middle(load, *range_of_load)
-    if len(rows_before) >= 3:
-        return _CyclicRows(load, time, rows_before, rows_after, rises_at_crossing)
+    rows_before_crossings, rows_after_crossings, rises_at_crossing = _crossings_of_middle(
+        load, *extreme_loads
+    )
+    if len(rows_before_crossings) >= 3:
+        return _CyclicRows(
+            load, time, rows_before_crossings, rows_after_crossings, rises_at_crossing
+        )
     # the row that comes nearest to the first one, a cycle later; None without one
-    closing_row = _closing_row(displacement, load, rows_before, rises_at_crossing, load_noise)
+    closing_row = _closing_row(
+        displacement, load, rows_before_crossings, rises_at_crossing, load_noise
+    )
     if closing_row is None:
-        least_load, largest_load = range_of_load
+        least_load, largest_load = extreme_loads
         # up and down: twice the range makes a cycle
-        travel_of_load = np.sum(np.abs(np.diff(_loads_at_turns(load, rows_before, rows_after))))
+        travel_of_load = np.sum(
+            np.abs(np.diff(_loads_at_turns(load, rows_before_crossings, rows_after_crossings)))
+        )
         covered_cycles = float(travel_of_load / (2 * (largest_load - least_load)))
         raise InputError(
             f"{source}: its rows cover {covered_cycles:.2g} of a cycle: a loop needs a whole one"
         )
     cyclic_load, cyclic_time, period = _two_equal_cycles(load, time, closing_row)
     return _CyclicRows(
-        cyclic_load, cyclic_time, *_crossings_of_middle(cyclic_load, *range_of_load), period
+        cyclic_load, cyclic_time, *_crossings_of_middle(cyclic_load, *extreme_loads), period
     )
 
 
@@ -321,7 +326,7 @@ def _mean_turning_point(
     record: _CyclicRows, crossing_times: Array, is_top: bool, load_noise: float
 ) -> tuple[TurningPoint, float]:
     """The highest (`is_top`) or the lowest turning point of Q, in the mean over all of them in the
-    record; and how much later it comes than the middle time of the two crossings beside it [time].
+    record; and how much later it comes than the mean time of the two crossings beside it [time].
 
     Parameters
     ----------
@@ -335,14 +340,14 @@ def _mean_turning_point(
 
     # notation: Q tangential load, sigma standard deviation of the noise
     """
-    middle_times = (crossing_times[1:] + crossing_times[:-1]) / 2
+    mean_times = (crossing_times[1:] + crossing_times[:-1]) / 2
     # after a crossing at which Q rises comes a highest turning point
     has_turning_point = record.rises_at_crossing[:-1] == is_top
     return _turning_point(
         record.load,
         record.time,
-        # middle and duration of the times between crossings that hold such a turning point
-        middle_times[has_turning_point],
+        # of each two crossings with such a turning point between: mean time, and time between them
+        mean_times[has_turning_point],
         np.diff(crossing_times)[has_turning_point],
         is_top,
         load_noise,
@@ -383,8 +388,8 @@ def _two_equal_cycles(load: Array, time: Array, closing_row: int) -> tuple[Array
 def _times_of_turns(
     crossing_times: Array,
     rises_at_crossing: NDArray[np.bool_],
-    highest_after_middle: float,
-    lowest_after_middle: float,
+    delay_of_highest: float,
+    delay_of_lowest: float,
 ) -> Array:
     """Times of the turning points of Q, ascending, (k + 1,): one between each two crossings, one
     before the first crossing, and one behind the last. A crossing is where Q passes the middle of
@@ -396,30 +401,31 @@ def _times_of_turns(
         (k,) times at which Q passes the middle of its range
     rises_at_crossing
         (k,) whether Q rises there
-    highest_after_middle, lowest_after_middle
-        time from the middle between two crossings to the highest and to the lowest Q
+    delay_of_highest, delay_of_lowest
+        how long after the mean time of the two crossings beside it Q is highest, or lowest
 
     # notation: Q tangential load
     """
-    middle_times = (crossing_times[1:] + crossing_times[:-1]) / 2
+    mean_times = (crossing_times[1:] + crossing_times[:-1]) / 2
     # Q is highest between a crossing at which it rises and the next one
     is_highest = rises_at_crossing[:-1]
-    # half of the time between two crossings, with Q above its middle (True) or below it (False)
+    # half of the time between two crossings, with Q above the middle of its range (True) or below
+    # (False)
     half_time_between = {
         above: float(np.median(np.diff(crossing_times)[is_highest == above])) / 2
         for above in (True, False)
     }
-    turn_after_middle = {True: highest_after_middle, False: lowest_after_middle}
-    turn_times = middle_times + np.where(is_highest, highest_after_middle, lowest_after_middle)
+    delay_of_turn = {True: delay_of_highest, False: delay_of_lowest}
+    turn_times = mean_times + np.where(is_highest, delay_of_highest, delay_of_lowest)
     rises_at_first = bool(rises_at_crossing[0])
     rises_at_last = bool(rises_at_crossing[-1])
     first_turn_time = (
         crossing_times[0]
         - half_time_between[not rises_at_first]
-        + turn_after_middle[not rises_at_first]
+        + delay_of_turn[not rises_at_first]
     )
     last_turn_time = (
-        crossing_times[-1] + half_time_between[rises_at_last] + turn_after_middle[rises_at_last]
+        crossing_times[-1] + half_time_between[rises_at_last] + delay_of_turn[rises_at_last]
     )
     return np.concatenate([[first_turn_time], turn_times, [last_turn_time]])
 
@@ -484,8 +490,12 @@ def sizes_of_cycles(values: Array, load: Array, time: Array, load_noise: float) 
     least_load, largest_load = _least_and_largest_load(load, load_noise)
     middle_load = (least_load + largest_load) / 2
     # last row before and first row after each crossing
-    rows_before, rows_after, _ = _crossings_of_middle(load, least_load, largest_load)
-    crossing_times = _crossing_times(load, time, rows_before, rows_after, middle_load)
+    rows_before_crossings, rows_after_crossings, _ = _crossings_of_middle(
+        load, least_load, largest_load
+    )
+    crossing_times = _crossing_times(
+        load, time, rows_before_crossings, rows_after_crossings, middle_load
+    )
     instants_of_cycles = [
         np.linspace(begin, end, _N_INSTANTS_OF_CYCLE)
         for begin, end in zip(crossing_times[:-2], crossing_times[2:], strict=True)
@@ -495,22 +505,27 @@ def sizes_of_cycles(values: Array, load: Array, time: Array, load_noise: float) 
     )
 
 
-def _loads_at_turns(load: Array, begins: NDArray[np.intp], ends: NDArray[np.intp]) -> Array:
+def _loads_at_turns(
+    load: Array, rows_before_crossings: NDArray[np.intp], rows_after_crossings: NDArray[np.intp]
+) -> Array:
     """Q of a measured loop at its first row, at each turning point and at its last row. A turning
-    point is the extreme Q of the rows between two crossings of the middle of Q. `load` (n,) is Q of
-    the rows; `begins` and `ends` are the last row before and the first row after each crossing.
+    point is the extreme Q of the rows between two crossings, at which Q passes the middle of its
+    range. `load` (n,) is Q of the rows. The rows before and after crossings are the last one on one
+    side of that middle, and the first one on the other.
 
     # notation: Q tangential load
     """
-    # pieces: rows from the middle of one crossing to that of the next
-    ends_of_pieces = [0, *((begins + ends) // 2 + 1).tolist(), len(load)]
-    middle = float(load.max() + load.min()) / 2
-    pieces_between_crossings = [
-        load[begin:end] for begin, end in pairwise(ends_of_pieces) if end > begin
+    # the rows are divided half-way between the two rows beside each crossing
+    dividing_rows = ((rows_before_crossings + rows_after_crossings) // 2 + 1).tolist()
+    middle_load = float(load.max() + load.min()) / 2
+    loads_between_crossings = [
+        load[first_row:row_behind]
+        for first_row, row_behind in pairwise([0, *dividing_rows, len(load)])
+        if row_behind > first_row
     ]
     extremes = [
-        float(loads_between[np.argmax(np.abs(loads_between - middle))])
-        for loads_between in pieces_between_crossings
+        float(loads_between[np.argmax(np.abs(loads_between - middle_load))])
+        for loads_between in loads_between_crossings
     ]
     return np.array([load[0], *extremes, load[-1]])
 
@@ -570,7 +585,7 @@ def _closing_row(
 
 def _first_branch_a_cycle_later(
     load: Array,
-    rows_before: NDArray[np.intp],
+    rows_before_crossings: NDArray[np.intp],
     rises_at_crossing: NDArray[np.bool_],
     load_noise: float,
 ) -> slice | None:
@@ -582,7 +597,7 @@ def _first_branch_a_cycle_later(
     ----------
     load
         (n,) Q of the rows
-    rows_before, rises_at_crossing
+    rows_before_crossings, rises_at_crossing
         (k,) last row before each crossing of the middle of Q, and whether Q rises there; k > 0
     load_noise
         standard deviation of Q
@@ -590,7 +605,7 @@ def _first_branch_a_cycle_later(
     # notation: Q tangential load
     """
     # runs of neighbouring rows with Q above its middle and below it, by turns
-    runs_of_rows = np.split(np.arange(len(load)), rows_before + 1)
+    runs_of_rows = np.split(np.arange(len(load)), rows_before_crossings + 1)
     is_high_at_begin = not bool(rises_at_crossing[0])
     is_rising_at_begin = _rises_at_begin(load, runs_of_rows[0], is_high_at_begin, load_noise)
     index_of_turning_run = 1 if is_rising_at_begin == is_high_at_begin else 2
@@ -672,15 +687,15 @@ def _crossing_times(
 def _turning_point(
     load: Array,
     time: Array,
-    middle_times: Array,
+    mean_times: Array,
     durations: Array,
     is_top: bool,
     load_noise: float,
     n_copies: int,
 ) -> tuple[TurningPoint, float]:
-    """Highest (or lowest) Q with its standard error, in the mean over all cycles, and how long
-    after the middle time between two crossings it is reached [time]. A crossing is where Q passes
-    the middle of its range. The cycles are laid over each other in time.
+    """Highest (or lowest) Q with its standard error, in the mean over all cycles. With it comes
+    its delay [time]: how long after the mean time of the two crossings beside it Q is highest. A
+    crossing is where Q passes the middle of its range. The cycles are laid over each other in time.
 
     Two parabolas that meet at the turning point are fitted to the rows in a window around it, which
     grows as long as they describe the rows to within the noise. The error is that by noise, and the
@@ -690,8 +705,8 @@ def _turning_point(
     ----------
     load, time
         (n,) Q and time of the rows
-    middle_times, durations
-        (k,) of the time between the two crossings beside each turning point
+    mean_times, durations
+        (k,) mean of the times of the two crossings beside each turning point, and time between them
     is_top
         whether Q is largest there
     load_noise
@@ -704,27 +719,28 @@ def _turning_point(
     """
     sign = 1.0 if is_top else -1.0
     half_duration = float(np.median(durations)) / 2
-    begin_rows = np.searchsorted(time, middle_times - half_duration)
-    end_rows = np.searchsorted(time, middle_times + half_duration)
+    begin_rows = np.searchsorted(time, mean_times - half_duration)
+    end_rows = np.searchsorted(time, mean_times + half_duration)
     # height: Q, with the other sign at a lowest turning point
     rows_around_top = _RowsAroundTop(
         height=sign * load,
-        # -1 and 1 at the crossings beside the nearest of the middle times
-        scaled_time=_time_from_nearest(middle_times, time) / half_duration,
+        # -1 and 1 at the crossings beside the nearest of the mean times
+        scaled_time=_time_from_nearest(mean_times, time) / half_duration,
         rows_in_half_duration=float(np.mean(end_rows - begin_rows)) / 2,
         noise=load_noise,
     )
     largest_height = rows_around_top.largest_height
-    guessed_time = rows_around_top.guessed_time
-    fits = rows_around_top.fits_in_growing_windows(guessed_time)
+    guessed_scaled_time = rows_around_top.guessed_time
+    fits = rows_around_top.fits_in_growing_windows(guessed_scaled_time)
     if not fits:
         error_of_row = float(
             load_noise + np.ptp(rows_around_top.height) / rows_around_top.rows_in_half_duration
         )
-        return TurningPoint(sign * largest_height, error_of_row), guessed_time * half_duration
+        turning_point = TurningPoint(sign * largest_height, error_of_row)
+        return turning_point, guessed_scaled_time * half_duration
     longest_fit = fits[-1]
     height_by_shorter_window = fits[-2].height if len(fits) > 1 else largest_height
-    n_measured_turns = max(len(middle_times) // n_copies, 1)
+    n_measured_turns = max(len(mean_times) // n_copies, 1)
     n_rows = longest_fit.rows_in_half_window * n_measured_turns
     # variance of two joined parabolas at their joint: 4.5 times that of a row over their number
     error_by_noise = load_noise * math.sqrt(_VARIANCE_FACTOR_AT_JOINT / n_rows)
@@ -743,7 +759,7 @@ class _RowsAroundTop:
     height
         (n,) Q, or -Q where the lowest Q is sought
     scaled_time
-        (n,) time since the nearest middle time of two crossings of the middle of Q, over half of
+        (n,) time since the nearest mean time of two crossings of the middle of Q, over half of
         the time between them: -1 and 1 at the crossings
     rows_in_half_duration
         number of rows in half of that time, in one cycle
@@ -821,21 +837,21 @@ class _FitOfTop(NamedTuple):
     rows_in_half_window: float
 
 
-def _time_from_nearest(middle_times: Array, time: Array) -> Array:
-    """Times (n,) counted from the nearest of k times (`middle_times`), negative before it.
+def _time_from_nearest(given_times: Array, time: Array) -> Array:
+    """Times (n,) counted from the nearest of k times (`given_times`), negative before it.
 
     >>> _time_from_nearest(np.array([0.0, 10.0]), np.array([-1.0, 4.0, 6.0])).tolist()
     [-1.0, 4.0, -4.0]
     """
-    if len(middle_times) == 1:
-        return np.asarray(time - middle_times[0])
-    index_after = np.clip(np.searchsorted(middle_times, time), 1, len(middle_times) - 1)
-    time_since_middle_before = time - middle_times[index_after - 1]
-    time_until_middle_after = middle_times[index_after] - time
+    if len(given_times) == 1:
+        return np.asarray(time - given_times[0])
+    index_after = np.clip(np.searchsorted(given_times, time), 1, len(given_times) - 1)
+    time_since_given_before = time - given_times[index_after - 1]
+    time_until_given_after = given_times[index_after] - time
     nearest_index = np.where(
-        time_since_middle_before < time_until_middle_after, index_after - 1, index_after
+        time_since_given_before < time_until_given_after, index_after - 1, index_after
     )
-    return np.asarray(time - middle_times[nearest_index])
+    return np.asarray(time - given_times[nearest_index])
 
 
 def _highest_of_two_parabolas(x: Array, y: Array) -> tuple[float, float, float] | None:

@@ -480,9 +480,10 @@ class LoopsOverFriction:
             # instants of the branch itself, and of pieces of the other one beside it
             for instants in self.instants_by_branch[is_branch_rising]:
                 polyline = loop_points[:, instants % n_instants]
-                for begin in range(0, len(indices_of_branch), _ROWS_AT_ONCE):
+                for first_of_block in range(0, len(indices_of_branch), _ROWS_AT_ONCE):
                     # one block of rows, which bounds the memory, against one piece of the loop
-                    block_indices = indices_of_branch[begin : begin + _ROWS_AT_ONCE]
+                    block = slice(first_of_block, first_of_block + _ROWS_AT_ONCE)
+                    block_indices = indices_of_branch[block]
                     candidates = nearest_on_polyline(row_points[:, block_indices], polyline)
                     candidates[0] += instants[0]
                     is_nearer = np.abs(candidates[1]) < np.abs(values_of_nearest[1, block_indices])
@@ -640,37 +641,37 @@ def nearest_on_polyline(points: Array, polyline: Array) -> Array:
     index_of_nearest = _index_of_nearest_corner(points, polyline[:, corners_around])
     nearest_corner = corners_around[np.arange(len(index_of_nearest)), index_of_nearest]
 
-    # The segment in front of the nearest corner, or the one behind it.
-    segment = np.clip(nearest_corner[:, None] + np.array([-1, 0]), 0, last_corner - 1)
-    segment_start = polyline[:, segment]
-    segment_vector = polyline[:, segment + 1] - segment_start
+    # (n, 2) indices of the segment in front of the nearest corner, and of the one behind it
+    adjacent_segments = np.clip(nearest_corner[:, None] + np.array([-1, 0]), 0, last_corner - 1)
+    segment_start = polyline[:, adjacent_segments]
+    segment_vector = polyline[:, adjacent_segments + 1] - segment_start
     vector_from_start = points[:, :, None] - segment_start
     length_squared = np.maximum(np.sum(segment_vector**2, axis=0), 1e-300)
     fraction_of_segment = np.clip(
         np.sum(vector_from_start * segment_vector, axis=0) / length_squared, 0.0, 1.0
     )
     vector_to_point = vector_from_start - fraction_of_segment * segment_vector
-    index_of_segment = np.argmin(np.sum(vector_to_point**2, axis=0), axis=1)
+    which_is_nearer = np.argmin(np.sum(vector_to_point**2, axis=0), axis=1)
 
     # of the nearer of the two segments
     point_numbers = np.arange(points.shape[1])
-    fraction_of_segment = fraction_of_segment[point_numbers, index_of_segment]
-    segment_vector = segment_vector[:, point_numbers, index_of_segment]
-    vector_to_point = vector_to_point[:, point_numbers, index_of_segment]
+    fraction_of_segment = fraction_of_segment[point_numbers, which_is_nearer]
+    segment_vector = segment_vector[:, point_numbers, which_is_nearer]
+    vector_to_point = vector_to_point[:, point_numbers, which_is_nearer]
     distance = np.hypot(vector_to_point[0], vector_to_point[1])
     cross_product = segment_vector[0] * vector_to_point[1] - segment_vector[1] * vector_to_point[0]
     distance = np.where(cross_product < 0, -distance, distance)
 
     # Normal of the segment, to its left. Beyond a corner it has the direction from there to the
     # point, or the opposite one where the point lies on the right.
-    segment_length = np.sqrt(length_squared[point_numbers, index_of_segment])
+    segment_length = np.sqrt(length_squared[point_numbers, which_is_nearer])
     normal_of_segment = np.array([-segment_vector[1], segment_vector[0]]) / segment_length
     is_at_corner = ((fraction_of_segment == 0) | (fraction_of_segment == 1)) & (distance != 0)
     normal = np.where(
         is_at_corner, vector_to_point / np.where(is_at_corner, distance, 1.0), normal_of_segment
     )
     return np.array(
-        [segment[point_numbers, index_of_segment] + fraction_of_segment, distance, *normal]
+        [adjacent_segments[point_numbers, which_is_nearer] + fraction_of_segment, distance, *normal]
     )
 
 
@@ -1072,6 +1073,7 @@ def fit_loop(
     friction = max(friction, sliding_friction * (1 + 1e-9))
 
     # how the distances of neighbouring rows go together, which widens the interval of f
+    # the last two residuals are of the turning points
     distances = search.residuals(friction, terms)[:-2]
     misfit = misfit_of(distances, search.noise.of_displacement)
     lowest_friction, highest_friction = search.friction_interval(
@@ -1155,6 +1157,7 @@ def _search_with_noise_of_fit(
     for _ in range(_MOST_REWEIGHTINGS):
         _, friction, terms = search.best_fit(friction, terms)
         search = search.search_with_rows_at_turns_moved(friction, terms)
+        # of the rows alone: the last two residuals are of the turning points
         sum_of_squares = float(np.sum(search.residuals(friction, terms)[:-2] ** 2))
         # noise that the fit leaves, over the noise it was weighted with
         noise_ratio = math.sqrt(sum_of_squares / search.degrees_of_freedom)

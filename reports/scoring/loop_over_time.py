@@ -425,11 +425,11 @@ def _best_alignment(
         return _alignment_at(loop, load_of_cycle, frequency, phase).misfit
 
     # frequencies of the cycle, and that at which the spectrum of Q is highest
-    frequencies, first_frequency = _trial_frequencies(loop, least_cycles)
+    frequencies, peak_frequency = _trial_frequencies(loop, least_cycles)
     trials = [(frequency, phase) for frequency in frequencies for phase in np.arange(24) / 24]
     best_trial = min(trials, key=misfit)
     frequency, phase = _refined_frequency_and_phase(
-        misfit, best_trial, first_frequency, loop.time[-1], 1e-12 * amplitude
+        misfit, best_trial, peak_frequency, loop.time[-1], 1e-12 * amplitude
     )
     alignment = _alignment_at(loop, load_of_cycle, frequency, phase)
     # from a force to a share of the amplitude
@@ -467,7 +467,7 @@ def _alignment_at(
 def _refined_frequency_and_phase(
     misfit: Callable[[tuple[float, float] | Array], float],
     best_trial: tuple[float, float],
-    first_frequency: float,
+    peak_frequency: float,
     last_time: float,
     misfit_tolerance: float,
 ) -> tuple[float, float]:
@@ -481,7 +481,7 @@ def _refined_frequency_and_phase(
         (frequency, phase) -> root mean square difference of Q [force per thickness]
     best_trial
         frequency and phase to begin with
-    first_frequency
+    peak_frequency
         frequency at which the spectrum of the measured Q is highest: the scale of the steps
     last_time
         time of the last row; the first one is at 0
@@ -494,7 +494,7 @@ def _refined_frequency_and_phase(
 
     # This first step of the search moves the last row by a tenth of a cycle; in a record shorter
     # than a cycle, by less.
-    frequency_step = 0.3 / max(last_time * first_frequency, 1.0) * first_frequency * 0.3
+    frequency_step = 0.3 / max(last_time * peak_frequency, 1.0) * peak_frequency * 0.3
     simplex_steps = np.array([[0.0, 0.0], [frequency_step, 0.0], [0.0, 0.02]])
     minimum = minimize(
         misfit,
@@ -502,7 +502,7 @@ def _refined_frequency_and_phase(
         method="Nelder-Mead",
         options={
             "initial_simplex": np.array(best_trial) + simplex_steps,
-            "xatol": 1e-9 * first_frequency,
+            "xatol": 1e-9 * peak_frequency,
             "fatol": misfit_tolerance,
             "maxiter": 800,
         },

@@ -357,30 +357,30 @@ def _tested_candidate(
     # notation: f coefficient of friction, Q tangential load, sigma standard deviation of the noise
     #           of U, U relative tangential displacement
     """
-    loop = remaining_rows.rows
+    measured_rows = remaining_rows.rows
     # branch of each row, and the number of cycles passed at it
-    branches = _branches_by_height(loop)
+    branches = _branches_by_height(measured_rows)
     rows_to_fit = MeasuredRows(
-        displacement=loop.displacement,
-        load=loop.load,
-        time=loop.time,
+        displacement=measured_rows.displacement,
+        load=measured_rows.load,
+        time=measured_rows.time,
         branches=branches,
         compliance=rig_compliance,
-        resolution=loop.resolution,
+        resolution=measured_rows.resolution,
     )
     fitted_loop = best_loop(rows_to_fit, curve)
     # part of the rows' distances that is no scatter, over the mean opening of the loop in U
     # (its area over the range of Q)
-    share_of_opening = _share_of_opening(loop, fitted_loop.misfit, branches.cycles_passed)
+    share_of_opening = _share_of_opening(measured_rows, fitted_loop.misfit, branches.cycles_passed)
     sigma_over_opening = fitted_loop.search.sigma.of_displacement / _mean_opening(
-        loop, branches.cycles_passed
+        measured_rows, branches.cycles_passed
     )
     # noise alone moves the nearest points of the loop by as much: a tenth of sigma
     if share_of_opening < _SIGMAS_OF_NEAREST_POINTS * sigma_over_opening:
         share_of_opening = 0.0
     return _Candidate(
         share_of_opening=share_of_opening,
-        rows=loop,
+        rows=measured_rows,
         branches=branches,
         best_loop=fitted_loop,
         run_in_sentence=remaining_rows.sentence,

@@ -234,12 +234,13 @@ def score_loop(
     >>> import semi_analytic
     >>> from scenes import load_scene
     >>> scene = load_scene("cattaneo-mindlin")  # f = 0.5
-    >>> path, share = scene.load.path(), np.arange(200) / 100
+    >>> path, row_times = scene.load.path(), np.arange(200) / 100
     >>> times = path.cycle_start + path.period * (1 + np.arange(101) / 100)
     >>> exact = semi_analytic.solve(scene, x=0.0, time=times, fields="tangential_displacement")
-    >>> row = np.arange(200) % 100
-    >>> rig = exact.tangential_displacement + 1e-5 * exact.tangential_load
-    >>> score = score_loop(MeasuredLoop("rig", rig[row], exact.tangential_load[row], share), scene)
+    >>> instants = np.arange(200) % 100  # of the rows, two cycles of 100
+    >>> loads = exact.tangential_load[instants]
+    >>> displacements = exact.tangential_displacement[instants] + 1e-5 * loads  # C = 1e-5
+    >>> score = score_loop(MeasuredLoop("rig.csv", displacements, loads, row_times), scene)
     >>> round(score.friction, 3), round(score.compliance, 7)
     (0.5, 1e-05)
 
@@ -249,7 +250,7 @@ def score_loop(
     for name, values in (("U", loop.displacement), ("Q", loop.load)):
         if not np.ptp(values) > 0:
             raise InputError(f"{loop.source}: {name} is the same in every row: there is no loop")
-    # Q rises once and falls once in a cycle: the order of the rows tells their places
+    # Q rises once and falls once in a cycle: the order of the rows tells their place on the loop
     if has_two_branches(scene):
         loop, fit = fit_steady_rows(loop, scene, rig_compliance)
     else:
@@ -273,7 +274,7 @@ def score_loop(
         scale=fit.load_scale,
         n_cycles=fit.n_cycles,
         noise=fit.displacement_noise,
-        loops=(table_row_of_measured, *(computed.row for computed in computed_loops.loops)),
+        loops=(table_row_of_measured, *(computed.table_row for computed in computed_loops.loops)),
         read_as=loop.read_as,
         # what was assumed or left out
         notes=(*fit.sentences, sentence, *computed_loops.sentences),
@@ -281,7 +282,7 @@ def score_loop(
         displacement=loop.displacement,
         load=loop.load,
         curves=tuple(
-            LoopCurve(computed.row.name, computed.displacement, computed.load)
+            LoopCurve(computed.table_row.name, computed.displacement, computed.load)
             for computed in computed_loops.loops
         ),
     )
@@ -345,7 +346,7 @@ class _ComputedLoop:
     rig, and Q (n_instants,).
     """
 
-    row: LoopRow
+    table_row: LoopRow
     displacement: Array
     load: Array
 

@@ -46,8 +46,10 @@ def score_folder(
     for path in files:
         with stages.stage(path.name):
             try:
-                report = score_file(path, mapping, scene, against=against, tolerances=tolerances)
-                scored_files.append(_scored_file(path, mapping, report))
+                report_of_file = score_file(
+                    path, mapping, scene, against=against, tolerances=tolerances
+                )
+                scored_files.append(_scored_file(path, mapping, report_of_file))
             except InputError as fault:
                 errors[path.name] = fault
     if not scored_files:

@@ -713,7 +713,7 @@ def _fit_of_rolling(discrepancy: Discrepancy) -> ProblemFit | None:
     return ProblemFit(
         predicted_tractions=_tractions_with(discrepancy, SHEAR, best_shear),
         tractions_to_beat=discrepancy.reference_tractions,
-        n_sizes=1,
+        n_sizes=1,  # the side
         # points in contact
         judged_points=discrepancy.mask_in_contact(discrepancy.reference_tractions),
         sentence_values={"side": leading_side},

@@ -368,19 +368,20 @@ def _columns_of_frames(
     # of each column: its quantity, and the frame's number or time, None where none is stated
     headings = [_read_heading(name, mapping) for name in table.names]
     frames_of_quantity = _values_by_quantity_and_frame(source, table, mapping, headings)
-    frames = sorted(frames_of_quantity["pressure"])
+    # numbers of the frames, or their times
+    numbers_of_frames = sorted(frames_of_quantity["pressure"])
     has_frame_in_name = any(
         heading.quantity == "pressure" and heading.frame is not None for heading in headings
     )
-    if not frames_of_quantity["x"] or (len(frames) < 2 and not has_frame_in_name):
+    if not frames_of_quantity["x"] or (len(numbers_of_frames) < 2 and not has_frame_in_name):
         return None
     if len(frames_of_quantity["x"]) == 1:
         (x,) = frames_of_quantity["x"].values()
-        frames_of_quantity["x"] = dict.fromkeys(frames, x)
+        frames_of_quantity["x"] = dict.fromkeys(numbers_of_frames, x)
 
     # frames one below the other, (n_frames n_points,) of each quantity
     columns = {
-        quantity: _frames_below_each_other(source, quantity, frames, values_by_frame)
+        quantity: _frames_below_each_other(source, quantity, numbers_of_frames, values_by_frame)
         for quantity, values_by_frame in frames_of_quantity.items()
         if values_by_frame
     }
@@ -388,7 +389,7 @@ def _columns_of_frames(
     if any(heading.is_time for heading in headings):
         quantity_of_frames = "time"
     columns[quantity_of_frames] = converted_values(
-        mapping, quantity_of_frames, np.repeat(frames, len(table.values))
+        mapping, quantity_of_frames, np.repeat(numbers_of_frames, len(table.values))
     )
     has_number_in_name = any(
         heading.quantity is not None and heading.frame is not None for heading in headings
@@ -397,7 +398,7 @@ def _columns_of_frames(
         "by the figures in their names" if has_number_in_name else "in the order of the columns"
     )
     return columns, [
-        f"{len(frames)} frames were found beside each other, told apart {order_in_words}"
+        f"{len(numbers_of_frames)} frames were found beside each other, told apart {order_in_words}"
     ]
 
 

@@ -413,7 +413,7 @@ def _dissipation_of_instants(
 
 
 def reference_by_same_rule(
-    reference: ContactSolution, result: ContactSolution, length: float
+    reference: ContactSolution, result: ContactSolution, half_width: float
 ) -> tuple[ContactSolution, tuple[str, ...]]:
     """Find states (open, stick, slip), edges of contact and stick, and dissipation of the reference
     solution by the rules by which those of an external result were found. Returns the reference
@@ -423,7 +423,8 @@ def reference_by_same_rule(
     states all of these itself. Its dissipation also stays where its instants are not those of the
     result, or where the result has none. Stick edges are NaN at instants where the rule errs by
     more than 0.05 a_ref, or sees a stick zone wrongly. Where these are half of all instants or
-    more, the edges by the rule stay. `length` is the reference half-width a_ref.
+    more, the edges by the rule stay. `half_width` is a_ref, that of the contact at the reference
+    load.
     """
     # names of the fields of the result that were derived from its other fields
     if "state" not in names_of_derived_fields(result):
@@ -437,8 +438,8 @@ def reference_by_same_rule(
     reference_by_rule, _ = _solution_with_zones(
         reference, uses_slip="slip" not in missing_fields, adds_dissipation=has_dissipation
     )
-    has_judged_stick = _instants_with_judged_stick(reference, reference_by_rule, length)
-    sentences = [_sentence_on_edges(reference, reference_by_rule, has_judged_stick, length)]
+    has_judged_stick = _instants_with_judged_stick(reference, reference_by_rule, half_width)
+    sentences = [_sentence_on_edges(reference, reference_by_rule, has_judged_stick, half_width)]
     if has_dissipation:
         sentences.append(_sentence_on_dissipation(reference, reference_by_rule))
     judged_edges = np.where(has_judged_stick[:, None], reference_by_rule.stick_edges, np.nan)

@@ -310,11 +310,13 @@ def height_of_material(points: Array, cells: Iterable[Integers]) -> Array:
     `cells` are blocks of cells of one kind, (n_cells, n_nodes) rows of `points` each.
     """
     sum_of_heights = np.zeros(len(points))
-    n_cells = np.zeros(len(points))
+    n_cells_at_points = np.zeros(len(points))
     for block in cells:
         y_of_nodes = points[block, 1]
         y_of_middles = y_of_nodes.mean(axis=1)[:, None]
         np.add.at(sum_of_heights, block, y_of_middles - y_of_nodes)
-        np.add.at(n_cells, block, 1.0)
+        np.add.at(n_cells_at_points, block, 1.0)
     mean_heights = np.full(len(points), np.nan)
-    return np.divide(sum_of_heights, n_cells, out=mean_heights, where=n_cells > 0)
+    return np.divide(
+        sum_of_heights, n_cells_at_points, out=mean_heights, where=n_cells_at_points > 0
+    )

@@ -137,7 +137,7 @@ def find_full_slip(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     # notation: f coefficient of friction, p pressure, q shear
     """
     comparison = discrepancy.comparison
-    friction_coefficient = discrepancy.comparison.scene.friction.coefficient
+    friction_coefficient = comparison.scene.friction.coefficient
     if not friction_coefficient or not discrepancy.has_shear:
         return
     # fields (instants, points) of both through the last cycle
@@ -147,8 +147,10 @@ def find_full_slip(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     # comparison.is_judged: instants with enough load to be judged
     is_pressed = has_pressure & comparison.is_judged[:, None]
     # points that stick for certain: |q| below 0.9 f p
-    stick_limit = _LARGEST_STICK_SHARE_OF_LIMIT * friction_coefficient * reference_cycle.pressure
-    is_well_below_limit = np.abs(reference_cycle.shear) < stick_limit
+    largest_certain_stick_shear = (
+        _LARGEST_STICK_SHARE_OF_LIMIT * friction_coefficient * reference_cycle.pressure
+    )
+    is_well_below_limit = np.abs(reference_cycle.shear) < largest_certain_stick_shear
     should_stick = is_pressed & (reference_cycle.state == STICK) & is_well_below_limit
     coulomb_limit = friction_coefficient * result_cycle.pressure
     distance_to_limit = np.abs(np.abs(result_cycle.shear) - coulomb_limit)
@@ -163,6 +165,7 @@ def find_full_slip(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
 
     # stick_edges: left and right edge of the stick zone at each instant
     stick_half_width = float(np.nanmax(np.diff(reference_cycle.stick_edges, axis=1))) / 2
+    # the template's `width` is this half-width over a
     sentence = WORDS["others"]["full_slip"].format(
         width=stick_half_width / comparison.scales.half_width
     )
@@ -193,7 +196,8 @@ def find_elastic_slip(discrepancy: Discrepancy, *, shear_sign: float = 1.0) -> I
         return
     # scales.compliance: A = 2/E*; half_width: a_ref; K is stated over E*/a_ref
     scales = discrepancy.comparison.scales
-    relative_stiffness = scales.compliance * scales.half_width / (2 * creep_fit.compliance)
+    slip_per_shear = creep_fit.compliance  # 1/K
+    relative_stiffness = scales.compliance * scales.half_width / (2 * slip_per_shear)
     evidence = (
         (
             f"{creep_fit.n_steps} steps of points that stick: the slip moves by"
@@ -459,26 +463,31 @@ def find_long_steps(comparison: Comparison) -> Iterator[Diagnosis]:
     are right again soon after a corner, so that they do not show it; the dissipation sums it up.
     """
     values = {metric.key: metric.value for metric in comparison.metrics}
-    # relative errors of the dissipation, of the smooth path and of straight lines
-    error = values.get("dissipation")
+    # relative errors of the dissipation, beside that of the smooth path and of straight lines
+    error_on_smooth_path = values.get("dissipation")
     error_on_straight_lines = values.get("dissipation_polygon")
     limit = comparison.scene.tolerances.limit("dissipation") or 0.0
-    if error is None or error_on_straight_lines is None:
+    if error_on_smooth_path is None or error_on_straight_lines is None:
         return
-    if not abs(error) > limit or not abs(error_on_straight_lines) < abs(error) / 2:
+    if (
+        not abs(error_on_smooth_path) > limit
+        or not abs(error_on_straight_lines) < abs(error_on_smooth_path) / 2
+    ):
         return
     n_steps = len(comparison.result_cycle.time) - 1
     evidence = (
         (
-            f"error of the dissipation {error:.2g}; against that of the straight lines between the"
-            f" {n_steps} steps {error_on_straight_lines:.2g}"
+            f"error of the dissipation {error_on_smooth_path:.2g}; against that of the straight"
+            f" lines between the {n_steps} steps {error_on_straight_lines:.2g}"
         ),
         "the tractions are within their tolerances",
     )
     # FAULTS: templates of sentences on known faults
     sentence = FAULTS["steps"].format(steps=n_steps)
     # key and sentence of the finding, evidence, strength from 0 to 1
-    yield Diagnosis("steps", sentence, evidence, 1 - abs(error_on_straight_lines / error))
+    yield Diagnosis(
+        "steps", sentence, evidence, 1 - abs(error_on_straight_lines / error_on_smooth_path)
+    )
 
 
 def points_near_edges(discrepancy: Discrepancy) -> NDArray[np.bool_]:

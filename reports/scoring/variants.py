@@ -488,8 +488,11 @@ def _ends_of_increments(discrepancy: Discrepancy, scene: Scene) -> tuple[Array, 
     times_of_instants = discrepancy.time
     if times_of_result[0] > path.cycle_start:
         # share of a period at each instant of the last cycle
-        fraction = fraction_of_cycle(discrepancy.comparison)
-        times_of_cycles = [path.cycle_start + (cycle + fraction) * path.period for cycle in (0, 1)]
+        fractions_of_cycle = fraction_of_cycle(discrepancy.comparison)
+        times_of_cycles = [
+            path.cycle_start + (n_cycles_before + fractions_of_cycle) * path.period
+            for n_cycles_before in (0, 1)
+        ]
         times = np.concatenate([np.linspace(path.start, path.cycle_start, 9), *times_of_cycles])
         times_of_instants = path.cycle_start + (1 + discrepancy.cycle_fraction) * path.period
     times = np.unique(times[times > path.start])
