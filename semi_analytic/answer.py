@@ -234,16 +234,17 @@ def solution_of(question: Question, findings: Findings) -> ContactSolution:
     question.
 
     The findings hold instants `time`, points `x`, and loads, fields and dissipations by their names
-    in the solution, `values`. Fields that the question did not ask for, and whatever the findings
-    name as skipped, stand in the solution's `work.skipped` with the reason. The closed integral of
-    Q dU, "loop_work", is NaN where it was not asked for. U is the relative tangential displacement.
+    in the solution, `values`. `work` of the solution states what was computed. Its `skipped` lists,
+    with the reason, fields that were not asked for and what the findings name. The closed integral
+    of Q dU, "loop_work", is NaN where it was not asked for. U is the relative tangential
+    displacement.
     """
     values_by_name: dict[str, Any] = {"time": findings.time, "x": findings.x} | dict(
         findings.values
     )
-    for name, values in values_by_name.items():
-        if isinstance(values, np.ndarray) and values.flags.writeable:
-            values_by_name[name] = read_only_copy(values, values.dtype)
+    for name, value in values_by_name.items():
+        if isinstance(value, np.ndarray) and value.flags.writeable:
+            values_by_name[name] = read_only_copy(value, value.dtype)
     errors = dict(findings.errors)
     if not question.wants("loop_work"):
         values_by_name["loop_work"] = math.nan

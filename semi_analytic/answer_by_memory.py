@@ -195,7 +195,7 @@ def findings_by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> F
     # closed integral of Q dU of the last cycle, U the relative tangential displacement
     loop_work = _loop_work_of(path_answer.friction_work)
     errors = _relative_errors(request, path_answer, answer_fields, loop_work)
-    termination, message = _term_and_sentence_of_end(followed_path)
+    termination, message = _termination_and_message(followed_path)
     permanent_stick = _permanent_stick(request.contact, path_answer, followed_path.largest_load)
     works = _works_by_name(path_answer.friction_work, request, loop_work)
     stop_watch.add_lap("dissipation")
@@ -224,7 +224,7 @@ def findings_by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> F
             "cycles_solved": len(followed_path.cycles),
         }
         | path_answer.counts,
-        skipped=_skipped_work(question.scene, followed_path, path_answer),
+        skipped=_skipped_computations(question.scene, followed_path, path_answer),
         seconds=stop_watch.seconds,
     )
 
@@ -1495,7 +1495,7 @@ def _state_of(
     """
     contact = request.contact
     distances = request.distance
-    # Where both ends of the contact slip in opposite directions, that of the snapshot is one end's.
+    # Where the ends of the contact slip in opposite directions, the snapshot has that of one end.
     sign_at_points = (
         contact.slip_direction_at(distances).astype(int) if isinstance(contact, OppositeSlip) else 1
     )
@@ -1607,8 +1607,8 @@ def _errors_of_work(
     integral of Q dU, "loop_work", which should be the same; U is the relative tangential
     displacement.
 
-    The error of W has two parts: that of the integration along the path, and that of its kernel.
-    The error of the integral is that of the integration, plus how much it differs from W.
+    The error of W has two parts: that of the quadrature along the path, and that of its kernel.
+    The error of "loop_work" is that of the quadrature, plus how much the integral differs from W.
     "cycle_dissipation" is the error of the worst cycle, where it is above that of the last.
     `loop_work` is the integral, NaN where there is none; `spans` of the followed path are times of
     stick or slip in the last cycle.
@@ -1725,7 +1725,7 @@ def _notes_of_path(
     rows of a measurement are left out.
 
     The first comes if friction work was wanted and the path is periodic. The second states the
-    `n_rows` of the answer and the `n_rows_left_out`. The question tells which fields are wanted;
+    `n_rows` of the answer and the `n_rows_left_out`. The question states which fields are wanted;
     `covered` are the cycles of the answer, `steady_from` is the first steady one, None without one.
     """
     is_steady = (
@@ -1759,7 +1759,7 @@ def _notes_of_errors(errors: Mapping[str, float]) -> Iterator[str]:
             yield f"{name}: quadratures and rounding may have left {error_words}"
 
 
-def _term_and_sentence_of_end(followed_path: LoadSeries | History) -> tuple[str, str]:
+def _termination_and_message(followed_path: LoadSeries | History) -> tuple[str, str]:
     """How a followed path ended, as a term, "steady" or "end of path", and as a sentence."""
     if followed_path.period is None:
         return "end of path", "the path was followed to its end"
@@ -1768,30 +1768,30 @@ def _term_and_sentence_of_end(followed_path: LoadSeries | History) -> tuple[str,
     return "steady", f"cycle {followed_path.steady_from + 1} ends in the state it started from"
 
 
-def _skipped_work(
+def _skipped_computations(
     scene: Scene, followed_path: LoadSeries | History, path_answer: PathAnswer
 ) -> dict[str, tuple[int, str]]:
-    """Work that was not needed and not done, by name, with its count and the reason. That are
-    cycles that are copies of the steady one, and quadratures over times of full stick.
+    """Computations that were not needed and not done, by name, with their number and the reason.
+    They are cycles that are copies of the steady one, and quadratures over times of full stick.
 
     `covered` has one entry for each whole cycle of the answer, `cycles` the solved ones;
     `steady_from` is the first steady one, None without one. `repeats` is whether cycles after it
     are copies. `cycles` of the scene is the number of cycles that it states. `n_skipped_in_stick`
     counts those quadratures.
     """
-    skipped_work = {}
+    skipped_computations = {}
     n_copies = max(scene.cycles, len(followed_path.covered)) - len(followed_path.cycles)
     if followed_path.repeats and followed_path.steady_from is not None and n_copies > 0:
-        skipped_work["cycles"] = (
+        skipped_computations["cycles"] = (
             n_copies,
             f"copies of cycle {followed_path.steady_from + 1}, which is steady",
         )
     if path_answer.n_skipped_in_stick:
-        skipped_work["quadratures"] = (
+        skipped_computations["quadratures"] = (
             path_answer.n_skipped_in_stick,
             "full stick: nothing slips",
         )
-    return skipped_work
+    return skipped_computations
 
 
 def _permanent_stick(

@@ -84,8 +84,8 @@ class _CycleInstants:
 
 
 def findings_in_phase(question: Question, strokes: tuple[Stroke, Stroke]) -> Findings:
-    """Half-plane answer for the steady cycle of loads in phase: loads, pressure, edges, state and
-    friction work. P, Q, bulk strain and tilt go there and back on one line.
+    """Half-plane answer for the steady cycle of loads in phase: loads, pressure, edges, state of
+    contact and friction work. P, Q, bulk strain and tilt go there and back on one line.
 
     Instants are those of the second cycle, which is steady. What depends on the initial loading is
     NaN: shear, slip and the tangential displacement. `strokes` are the forward and the reverse half

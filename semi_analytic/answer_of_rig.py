@@ -123,8 +123,8 @@ class RiggedScene:
         of its steps.
 
         `actuator_motion` are these instants with P, or the normal approach in its place, and the
-        displacement U of the tangential actuator. InputError where the bodies never touch, or where
-        the displacement of an actuator does not determine its load.
+        displacement U_act of the tangential actuator. InputError where the bodies never touch, or
+        where the displacement of an actuator does not determine its load.
         """
         # states_approach: whether the normal approach is prescribed, in the place of P.
         scene = self.scene
@@ -292,7 +292,7 @@ def findings_of_rig(question: Question) -> Findings:
     ------
     InputError
         For `straight_steps`, for materials, profiles or rigs that corrected theory does not take,
-        and for springs that leave more than one answer.
+        and for springs with which the displacements do not determine Q.
     """
     stop_watch = StopWatch("history", "fields")
     if question.straight_steps:
@@ -326,7 +326,7 @@ def findings_of_rig(question: Question) -> Findings:
                 followed_rig.corrected_path, followed_rig.last_cycle
             ),
             "dissipation_density": _density_of_last_cycle(question, followed_rig, fields),
-            # The answer covers the steady cycle alone: it is the first one in it.
+            # The answer covers the steady cycle alone: its cycle number 0.
             "steady_from": 0 if is_steady else None,
         },
         termination="steady" if is_steady else "end of path",
@@ -995,7 +995,7 @@ def _note_of_next_order(rig: RiggedScene, driven_path: DrivenPath, last_cycle: s
     of the last cycle. The two changes are those at the largest P of the path, without Q.
     """
     reason_without_next_order = _reason_without_next_order(driven_path, last_cycle)
-    place_text = (
+    inclusion = (
         f"left out: {reason_without_next_order}"
         if reason_without_next_order
         else "in the dissipation"
@@ -1028,7 +1028,7 @@ def _note_of_next_order(rig: RiggedScene, driven_path: DrivenPath, last_cycle: s
         )
         half_widths.append(half_width)
     return (
-        f"effects: the next order of the bodies, N_4, T_4, N_22 and T_22, is {place_text}, and in"
+        f"effects: the next order of the bodies, N_4, T_4, N_22 and T_22, is {inclusion}, and in"
         " no other value: of the largest pressure it would make"
         f" {100 * (peak_pressures[0] / peak_pressures[1] - 1):+.2g} %, of the largest half-width"
         f" {100 * (half_widths[0] / half_widths[1] - 1):+.2g} %"

@@ -113,42 +113,44 @@ class GridAnswer:
         contact_edges = contact_edges_along(self._path_loads, self._tilted_contact)
         return mirrored_points(1.05 * float(np.max(np.abs(contact_edges))))
 
-    def findings(self, steady_cycle: Findings | None) -> Findings:
+    def findings(self, findings_without_grids: Findings | None) -> Findings:
         """The answer of a path that was followed on grids: loads, fields and friction work, their
         estimated errors, notes, and how the path ended.
 
-        `steady_cycle` is the answer for the steady cycle by a method without grids; None where
-        there is none, or where grids found no steady cycle. From it are taken the friction work W,
-        the work per area W(x), permanent stick and loop work; W also for each cycle from the first
-        steady one on. A last cycle that is not steady gets a note of how far its W may be from the
-        steady one.
+        `findings_without_grids` is the answer for the steady cycle by a method without grids; None
+        where there is none, or where grids found no steady cycle. From it are taken the friction
+        work W, the work per area W(x), permanent stick and loop work; W also for each cycle from
+        the first steady one on. A last cycle that is not steady gets a note of how far its W may be
+        from the steady one.
         """
         values = self._values()
         errors = self._errors_on_grids()
-        if steady_cycle is not None:
-            values |= self._values_of_steady_cycle(steady_cycle, values["cycle_dissipation"])
+        if findings_without_grids is not None:
+            values |= self._values_of_steady_cycle(
+                findings_without_grids, values["cycle_dissipation"]
+            )
             # those of W and W(x)
             errors |= dict.fromkeys(self.question.fields & WORK_FIELDS, 0.0)
-            errors |= dict(steady_cycle.errors)
+            errors |= dict(findings_without_grids.errors)
         if np.isfinite(values["stick_edges"]).any():
             # an edge lies anywhere in its cell, however the steady cycle is found
             values["uncertainties"]["stick_edges"] = self._cell_width
         path_on_grids = self.path_on_grids
-        termination, message = self._term_and_sentence_of_end()
+        termination, message = self._termination_and_message()
         return Findings(
             time=path_on_grids.time[self._rows()],
             x=self.x,
             values=values,
             termination=termination,
             message=message,
-            notes=tuple(self._notes(steady_cycle)),
+            notes=tuple(self._notes(findings_without_grids)),
             errors=errors,
             counts={"cycles_solved": len(path_on_grids.works), **path_on_grids.counts},
             seconds={"history": clock.perf_counter() - self._start_of_clock},
         )
 
     def _values_of_steady_cycle(
-        self, steady_cycle: Findings, works_on_grids: Array
+        self, findings_without_grids: Findings, works_on_grids: Array
     ) -> dict[str, Any]:
         """W, W(x), permanent stick and loop work of the steady cycle, found without grids, by their
         names in a solution; none of them is uncertain.
@@ -159,25 +161,25 @@ class GridAnswer:
         n_cycles_before = self.path_on_grids.steady_from or 0
         is_before_steady = np.arange(len(works_on_grids)) < n_cycles_before
         values: dict[str, Any] = {
-            name: steady_cycle.values.get(name) for name in _VALUES_OF_STEADY_CYCLE
+            name: findings_without_grids.values.get(name) for name in _VALUES_OF_STEADY_CYCLE
         }
         values["cycle_dissipation"] = np.where(
-            is_before_steady, works_on_grids, steady_cycle.values["dissipation"]
+            is_before_steady, works_on_grids, findings_without_grids.values["dissipation"]
         )
         return values | {"uncertainties": {}}
 
-    def _notes(self, steady_cycle: Findings | None) -> Iterator[str]:
+    def _notes(self, findings_without_grids: Findings | None) -> Iterator[str]:
         """Sentences for the notes: the coupling of tractions that is left out, and how fine the
         grids are.
 
         A last cycle that is not steady gets a sentence on how far its friction work may be from the
-        steady one. `steady_cycle` is the answer for the steady cycle by a method without grids, or
-        None.
+        steady one. `findings_without_grids` is the answer for the steady cycle by a method without
+        grids, or None.
         """
         path_on_grids = self.path_on_grids
         scene = self.question.scene
         yield from neglected_coupling(scene.material)
-        yield self._note_of_grids(steady_cycle)
+        yield self._note_of_grids(findings_without_grids)
         # period: duration of a cycle, None for a path that does not repeat
         if scene.load.path().period is not None and path_on_grids.steady_from is None:
             unsteady_share = path_on_grids.unsteady_work / float(path_on_grids.works[-1])
@@ -186,7 +188,7 @@ class GridAnswer:
                 f" its dissipation is within {unsteady_share:.1e} of the steady one"
             )
 
-    def _term_and_sentence_of_end(self) -> tuple[str, str]:
+    def _termination_and_message(self) -> tuple[str, str]:
         """How the path ended, as a term, "steady" or "end of path", and as a sentence."""
         path_on_grids = self.path_on_grids
         if path_on_grids.steady_from is None:
@@ -210,14 +212,14 @@ class GridAnswer:
             errors["dissipation"] += abs(path_on_grids.loop_work / work_of_last_cycle - 1)
         return {name: error for name, error in errors.items() if name in self.question.fields}
 
-    def _note_of_grids(self, steady_cycle: Findings | None) -> str:
+    def _note_of_grids(self, findings_without_grids: Findings | None) -> str:
         """The sentence that an answer by grids carries: how fine the grids are, and how well the
         friction work W and the stick edges are known.
 
         The grids are as fine as the numbers of cells across the contact and of increments in a
         cycle.
-        With `steady_cycle`, the answer for that cycle by a method without grids, it states that W
-        does not come from grids.
+        With `findings_without_grids`, the answer for the steady cycle by another method, the
+        sentence states that W does not come from grids.
         """
         path_on_grids = self.path_on_grids
         # of cells across the largest contact, and of stick zones at most
@@ -228,7 +230,7 @@ class GridAnswer:
         if n_stick_zones > 1:
             note_of_zones = f"; they are the outer ones of up to {n_stick_zones} zones"
         note_of_work = ""
-        if steady_cycle is not None:
+        if findings_without_grids is not None:
             error_of_work = ""
             note_of_work = (
                 "; W, W(x) and permanent stick are those of the steady cycle, without grids"
@@ -312,8 +314,8 @@ class GridAnswer:
         contact_edges = path_on_grids.contact_edges[rows]
         contact_middle = np.mean(contact_edges, axis=1)
         contact_half_width = np.diff(contact_edges)[:, 0] / 2
-        # U of the grids has the datum length 1, that of the answer the datum length L of the
-        # profile: (A/pi) Q ln(L) more, A = 2/E*.
+        # The tangential displacement U of the grids has the datum length 1, that of the answer
+        # the datum length L of the profile: (A/pi) Q ln(L) more, A = 2/E*.
         scene = self.question.scene
         unit_compliance = 2 / (math.pi * composite_modulus(scene.material))  # A/pi
         datum_shift = unit_compliance * tangential_load * math.log(scene.profile.datum_length)
