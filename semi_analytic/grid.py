@@ -1873,11 +1873,12 @@ def _permanent_edges(grids: Grid, cell_fields: GridFields, slip_before: Array) -
     is_open = cell_fields.state == OPEN
     stays_in_contact = ~np.any(is_open, axis=0)
     slip_path = np.sum(np.where(is_open, 0.0, slip_increments), axis=0)
-    longest_slip_path = max(
+    # longest of the cells that stay in contact, or 0.1 % of the longest of all
+    reference_slip_path = max(
         float(np.max(slip_path, where=stays_in_contact, initial=0.0)),
         _STUCK_SLIP_PATH_SHARE * float(np.max(slip_path)),
     )
-    is_stuck = stays_in_contact & (slip_path <= _STUCK_SLIP_PATH_SHARE * longest_slip_path)
+    is_stuck = stays_in_contact & (slip_path <= _STUCK_SLIP_PATH_SHARE * reference_slip_path)
     has_stuck_cells = np.any(is_stuck, axis=1)
     if not has_stuck_cells.any():
         return np.full(2, np.nan)

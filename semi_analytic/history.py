@@ -229,7 +229,9 @@ def _check_part(
         fault_time for fault_time, _ in faults
     ) + _SAME_INSTANT_SHARE * (end - begin)
     time_of_first_fault, reason = next(
-        fault for fault in faults if fault[0] <= latest_time_of_first_fault
+        (fault_time, reason)
+        for fault_time, reason in faults
+        if fault_time <= latest_time_of_first_fault
     )
     fault_instant = instant(segment, time_of_first_fault)
     raise InadmissibleLoadError(
@@ -894,7 +896,7 @@ def history_of(
     n_covered_cycles = n_whole_cycles or n_solved_cycles
     # Cycles after the last one that was solved are copies of it.
     solved_cycle_of_covered_cycle = tuple(
-        min(number, n_solved_cycles - 1) for number in range(n_covered_cycles)
+        min(cycle_number, n_solved_cycles - 1) for cycle_number in range(n_covered_cycles)
     )
     return replace(history, covered=solved_cycle_of_covered_cycle)
 

@@ -269,20 +269,22 @@ def inner_slip(
     slip_ends = ends[(ends > 0) & (ends < half_width * (1 - _EDGE_WIDTH_SHARE))]
     contact = _MemoryContact(tractions, direction, half_width, slip_ends, edge_of_stick, modulus)
     # 97 half-widths, closer together at the edge of contact
-    graded_widths = half_width * np.sin(np.linspace(0.0, math.pi / 2, _FIRST_PUNCHES + 1))
+    graded_half_widths = half_width * np.sin(np.linspace(0.0, math.pi / 2, _FIRST_PUNCHES + 1))
     # The interval between a half-width and a slip end next to it would have no length.
     is_apart_from_ends = np.all(
-        np.abs(graded_widths[:, None] - slip_ends) > half_width / _FIRST_PUNCHES**2, axis=1
+        np.abs(graded_half_widths[:, None] - slip_ends) > half_width / _FIRST_PUNCHES**2, axis=1
     )
     is_apart_from_ends[[0, -1]] = True
-    half_widths = np.union1d(graded_widths[is_apart_from_ends], slip_ends)
+    punch_half_widths = np.union1d(graded_half_widths[is_apart_from_ends], slip_ends)
     # None where the search does not converge
-    extra_slip = _slip_on_punches(contact, half_widths, None)
+    extra_slip = _slip_on_punches(contact, punch_half_widths, None)
     if extra_slip is None:
         raise NotFoundError("no zone was found in which points inside the contact slip")
     for _ in range(_MOST_DIVISIONS):
-        half_widths = _refined_half_widths(half_widths, extra_slip.is_slipping, slip_ends)
-        finer_solution = _slip_on_punches(contact, half_widths, extra_slip)
+        punch_half_widths = _refined_half_widths(
+            punch_half_widths, extra_slip.is_slipping, slip_ends
+        )
+        finer_solution = _slip_on_punches(contact, punch_half_widths, extra_slip)
         if finer_solution is None:
             # The check of the Coulomb limit then states by how much the coarser one exceeds it.
             return extra_slip

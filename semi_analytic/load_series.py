@@ -524,13 +524,14 @@ def _curve_after_slip(
         length_of_passed_lines += line_length
         if level_growth_to_pass_line > 0:
             remaining_level_growth -= level_growth_to_pass_line
-            share_of_step_at_knot = 1 - remaining_level_growth / level_growth
-            slip_zone_load_at_knot = length_of_passed_lines + share_of_step_at_knot * load_growth
+            # of the way from `begin_station` to `end_station`
+            fraction_at_knot = 1 - remaining_level_growth / level_growth
+            slip_zone_load_at_knot = length_of_passed_lines + fraction_at_knot * load_growth
             # Q of a station inside a step is not recorded.
             next_station = (
-                begin_load + share_of_step_at_knot * load_growth,
+                begin_load + fraction_at_knot * load_growth,
                 begin_force,
-                begin_share + share_of_step_at_knot * (end_share - begin_share),
+                begin_share + fraction_at_knot * (end_share - begin_share),
             )
             recorder.add(
                 curve,

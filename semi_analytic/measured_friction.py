@@ -343,12 +343,12 @@ class _EllipseBatch:
                 name: self.values_of_members(name, value, members)
                 for name, value in profile.items()
             }
-        batch = dissipation(
+        dissipation_batch = dissipation(
             **self.profile_and_material | {"profile": profile},
             **loads_of_members,
             friction_coefficient=friction,
         )
-        return batch.value
+        return dissipation_batch.value
 
     def least_friction_and_amplitude_ratio(self) -> tuple[Array, Array]:
         """f_min, the largest |Q|/P, and Q1/P1, 0 where P is constant, of all m members, (m,)
@@ -653,14 +653,14 @@ def _sentences_of_reasons(
     gives its measured work. `reason_codes` (n,) is `NoFriction` of each of the n targets.
     """
     return tuple(
-        _SENTENCE_OF_REASON[NoFriction(reason_codes[number])].format(
-            target=targets.works[number],
-            least=work_limits.least_work[number],
-            most=work_limits.most_work[number],
-            f_min=work_limits.least_friction[number],
-            top=work_limits.largest_f[number],
+        _SENTENCE_OF_REASON[NoFriction(reason_codes[target_number])].format(
+            target=targets.works[target_number],
+            least=work_limits.least_work[target_number],
+            most=work_limits.most_work[target_number],
+            f_min=work_limits.least_friction[target_number],
+            top=work_limits.largest_f[target_number],
         )
-        for number in np.flatnonzero(reason_codes)[:10]
+        for target_number in np.flatnonzero(reason_codes)[:10]
     )
 
 

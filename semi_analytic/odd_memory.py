@@ -611,7 +611,9 @@ def _slope_derivative(memory_piece: Piece, eta: Array) -> Array:
     for shifted_time in (time - time_increment, time + time_increment):
         normal_rate, tangential_rate = segment.rates(shifted_time)
         slopes.append(tangential_rate / normal_rate)
-    return np.asarray((slopes[1] - slopes[0]) / (2 * time_increment * segment.rates(time)[0]))
+    slope_before, slope_after = slopes
+    normal_rate, _ = segment.rates(time)
+    return np.asarray((slope_after - slope_before) / (2 * time_increment * normal_rate))
 
 
 # ---------------------------------------------------------------------------------- terms of work
@@ -748,7 +750,8 @@ def _work_at_kink(span_before: Span, span: Span, radius: float) -> Array:
     # _EQUALITY_TOLERANCE: 1e-9 of f, within which two slopes are equal.
     if abs(steepness_jump) <= _EQUALITY_TOLERANCE * span.friction or steepness_product <= 0:
         return zero_matrix
-    centre_jump = stick_centres[0] - stick_centres[1]
+    outer_centre, inner_centre = stick_centres
+    centre_jump = outer_centre - inner_centre
     weight = span.friction * slip_zone_load * steepness_product / (2 * radius * steepness_jump)
     return _quadratic_form(weight, centre_jump, centre_jump)
 
@@ -856,10 +859,10 @@ class _SmoothEnd:
         stick_ratio = float(np.sqrt(self.stick_edge_load / self.load))
         if stick_ratio < _LEAST_STICK_RATIO:
             raise DeclinedError("all but the middle of the contact slides")
-        # Panels of the half-width c' of the punches between c and a, over a, and T on each.
+        # Panels of the half-width b of the punches between c and a, over a, and T on each.
         panels = loads_left_at_stroke_end(stick_ratio, n_panels)
         eta = self.load * panels.punch_half_width**2
-        # d eta/eta is 2 dc'/c'
+        # d eta/eta is 2 db/b
         return eta, 2 * self.load * panels.load_left * panels.panel_width / panels.punch_half_width
 
 
@@ -884,9 +887,9 @@ def _smooth_end(
         for rate_time in (span.begin.time, time_in_middle, time)
     )
     largest_rate = max(rate_at_begin, rate_in_middle, rate_at_end)
-    load_at_end = float(segment.loads(time)[0])
+    normal_load_at_end = float(segment.loads(time)[0])
     # _RATE_SHARE_AT_REST: 1e-6 of the largest rate; _EQUALITY_TOLERANCE: 1e-9 of the load.
-    if rate_at_end > _RATE_SHARE_AT_REST * largest_rate or stick_edge_load >= load_at_end * (
+    if rate_at_end > _RATE_SHARE_AT_REST * largest_rate or stick_edge_load >= normal_load_at_end * (
         1 - _EQUALITY_TOLERANCE
     ):
         return None
@@ -900,7 +903,9 @@ def _smooth_end(
     # a_s' = f alpha' - s eps', as coefficients (4,) of (alpha_P, alpha_Q, e_P, e_Q).
     rate_of_a_s = _equivalent_tilt_coefficients(span.friction, span.direction, *segment.rates(time))
     return _SmoothEnd(
-        load_at_end, stick_edge_load, radius / second_rate * np.outer(rate_of_a_s, rate_of_a_s)
+        normal_load_at_end,
+        stick_edge_load,
+        radius / second_rate * np.outer(rate_of_a_s, rate_of_a_s),
     )
 
 

@@ -450,8 +450,8 @@ class _LogTable(NamedTuple):
         logarithm, and bounds of d from below and above; (n,) each [length].
 
         Inside the table the guess is a cubic of ln d over ln P, and the bounds are the d of the
-        rows beside it. Beyond its ends d is a power of the load, by the slope d ln d/d ln P of the
-        first or last row; the bounds are half and twice the guess.
+        rows beside it. Beyond its ends d is a power of the load, by the slope of ln d over ln P in
+        the first or last row; the bounds are half and twice the guess.
         """
         # ln P minus that of the first row or the last row of the table, 0 between them
         log_below_table = np.minimum(log_load - self.log_load[0], 0.0)

@@ -504,8 +504,8 @@ class PunchSuperposition:
 
         Both are integrals over the advance d, of dP/da and of 2 a. P is smooth in r with d =
         `corner_advance` + r^2, where that is the last corner of the profile before the first
-        advance: so Gauss' rule is taken in r. Half, because dd = 2 r dr, and the factor 2 is left
-        out. a_0 is the half-width without load.
+        advance: so Gauss' rule is taken in r. Half, because d changes by 2 r dr, and the factor
+        2 is left out. a_0 is the half-width without load.
         """
         # six nodes on [0, 1]
         unit_nodes, unit_weights = gauss_rule(6)
@@ -636,7 +636,8 @@ class PunchSuperposition:
         chunk_ends = np.arange(_INTEGRALS_AT_ONCE, len(load), _INTEGRALS_AT_ONCE)
         for integral_numbers in np.split(np.arange(len(load)), chunk_ends):
             n_parts_in_chunk = n_parts[integral_numbers]
-            # of each part: its integral, its number in that, and the corner that it lies behind
+            # of each part: the integral it belongs to, its number there, and the corner behind
+            # which it lies
             integral_of_part = np.repeat(integral_numbers, n_parts_in_chunk)
             first_part_of_integral = np.cumsum(n_parts_in_chunk) - n_parts_in_chunk
             number_in_integral = np.arange(len(integral_of_part)) - np.repeat(

@@ -148,7 +148,7 @@ class Ellipses:
         """
         tangent_of_half = np.tan(self.slip_angle / 2)
         squared_tangent = tangent_of_half * tangent_of_half
-        load_at_phase_ends = (
+        slip_zone_load_at_phase_ends = (
             np.maximum(self.forward_amplitude, self.reverse_amplitude)
             * squared_tangent
             / (1 + squared_tangent)
@@ -158,7 +158,8 @@ class Ellipses:
             tangent_of_half > 1, 2 * tangent_of_half / (1 + squared_tangent), 1.0
         )
         return np.maximum(
-            load_at_phase_ends, 2 * self.load_amplitude * self.sine_of_start * largest_sine
+            slip_zone_load_at_phase_ends,
+            2 * self.load_amplitude * self.sine_of_start * largest_sine,
         )
 
     @property
@@ -296,14 +297,14 @@ def angle_of_squared_half_sine(squared_sine: Array) -> Array:
 
 
 def _stick_edge_angles(ellipses: Ellipses, loads: Array) -> tuple[Array, Array]:
-    """Angles [rad] at which the load at the stick edge is P = `loads`, for the phases of slip E-G
-    and J-M: 2 arcsin(sqrt((P - P_T)/v)) and 2 arcsin(sqrt((P - P_T)/u)).
+    """Angles [rad] at which the load P_c at the stick edge is one of `loads`, for the phases of
+    slip E-G and J-M: 2 arcsin(sqrt((P_c - P_T)/v)) and 2 arcsin(sqrt((P_c - P_T)/u)).
 
     # notation: u and v (`forward_amplitude`, `reverse_amplitude`) amplitudes of (Q -+ f P)/f; P_T
     #           (`permanent_stick_load`) least load at the stick edge
 
     E-G is reverse slip, J-M the later part of forward slip. Both angles count back from the end of
-    the phase. They are 0 for P below P_T, the load of the permanent
+    the phase. They are 0 for P_c below P_T, the load of the permanent
     stick zone, and pi for loads that the stick edge does not reach.
     """
     u = ellipses.forward_amplitude
@@ -1061,8 +1062,8 @@ def _work_over_phases(
         rules,
         converged_share,
     )
-    reverse_work, early_forward_work, later_forward_work = works_of_phases
-    return np.stack([early_forward_work + later_forward_work, reverse_work, error_of_work])
+    reverse_work, early_forward_work, late_forward_work = works_of_phases
+    return np.stack([early_forward_work + late_forward_work, reverse_work, error_of_work])
 
 
 def _intervals_of_phases(ellipses: Ellipses, corner_loads: Array, n_rules: int) -> AngleIntervals:
@@ -1173,11 +1174,11 @@ def _work_over_loads(
         load_term_of_forward_slip,
         stick_term_of_reverse_slip,
         early_stick_term,
-        later_stick_term,
+        late_stick_term,
     ) = works_of_courses
     # a last digit, 1e-15, of the square of the largest load
     error_of_work += _LAST_DIGIT_SHARE * np.square(ellipses.mean_load + ellipses.load_amplitude)
-    forward_work = load_term_of_forward_slip + early_stick_term + later_stick_term
+    forward_work = load_term_of_forward_slip + early_stick_term + late_stick_term
     reverse_work = load_term_of_reverse_slip + stick_term_of_reverse_slip
     return np.stack([forward_work, reverse_work, error_of_work])
 
@@ -1328,7 +1329,7 @@ def _courses_of_loads(ellipses: Ellipses, corner_loads: Array) -> tuple[_Course,
         (full_turn - angle_at_corner,),
         load_is_cosine=True,
     )
-    later_stick_course = _Course(
+    late_stick_course = _Course(
         zero_angles,
         ellipses.slip_angle,
         (stick_edge_angle_in_late_forward_slip,),
@@ -1339,7 +1340,7 @@ def _courses_of_loads(ellipses: Ellipses, corner_loads: Array) -> tuple[_Course,
         load_course_of_forward_slip,
         stick_course_of_reverse_slip,
         early_stick_course,
-        later_stick_course,
+        late_stick_course,
     )
 
 
@@ -1881,7 +1882,7 @@ def _works_of_sums(ellipses: Ellipses, sums_by_phase: Array) -> tuple[Array, Arr
     carry less than 1e-200 of P0.
     """
     # 2 by the rates at the nodes
-    integral_of_reverse_slip, integral_of_later_slip, integral_of_early_slip = 2 * sums_by_phase
+    integral_of_reverse_slip, integral_of_late_slip, integral_of_early_slip = 2 * sums_by_phase
     twice_largest_slip_zone_load = 4 * ellipses.load_amplitude * ellipses.sine_of_start
     integral_of_early_slip *= (
         (math.pi - ellipses.slip_angle)
@@ -1893,7 +1894,7 @@ def _works_of_sums(ellipses: Ellipses, sums_by_phase: Array) -> tuple[Array, Arr
         )
     )
     return (
-        integral_of_later_slip * ellipses.slip_angle * ellipses.forward_amplitude
+        integral_of_late_slip * ellipses.slip_angle * ellipses.forward_amplitude
         + integral_of_early_slip,
         integral_of_reverse_slip * ellipses.slip_angle * ellipses.reverse_amplitude,
     )

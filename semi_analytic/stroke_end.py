@@ -8,16 +8,16 @@ With x over a and v = (A/pi) N'' t/(a a_s') it has one parameter, c/a::
     int G(x, xi) rho(xi) d xi - v arccosh(|x|/c) + sgn(x) sqrt(x^2 - c^2) = rate of slip >= 0
     rho >= 0, and rho = 0 where it slips
 
-G = ln |(1 - w w')/(w - w')|, w = sgn(x) e^(-arccosh(|x|/c)): the influence of shear outside of a
-stick zone. Points come to rest one after the other, from the edge -a to -c and from c to a, and
-stay at rest. In that order, with G = L L^T over panels, each joins at v_k = y_k/z_k (y = L^-1 of
-the root, z = L^-1 of arccosh) and all solutions are one formula, rho(v) = L^-T z (v - v_k)_+. What
-is left at the end, beyond what the same theory without a_s' leaves, is its integral over v; the
-even part in x is::
+G = ln |(1 - w_i w_j)/(w_i - w_j)|, w = sgn(x) e^(-arccosh(|x|/c)): the influence of shear outside
+of a stick zone. Points come to rest one after the other, from the edge -a to -c and from c to a,
+and stay at rest. In that order, with G = L L^T over panels, each joins at v_k = y_k/z_k (y = L^-1
+of the root, z = L^-1 of arccosh) and all solutions are one formula, rho(v) = L^-T z (v - v_k)_+.
+What is left at the end, beyond what the same theory without a_s' leaves, is its integral over v;
+the even part in x is::
 
     r = (pi/A)^2 a (a_s'^2/N'') R(x; c/a),  R = the even part of L^-T (y^2/z)/2
 
-and as a force of memory T(c') = 2 int_c'^a r x/sqrt(x^2 - c'^2) dx.
+and as a force of memory T(b) = 2 int_b^a r x/sqrt(x^2 - b^2) dx.
 
 # notation: A = 2/E*, a contact half-width, c stick half-width; s direction of slip, alpha tilt, eps
 #           strain of the lower face minus that of the upper one
@@ -36,16 +36,16 @@ from scenes.array_types import Array
 
 class LoadsLeft(NamedTuple):
     """Tangential load of flat punches that the smooth end of a slip stroke leaves behind, by panels
-    of punch half-width c'.
+    of punch half-width b.
 
     Attributes
     ----------
     punch_half_width
-        c'/a at the middles of the panels, (n,) ascending from c/a to 1
+        b/a at the middles of the panels, (n,) ascending from c/a to 1
     panel_width
         of the panels over a, (n,)
     load_left
-        T(c') over (pi/A)^2 a^2 a_s'^2/N'', (n,)
+        T(b) over (pi/A)^2 a^2 a_s'^2/N'', (n,)
     """
 
     punch_half_width: Array
@@ -56,12 +56,12 @@ class LoadsLeft(NamedTuple):
 @lru_cache(maxsize=256)
 def loads_left_at_stroke_end(stick_ratio: float, n_panels: int) -> LoadsLeft:
     """Tangential load T that the smooth end of a slip stroke leaves on flat punches of half-widths
-    c', from the edge of stick to that of contact. A stroke is half a cycle, with slip in one
+    b, from the edge of stick to that of contact. A stroke is half a cycle, with slip in one
     direction.
 
     Where tilt or bulk strain still changes, one side of the slip zone comes to rest before the
-    other, and shear r(x) is left. Its even part carries the load T(c') = 2 int_c'^a r
-    x/sqrt(x^2 - c'^2) dx, over (pi/A)^2 a^2 a_s'^2/N''. a is the contact half-width, A = 2/E*.
+    other, and shear r(x) is left. Its even part carries the load T(b) = 2 int_b^a r
+    x/sqrt(x^2 - b^2) dx, over (pi/A)^2 a^2 a_s'^2/N''. a is the contact half-width, A = 2/E*.
     N = f P - s Q has a minimum at the end of the stroke, N'' its second derivative; a_s' is the
     rate of f alpha - s eps, alpha the tilt, eps the bulk strain. s is the direction of slip.
 
@@ -84,8 +84,8 @@ def loads_left_at_stroke_end(stick_ratio: float, n_panels: int) -> LoadsLeft:
     shear_on_panels = _shear_left(stick_ratio, panel_begin, panel_end)
     even_shear = (shear_on_panels[n_panels:] + shear_on_panels[:n_panels][::-1]) / 2
     panel_middles = (inner_border + outer_border) / 2
-    # int x/sqrt(x^2 - c'^2) dx over each panel is a difference of roots sqrt(x^2 - c'^2), 0 where
-    # |x| < c'; rows: c' at the middle of each panel.
+    # int x/sqrt(x^2 - b^2) dx over each panel is a difference of roots sqrt(x^2 - b^2), 0 where
+    # |x| < b; rows: b at the middle of each panel.
     root_at_outer_border = np.sqrt(np.maximum(outer_border**2 - panel_middles[:, None] ** 2, 0.0))
     root_at_inner_border = np.sqrt(np.maximum(inner_border**2 - panel_middles[:, None] ** 2, 0.0))
     return LoadsLeft(
@@ -107,9 +107,9 @@ def _shear_left(stick_ratio: float, panel_begin: Array, panel_end: Array) -> Arr
 
         L^-T (y^2/z)/2,    y = L^-1 sgn(x) sqrt(x^2 - c^2),    z = L^-1 arccosh(|x|/c)
 
-    L is the Cholesky factor of the influence matrix ln|(1 - w w')/(w - w')| of shear outside of a
-    stick zone |x| < c, integrated over panels. w = sgn(x) exp(-arccosh(|x|/c)) is the image of x.
-    Panels go from `panel_begin` to `panel_end`, over the contact half-width a; `stick_ratio` is
+    L is the Cholesky factor of the influence matrix ln|(1 - w_i w_j)/(w_i - w_j)| of shear outside
+    of a stick zone |x| < c, integrated over panels. w = sgn(x) exp(-arccosh(|x|/c)) is the image of
+    x. Panels go from `panel_begin` to `panel_end`, over the contact half-width a; `stick_ratio` is
     c/a.
 
     # notation: A = 2/E*, s direction of slip, N'' second derivative of f P - s Q at the end of the
@@ -120,8 +120,8 @@ def _shear_left(stick_ratio: float, panel_begin: Array, panel_end: Array) -> Arr
     arccosh_of_x = np.arccosh(np.abs(panel_x) / stick_ratio)
     signed_root = np.sign(panel_x) * np.sqrt(panel_x**2 - stick_ratio**2)
     image_of_x = np.sign(panel_x) * np.exp(-arccosh_of_x)
-    # ln |w - w'| - ln |x - x'| is smooth, on the diagonal ln |dw/dx|; ln |x - x'| is integrated in
-    # closed form.
+    # ln |w_i - w_j| - ln |x_i - x_j| is smooth, on the diagonal ln |dw/dx|; ln |x_i - x_j| is
+    # integrated in closed form.
     image_distance = np.abs(image_of_x[:, None] - image_of_x)
     distance = np.abs(panel_x[:, None] - panel_x)
     np.fill_diagonal(image_distance, np.abs(image_of_x / signed_root))

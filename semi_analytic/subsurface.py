@@ -777,9 +777,12 @@ def _tension_error_between_points(
     """
     tensions = sliding_tension.times_ratio(x_of_points, friction_ratio)
     changes = [
-        np.abs(sliding_tension.times_ratio(x_of_points[half], friction_ratio[half]) - tensions)
-        for half in (slice(0, None, 2), slice(1, None, 2))
-        if len(x_of_points[half])
+        np.abs(
+            sliding_tension.times_ratio(x_of_points[every_second], friction_ratio[every_second])
+            - tensions
+        )
+        for every_second in (slice(0, None, 2), slice(1, None, 2))
+        if len(x_of_points[every_second])
     ]
     return _ERROR_OVER_CHANGE_BY_POINTS * np.max(changes, axis=0)
 

@@ -425,11 +425,11 @@ def _newton_step(
     centre_step = (
         -(slope_residual * curvature_integral + off_diagonal * load_residual) / determinant
     )
-    half_length_step = (
+    half_width_step = (
         curvature_integral * load_residual + slope_residual * curvature_cosine_integral
     ) / determinant
     return np.where(is_convex, centre_step, 0.0), np.where(
-        is_convex, half_length_step, fallback_widening
+        is_convex, half_width_step, fallback_widening
     )
 
 
@@ -1257,14 +1257,14 @@ class NestedIntervals:
         # +1 if x becomes the right end, -1 if the left one
         place_of_first_touch = float(self.profile.place_of_first_touch(self.tilt_without_load))
         side = np.where(reached_x < place_of_first_touch, -1.0, 1.0)
-        half_width = self._half_length_with_end_at(reached_x, side)
+        half_width = self._half_width_with_end_at(reached_x, side)
         centre = reached_x - side * half_width
         loads = np.full(x.shape, np.inf)
         # `load_product`: A times the load that the contact carries, A = 2/E* the compliance
         loads[is_reached] = self.profile.balance(centre, half_width).load_product / self.compliance
         return np.where(loads <= self.largest_load * (1 + 1e-9), loads, np.inf)
 
-    def _half_length_with_end_at(self, x: Array, side: Array) -> Array:
+    def _half_width_with_end_at(self, x: Array, side: Array) -> Array:
         """Half-length c of the contact that has an end at x, (n,) [length]: the right end where
         `side` is +1, the left one where it is -1. Its centre is x - side c.
 
@@ -1355,13 +1355,13 @@ def _on_one_axis(series: list[PiecewiseSeries], cuts_on_axis: Array) -> Piecewis
     A piecewise series has `interval_ends`, and `coefficients`, one column for each interval. The
     ends of each range count from its begin.
     """
-    piece_ends = [np.zeros(1)]
+    interval_ends = [np.zeros(1)]
     for series_of_range, begin_on_axis in zip(series, cuts_on_axis[:-1], strict=True):
-        piece_ends.append(series_of_range.interval_ends[1:] + begin_on_axis)
+        interval_ends.append(series_of_range.interval_ends[1:] + begin_on_axis)
     coefficients = np.concatenate(
         [series_of_range.coefficients for series_of_range in series], axis=1
     )
-    return PiecewiseSeries(np.concatenate(piece_ends), coefficients)
+    return PiecewiseSeries(np.concatenate(interval_ends), coefficients)
 
 
 @dataclass(frozen=True, eq=False)
