@@ -226,8 +226,8 @@ class TiltAndStrainPart(NamedTuple):
         uncertainty [energy per thickness]. `cycle` is the index of the cycle, from 0, or from the
         end if negative.
 
-        An index beyond the last known cycle takes that cycle. It is 0 where no work is known. The
-        source is the second order in tilt and strain, else a numerical solution on grids.
+        An index beyond the last known cycle takes that cycle. The work is 0 where none is known.
+        Its source is the second order in tilt and strain, else a numerical solution on grids.
         """
         if not self.has_work:
             return ZERO_ESTIMATE  # 0, without uncertainty
@@ -238,8 +238,8 @@ class TiltAndStrainPart(NamedTuple):
             added_work = works[min(cycle, len(works) - 1)]
         assert added_work is not None  # for the type checker
         # relative_uncertainty: by what curvatures and next order of the bodies leave uncertain.
-        uncertainty = self.relative_uncertainty * abs(added_work.value)
-        return Estimate(added_work.value, added_work.uncertainty + uncertainty)
+        uncertainty_by_curvatures = self.relative_uncertainty * abs(added_work.value)
+        return Estimate(added_work.value, added_work.uncertainty + uncertainty_by_curvatures)
 
     def centres(self, time: Array) -> tuple[Array, Array]:
         """Centres x of contact and of the stick zone at instants (n,), (n,) each [length]; 0 where
@@ -1228,7 +1228,7 @@ class PointFields:
         """
         # followed_path: friction memory, loads, edges of contact and stick at all instants.
         followed_path = self._followed_path
-        # Only the pieces that these instants need, with the number of the outermost piece of each
+        # Only the pieces that these instants need, with the number of the uppermost piece of each
         # curve.
         needed_pieces, uppermost_pieces = followed_path.pieces.pieces_of_curves(
             followed_path.uppermost_piece[row_numbers]
@@ -1264,7 +1264,7 @@ class PointFields:
         """
         # followed_path: friction memory, loads, edges of contact and stick at all instants.
         followed_path = self._followed_path
-        # Only the pieces that these instants need, with the number of the outermost piece of each
+        # Only the pieces that these instants need, with the number of the uppermost piece of each
         # curve.
         needed_pieces, uppermost_pieces = followed_path.pieces.pieces_of_curves(
             followed_path.uppermost_piece[row_numbers]
@@ -1571,8 +1571,8 @@ def _followed_paths(question: Question) -> _Paths:
     assert effects is not None  # for the type checker
     # Exact half-plane theory, without the effects, along the path of the scene.
     solved_path = path_of_question(replace(question, effects=None), None)
-    half_plane_path = _HalfPlanePath(scene, solved_path)
-    path_rows = half_plane_path.first_rows(question.time)
+    exact_path = _HalfPlanePath(scene, solved_path)
+    path_rows = exact_path.first_rows(question.time)
     modulus = composite_modulus(scene.material)
     contact = contact_of(scene.profile, scene.material)
     curvatures_per_load = curvatures_of(effects)
@@ -1582,7 +1582,7 @@ def _followed_paths(question: Question) -> _Paths:
     friction_coefficient = scene.friction.coefficient
     # G of the widest punch: load that presses a parabola x^2/2 into contact up to there.
     largest_parabola_load = float(punch_table.parabola_load(punch_table.largest_s))
-    path_rows = half_plane_path.rows_with_turning_points(
+    path_rows = exact_path.rows_with_turning_points(
         path_rows, friction_coefficient, curvatures_per_load, largest_parabola_load
     )
 
@@ -1609,7 +1609,7 @@ def _followed_paths(question: Question) -> _Paths:
         path_with_bodies=PathSeries(memory_of_bodies, contact, modulus, effects),
         path_of_half_planes=PathSeries(memory_of_half_planes, contact, modulus, None),
         steady_from=steady_from,
-        covered_cycles=_covered_cycles(question, half_plane_path, steady_from),
+        covered_cycles=_covered_cycles(question, exact_path, steady_from),
     )
 
 
@@ -2250,7 +2250,7 @@ def work_uncertainty_by_bodies(
         and curvatures_per_load.normal >= 0
         and curvatures_per_load.tangential >= 0
     ):
-        # Both kinds change W in one direction: nothing cancels.
+        # Both kinds change the work in one direction: nothing cancels.
         # LEAST_UNCERTAIN_FRACTION: 3e-5.
         return abs(change_by_bodies) * max(uncertain_fractions.values()) + LEAST_UNCERTAIN_FRACTION
     followed_path = path_with_bodies.followed_path
@@ -2608,8 +2608,8 @@ def _notes_of(paths: _Paths, part_by_tilt_and_strain: TiltAndStrainPart) -> Iter
     # A note if Dundurs' beta is not 0: normal and tangential problem are solved uncoupled.
     yield from neglected_coupling(scene.material)
     # Load at which tilt and strain are made dimensionless: mean P of an ellipse, else its largest.
-    load = _reference_load(scene, paths.path_rows.normal_load[paths.last_cycle])
-    half_width = float(paths.path_with_bodies.contact.half_width(load))
+    reference_load = _reference_load(scene, paths.path_rows.normal_load[paths.last_cycle])
+    half_width = float(paths.path_with_bodies.contact.half_width(reference_load))
     modulus = composite_modulus(scene.material)
     yield from notes_of_effects(paths.effects, half_width, modulus, part_by_tilt_and_strain)
     if part_by_tilt_and_strain.has_work:

@@ -274,10 +274,10 @@ def works_of_ellipses(
     """
     n_ellipses = len(loads.friction)
     works_and_stick = np.empty((3, n_ellipses))
-    for first_member in range(0, n_ellipses, _ELLIPSES_AT_ONCE):
-        members = slice(first_member, first_member + _ELLIPSES_AT_ONCE)
-        works_and_stick[:, members] = _works_and_stick(
-            loads.take(members), curvatures.take(members), contact, modulus
+    for first_ellipse in range(0, n_ellipses, _ELLIPSES_AT_ONCE):
+        block = slice(first_ellipse, first_ellipse + _ELLIPSES_AT_ONCE)
+        works_and_stick[:, block] = _works_and_stick(
+            loads.take(block), curvatures.take(block), contact, modulus
         )
     return WorkOfEllipses(*works_and_stick)
 
@@ -542,7 +542,7 @@ def _roots_between(
     return np.where(has_no_root, np.nan, x)
 
 
-def _work_of_punches(cycle: CycleOfPunches, friction: Array) -> Array:
+def _work_of_punches(sinusoids: CycleOfPunches, friction: Array) -> Array:
     """Friction work w of flat punches over one steady cycle, in forward and in reverse slip, (2, m,
     k) [force^2 per thickness^2].
 
@@ -561,21 +561,22 @@ def _work_of_punches(cycle: CycleOfPunches, friction: Array) -> Array:
 
     Parameters
     ----------
-    cycle
+    sinusoids
         s B_s for s = +1 and -1, and L, as sinusoids of the phase angle t through the cycle:
         `mean` + `amplitude` cos(t - `phase`), (m, k) each
     friction
         f (m, 1)
     """
-    forward_bound, reverse_bound, load_outside = cycle
-    begin_angle, contact_angle = _contact_angles(cycle)
-    # F is B_+ at the begin.
+    forward_bound, reverse_bound, load_outside = sinusoids
+    # Phase angles: at which the cycle of a punch is begun, and over which the punch is in contact.
+    begin_angle, contact_angle = _contact_angles(sinusoids)
+    # F is B_+ at the former.
     locked_in_force = forward_bound.values_at(begin_angle)
     works = np.zeros((2, *begin_angle.shape))
 
     # From turning point to turning point, until contact ends: int L dB while the rising bound B =
     # s B_s takes s F with it, from the s F before to the bound at the angle.
-    angles_since_begin = _turning_angles_since(begin_angle, contact_angle, cycle)
+    angles_since_begin = _turning_angles_since(begin_angle, contact_angle, sinusoids)
     for turning_angle in (*(begin_angle + angles_since_begin), begin_angle + contact_angle):
         for row_of_direction, direction, coulomb_bound in (
             (0, 1.0, forward_bound),
@@ -595,7 +596,7 @@ def _work_of_punches(cycle: CycleOfPunches, friction: Array) -> Array:
     return np.asarray(friction * np.maximum(works, 0.0))
 
 
-def _contact_angles(cycle: CycleOfPunches) -> tuple[Array, Array]:
+def _contact_angles(sinusoids: CycleOfPunches) -> tuple[Array, Array]:
     """Phase angle t at which the cycle of a punch is begun, and the angle over which the punch is
     in contact after it, (m, k) each [rad].
 
@@ -603,7 +604,7 @@ def _contact_angles(cycle: CycleOfPunches) -> tuple[Array, Array]:
     begins where its contact does, where both bounds meet: it is in contact within an angle of the
     largest load outside of it, or never (0).
     """
-    load_outside = cycle.load_outside
+    load_outside = sinusoids.load_outside
     # _SMALLEST_FLOAT: smallest positive number, against division by 0
     cosine_of_opening = np.clip(
         -load_outside.mean / np.maximum(load_outside.amplitude, _SMALLEST_FLOAT), -1.0, 1.0
@@ -611,12 +612,14 @@ def _contact_angles(cycle: CycleOfPunches) -> tuple[Array, Array]:
     opening_angle = np.arccos(cosine_of_opening)
     is_always_closed = load_outside.mean >= load_outside.amplitude
     begin_angle = np.where(
-        is_always_closed, cycle.forward_bound.phase, load_outside.phase - opening_angle
+        is_always_closed, sinusoids.forward_bound.phase, load_outside.phase - opening_angle
     )
     return begin_angle, np.where(is_always_closed, 2 * math.pi, 2 * opening_angle)
 
 
-def _turning_angles_since(begin_angle: Array, contact_angle: Array, cycle: CycleOfPunches) -> Array:
+def _turning_angles_since(
+    begin_angle: Array, contact_angle: Array, sinusoids: CycleOfPunches
+) -> Array:
     """Angles from the begin of the cycle of a punch to the largest and the least values of both its
     Coulomb bounds, ascending, (4, m, k) [rad].
 
@@ -624,8 +627,8 @@ def _turning_angles_since(begin_angle: Array, contact_angle: Array, cycle: Cycle
     monotonic. `begin_angle` and `contact_angle` (m, k) are the phase angle of the begin, and the
     angle over which the punch is in contact.
     """
-    forward_phase = cycle.forward_bound.phase
-    reverse_phase = cycle.reverse_bound.phase
+    forward_phase = sinusoids.forward_bound.phase
+    reverse_phase = sinusoids.reverse_bound.phase
     turning_angles = np.stack(
         [forward_phase, forward_phase + math.pi, reverse_phase, reverse_phase + math.pi]
     )

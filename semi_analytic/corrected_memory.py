@@ -286,11 +286,13 @@ class PunchTable:
             """eta G^exponent (dc/ds)/c: derivative of the integral with respect to s."""
             half_width = self.half_width(s)
             half_width_rate = self.half_width_rate(s)
-            load_per_width = (
+            load_per_half_width = (
                 self.profile_load(s) * half_width_rate / np.where(half_width > 0, half_width, 1.0)
             )
             return (
-                load_per_width * self.parabola_load(s) ** exponent if exponent else load_per_width
+                load_per_half_width * self.parabola_load(s) ** exponent
+                if exponent
+                else load_per_half_width
             )
 
         # Sums of the integrals over cells give the value at both ends of each cell.
@@ -389,10 +391,10 @@ class PunchTable:
         # Between two kinks of the profile c grows with the square of the fraction of s. Each such
         # interval has its begin and its length. parabola_stiffness: pi E*/4.
         interval = min(int(s), len(self._interval_lengths) - 1)
-        length = self._interval_lengths[interval]
-        half_width = self._interval_begins[interval] + length * (s - interval) ** 2
-        half_width_rate = 2 * length * (s - interval)
-        squared_width = half_width * half_width
+        interval_length = self._interval_lengths[interval]
+        half_width = self._interval_begins[interval] + interval_length * (s - interval) ** 2
+        half_width_rate = 2 * interval_length * (s - interval)
+        squared_half_width = half_width * half_width
         parabola_load = self.parabola_stiffness * half_width * half_width
         profile_load = c0 + fraction_of_cell * (
             c1 + fraction_of_cell * (c2 + fraction_of_cell * c3)
@@ -403,7 +405,7 @@ class PunchTable:
         return PunchLoads(
             profile_load=max(profile_load, 0.0),
             parabola_load=parabola_load,
-            fourth_load=parabola_load * squared_width / 8,
+            fourth_load=parabola_load * squared_half_width / 8,
             load_rate=profile_load_rate,
             parabola_rate=2 * self.parabola_stiffness * half_width * half_width_rate,
             fourth_rate=parabola_load * half_width * half_width_rate / 2,
@@ -440,9 +442,9 @@ class PunchTable:
         half_width = (
             self._interval_begins[interval] + self._interval_lengths[interval] * (s - interval) ** 2
         )
-        squared_width = half_width * half_width
+        squared_half_width = half_width * half_width
         profile_load = value_at_s(self._load_coefficients)
-        parabola_load = self.parabola_stiffness * squared_width
+        parabola_load = self.parabola_stiffness * squared_half_width
 
         # 1e-9 of the largest half-width stands for c = 0 in the logarithm.
         least_half_width = _LEAST_HALF_WIDTH_SHARE * float(self._interval_ends[-1])
@@ -450,9 +452,9 @@ class PunchTable:
         return PunchSums(
             logarithm=profile_load * log_datum_ratio + value_at_s(self._load_integral_coefficients),
             parabola_logarithm=parabola_load * (log_datum_ratio + 0.5),
-            second_moment=squared_width * profile_load / 2
+            second_moment=squared_half_width * profile_load / 2
             - value_at_s(self._load_parabola_integral_coefficients) / self.parabola_stiffness,
-            parabola_second_moment=squared_width * parabola_load / 4,
+            parabola_second_moment=squared_half_width * parabola_load / 4,
         )
 
     def edge_s_of_load(self, normal_load: float, curvature: float) -> float:
@@ -605,7 +607,7 @@ class PunchTable:
         # Newton's method: the load that the edge still misses, over its rate d/ds.
         for _ in range(n_newton_steps):
             missing_load = normal_load - carried_load(edge_s)
-            # kn dG + n4 dG_4 = (kn + n4 c^2/4) dG
+            # kn dG + n4 dG_4 = (kn + n4 a^2/4) dG
             curvature_at_edge = (
                 curvature + fourth_coefficient * np.square(self.half_width(edge_s)) / 4
             )
@@ -678,7 +680,7 @@ class Piece(NamedTuple):
     """A piece of a memory curve F(s), the locked-in tangential force of the flat punches up to s:
     what they carry beyond the share that the curvature of the faces gives them.
 
-    A whole curve is held by the number of its uppermost, outermost piece in `Pieces`. Each piece
+    A whole curve is held by the number of its uppermost piece in `Pieces`. Each piece
     continues another one outwards, number `number_below`, from that one's `top_s` to its own. The
     chain ends at piece 0, the empty curve.
 
@@ -850,7 +852,7 @@ class FollowedPath:
         (n, 2) s of the ends of an inner slip zone, where slip continues while the edge sticks or
         slips the other way; (n,) its direction, 0 where there is none
     uppermost_piece
-        (n,) number of the outermost piece of the memory curve, the locked-in tangential force
+        (n,) number of the uppermost piece of the memory curve, the locked-in tangential force
     pieces
         pieces of the memory curves of all instants
     """
@@ -936,7 +938,7 @@ class FollowedPath:
         # notation: profile_slope, parabola_slope, fourth_slope dF per d eta, dG and dG_4 on a piece
         #           of the memory curve
         """
-        # Sums over the pieces of the memory curves, each at the top of the outermost piece of an
+        # Sums over the pieces of the memory curves, each at the top of the uppermost piece of an
         # instant.
         pieces = self.pieces
         integral = pieces.integrals_at_tops(
@@ -1158,7 +1160,7 @@ class FollowedPath:
         whole numbers of s, the kinks of the profile.
         """
         # top_s: outer end of each piece; numbers_below: number of the piece below it;
-        # uppermost_pieces: number of the outermost piece of the memory curve at each instant
+        # uppermost_pieces: number of the uppermost piece of the memory curve at each instant
         top_s, numbers_below, uppermost_pieces = self._lists_of_pieces
         piece_number = uppermost_pieces[row - 1]
         is_beyond_edge = True  # of the contact before the step
@@ -1216,7 +1218,7 @@ class FollowedPath:
         the bodies are apart.
         """
         pieces = self.pieces
-        # From the empty curve, number 0, to the outermost piece.
+        # From the empty curve, number 0, to the uppermost piece.
         numbers_of_pieces = pieces.piece_numbers_of_curve(int(self.uppermost_piece[row]))
         top_s_of_pieces = pieces.top_s[numbers_of_pieces]
         index_in_chain = np.clip(
@@ -1314,7 +1316,7 @@ class PieceTable:
 
         A memory curve is the locked-in tangential force of the flat punches up to each half-width.
         It is a chain of pieces from the middle of the contact outwards. `uppermost_pieces` (n,) are
-        the numbers of their outermost pieces in this table. `number_below` of a piece is the number
+        the numbers of their uppermost pieces in this table. `number_below` of a piece is the number
         of the one that it continues.
         """
         # Down the chains from their uppermost pieces, all at once, until no new piece is met.
@@ -1607,7 +1609,7 @@ def path_of_steps(
         (10, n) at each instant: P and Q; the curvatures kn, kt, n4, t4 of gap and faces under them;
         s of the edge of contact; the loads eta, G and G_4 of the punches up to it
     steps
-        n steps: at the end of each the number of the outermost piece of the memory curve, the stick
+        n steps: at the end of each the number of the uppermost piece of the memory curve, the stick
         edge and the slip zones
 
     # notation: eta, G, G_4 loads that press the profile, x^2/2 and x^4/24 into contact up to the
@@ -1775,15 +1777,16 @@ class FrictionMemory:
         # 1e-11 of f times the largest P of the path.
         force_roundoff = _ROUND_OFF_FORCE_SHARE * self.friction * self.largest_load
 
-        # number_of_top: number of the outermost piece, None as long as it is not stored.
-        outermost_piece, number_of_top = self._fit_to_edge(state.uppermost_piece, row)
+        # piece_at_edge: the uppermost piece, which ends at the edge of contact.
+        # uppermost_number: its number, None as long as it is not stored.
+        piece_at_edge, uppermost_number = self._fit_to_edge(state.uppermost_piece, row)
         # _s: coordinate s in the table of flat punches.
         stick_edge_s = row.edge_s
 
         # +1 or -1; 0 where the edge of contact sticks.
         direction = _slip_direction_at_edge(
-            outermost_piece,
-            pieces[outermost_piece.number_below],
+            piece_at_edge,
+            pieces[piece_at_edge.number_below],
             self.friction,
             row,
             force_roundoff,
@@ -1793,38 +1796,38 @@ class FrictionMemory:
         coulomb_bound = None
         if direction:
             coulomb_bound = _coulomb_bound_of(direction, self.friction, row)
-            number_of_top = _cut_at_end_of_slip(
-                self.table, pieces, outermost_piece, number_of_top, coulomb_bound, force_roundoff
+            uppermost_number = _cut_at_end_of_slip(
+                self.table, pieces, piece_at_edge, uppermost_number, coulomb_bound, force_roundoff
             )
-            stick_edge_s = pieces[number_of_top].top_s
-        elif number_of_top is None:
-            number_of_top = pieces.append_and_number(outermost_piece)
+            stick_edge_s = pieces[uppermost_number].top_s
+        elif uppermost_number is None:
+            uppermost_number = pieces.append_and_number(piece_at_edge)
         inner_zone_s = (0.0, 0.0)
         inner_zone_direction = 0
         if state.last_direction and direction != state.last_direction:
             # Further in, slip in the last direction may continue.
             bound_of_last_slip = _coulomb_bound_of(state.last_direction, self.friction, row)
-            number_of_top, inner_end, outer_end = _add_inner_slip_zone(
-                self.table, pieces, number_of_top, bound_of_last_slip, force_roundoff
+            uppermost_number, inner_end, outer_end = _add_inner_slip_zone(
+                self.table, pieces, uppermost_number, bound_of_last_slip, force_roundoff
             )
             inner_zone_s = (inner_end, outer_end)
             if outer_end > inner_end:
                 inner_zone_direction = state.last_direction
         if coulomb_bound is not None:
             # The slip zone at the edge, where F is the bound.
-            number_of_top = pieces.add_piece(
-                number_of_top, row.edge_s, row.edge_loads, coulomb_bound.slopes
+            uppermost_number = pieces.add_piece(
+                uppermost_number, row.edge_s, row.edge_loads, coulomb_bound.slopes
             )
         return MemoryStep(
-            MemoryState(number_of_top, inner_zone_direction or direction),
+            MemoryState(uppermost_number, inner_zone_direction or direction),
             stick_edge_s,
             direction,
             inner_zone_s,
             inner_zone_direction,
         )
 
-    def _fit_to_edge(self, uppermost_piece: int, row: Row) -> tuple[Piece, int | None]:
-        """Outermost piece of the memory curve after it is cut at the new edge of contact, or
+    def _fit_to_edge(self, uppermost_number: int, row: Row) -> tuple[Piece, int | None]:
+        """Uppermost piece of the memory curve after it is cut at the new edge of contact, or
         extended to it in stick; and its number, None if it is new and not stored yet.
 
         The memory curve is the locked-in tangential force F of the flat punches up to each
@@ -1834,7 +1837,7 @@ class FrictionMemory:
 
         Parameters
         ----------
-        uppermost_piece
+        uppermost_number
             number of the uppermost piece before the step
         row
             loads, curvatures and edge of contact at the end of the step
@@ -1846,7 +1849,7 @@ class FrictionMemory:
         # edge_fourth_load: eta, G and G_4 of the punches up to it; row.tangential_curvature and
         # row.tangential_fourth: kt and t4. top_s: s of the outer end of a piece.
         pieces = self.pieces
-        piece_number = uppermost_piece
+        piece_number = uppermost_number
         memory_piece = pieces[piece_number]
         loads_at_edge = row.edge_loads
         if row.edge_s > memory_piece.top_s:
@@ -1863,7 +1866,7 @@ class FrictionMemory:
             if load_rise > 0:
                 force_slopes = (force_rise / load_rise, 0.0, 0.0)
                 return pieces.piece_above(
-                    uppermost_piece, row.edge_s, loads_at_edge, force_slopes
+                    uppermost_number, row.edge_s, loads_at_edge, force_slopes
                 ), None
             # The profile is still flat here: only the curvature of the bodies carries load.
             force_slopes = (
@@ -1872,7 +1875,7 @@ class FrictionMemory:
                 0.0,
             )
             return pieces.piece_above(
-                uppermost_piece, row.edge_s, loads_at_edge, force_slopes
+                uppermost_number, row.edge_s, loads_at_edge, force_slopes
             ), None
 
         # The contact recedes: pieces that lie outside the new edge go.
@@ -1897,7 +1900,7 @@ class FrictionMemory:
         #           the half-width of a punch
         """
         bound = _coulomb_bound_of(direction, self.friction, row)
-        # slopes: dB per d eta, dG and dG_4, which the new piece of F has.
+        # bound.slopes: of the Coulomb bound per d eta, dG and dG_4; the new piece of F has them.
         piece_number = self.pieces.add_piece(0, row.edge_s, row.edge_loads, bound.slopes)
         return MemoryStep(
             MemoryState(piece_number, direction), stick_edge_s=0.0, direction=direction
@@ -1927,21 +1930,21 @@ def _coulomb_bound_of(direction: int, friction: float, row: Row) -> _Bound:
 
 
 def _slip_direction_at_edge(
-    outermost_piece: Piece, piece_below: Piece, friction: float, row: Row, force_roundoff: float
+    piece_at_edge: Piece, piece_below: Piece, friction: float, row: Row, force_roundoff: float
 ) -> int:
     """Direction of slip at the edge of contact, +1 or -1; 0 if the edge sticks.
 
         |Q - kt G - t4 G_4 - F| > f [P - eta - kn G - n4 G_4]
 
-    The edge slips if this holds at one end of the outermost piece of the memory curve F, the force
+    The edge slips if this holds at one end of the uppermost piece of the memory curve F, the force
     that flat punches lock in: more tangential force is then carried outside of that point than f
     times the normal load there. eta, G and G_4 are the loads that press the profile, x^2/2 and
     x^4/24 into contact up to there.
 
     Parameters
     ----------
-    outermost_piece, piece_below
-        outermost piece of the memory curve, and the one from whose outer end it continues
+    piece_at_edge, piece_below
+        uppermost piece of the memory curve, and the one from whose outer end it continues
     friction
         f
     row
@@ -1950,7 +1953,7 @@ def _slip_direction_at_edge(
         excess of force that counts as 0
     """
     # Of each piece the attributes are those at its outer end.
-    for piece_end in (outermost_piece, piece_below):
+    for piece_end in (piece_at_edge, piece_below):
         force_beyond = row.tangential_load - row.tangential_curvature * piece_end.parabola_load
         force_beyond -= row.tangential_fourth * piece_end.fourth_load + piece_end.locked_in_force
         load_beyond = (
@@ -1972,7 +1975,7 @@ def _cut_at_end_of_slip(
     coulomb_bound: _Bound,
     force_roundoff: float,
 ) -> int:
-    """Cut the slip zone next to the edge of contact off a memory curve: number of the outermost
+    """Cut the slip zone next to the edge of contact off a memory curve: number of the uppermost
     piece that is left, which still sticks. The outer end of that piece is the stick edge.
 
     The curve is the locked-in tangential force F of the flat punches up to each half-width. The
@@ -1986,7 +1989,7 @@ def _cut_at_end_of_slip(
     all_pieces
         all pieces of memory curves
     memory_piece, piece_number
-        the outermost one of this curve, and its number, None if it is not stored yet
+        the uppermost one of this curve, and its number, None if it is not stored yet
     coulomb_bound
         what F is during slip in the direction of the zone
     force_roundoff
@@ -2026,12 +2029,12 @@ def _cut_at_end_of_slip(
 def _add_inner_slip_zone(
     table: PunchTable,
     all_pieces: Pieces,
-    uppermost_piece: int,
+    uppermost_number_before: int,
     coulomb_bound: _Bound,
     force_roundoff: float,
 ) -> tuple[int, float, float]:
     """Set the memory curve to its Coulomb bound in a slip zone inside the contact: number of the
-    outermost piece of the curve then, and s of the inner and outer end of the zone (equal if there
+    uppermost piece of the curve then, and s of the inner and outer end of the zone (equal if there
     is none).
 
     The memory curve is the locked-in tangential force F of the flat punches up to each half-width.
@@ -2042,7 +2045,7 @@ def _add_inner_slip_zone(
     ----------
     table
         loads of the flat punches by their coordinate s
-    all_pieces, uppermost_piece
+    all_pieces, uppermost_number_before
         all pieces of memory curves, and the number of the uppermost one of this curve
     coulomb_bound
         what F is during slip in the direction of the zone
@@ -2052,7 +2055,7 @@ def _add_inner_slip_zone(
     # From the edge inwards to the first piece at whose inner end F is beyond the bound.
     # number_below: number of the piece that a piece continues; excess_at_top: of F over the bound
     # at its outer end.
-    piece_number = uppermost_piece
+    piece_number = uppermost_number_before
     memory_piece = all_pieces[piece_number]
     sticking_pieces_outside = []
     while (
@@ -2064,8 +2067,8 @@ def _add_inner_slip_zone(
         memory_piece = all_pieces[piece_number]
     excess_at_top = coulomb_bound.excess_at_top(memory_piece)
     if not piece_number or excess_at_top > 0:
-        edge_s = all_pieces[uppermost_piece].top_s
-        return uppermost_piece, edge_s, edge_s
+        edge_s = all_pieces[uppermost_number_before].top_s
+        return uppermost_number_before, edge_s, edge_s
 
     # F meets the bound within this piece: there the zone ends outwards; it ends inwards further in.
     piece_below = all_pieces[memory_piece.number_below]
@@ -2076,16 +2079,16 @@ def _add_inner_slip_zone(
     number_below_zone = _cut_at_end_of_slip(
         table, all_pieces, piece_below, memory_piece.number_below, coulomb_bound, force_roundoff
     )
-    top_number = all_pieces.add_piece(
+    uppermost_number = all_pieces.add_piece(
         number_below_zone, outer_end_s, loads_at_outer_end.loads, coulomb_bound.slopes
     )
 
     # On top of the zone again what sticks outside of it.
     for sticking_piece in (memory_piece, *reversed(sticking_pieces_outside)):
-        top_number = all_pieces.add_piece(
-            top_number, sticking_piece.top_s, sticking_piece.loads, sticking_piece.slopes
+        uppermost_number = all_pieces.add_piece(
+            uppermost_number, sticking_piece.top_s, sticking_piece.loads, sticking_piece.slopes
         )
-    return top_number, all_pieces[number_below_zone].top_s, outer_end_s
+    return uppermost_number, all_pieces[number_below_zone].top_s, outer_end_s
 
 
 def _crossing_of_bound(
@@ -2116,7 +2119,7 @@ def _crossing_of_bound(
     force_roundoff
         excess that counts as 0 [force per thickness]
     """
-    # Bracket of s: outer ends of both pieces.
+    # Bracket of s: the two ends of the piece, at its top and at that of the piece below.
     piece_below, piece = neighbouring_pieces
     low_s = piece_below.top_s
     high_s = piece.top_s

@@ -159,17 +159,17 @@ class Compliance(NamedTuple):
         # unit_compliance: A/pi; curvatures.tangential: T; tangential_body_compliance: c_t;
         # tangential_spring_compliance: 1/k_s.
         stick_half_width = np.asarray(half_width, dtype=float)
-        squared_width = stick_half_width**2
+        squared_half_width = stick_half_width**2
         face_curvature = self.curvatures.tangential
         # G(c) = (pi E*/4) c^2 = c^2/(2 A/pi)
-        parabola_load = squared_width / (2 * self.unit_compliance)
+        parabola_load = squared_half_width / (2 * self.unit_compliance)
         half_plane_compliance = self.unit_compliance * np.log(
             2 * self.datum_length / stick_half_width
         )
         compliance_by_bodies = (
             self.tangential_body_compliance
-            + face_curvature * squared_width / 2
-            - face_curvature**2 * parabola_load * squared_width / 8
+            + face_curvature * squared_half_width / 2
+            - face_curvature**2 * parabola_load * squared_half_width / 8
         )
         decrease_by_tilt = self.tilt_products[1] * np.asarray(normal_load)
         return np.asarray(
@@ -669,16 +669,16 @@ def follow_actuator(
     ...     table, 0.4, Compliance(unit_compliance=0.5, datum_length=50.0), rows
     ... )
     >>> force = driven_path.followed_path.tangential_load
-    >>> force.tolist()  # at rest, at the begin of the slide, sliding
+    >>> force.tolist()  # unloaded, pressed, at the begin of the slide, sliding
     [0.0, 0.0, 0.4, 0.4, 0.2]
-    >>> bool(driven_path.slide_distance[-1] > 0)  # P falls while U rests: the bodies slide on
+    >>> bool(driven_path.slide_distance[-1] > 0)  # P falls at constant U_act: the bodies slide on
     True
     """
     largest_load = float(np.max(rows.load_or_approach))
     # Memory of friction of the contact, of no memory curve yet, and the solver of Q in each step.
     memory = FrictionMemory(table, friction, largest_load, Pieces())
     step_solver = _StepSolver(memory, compliance)
-    # The first instant is unloaded: P = Q = 0. A contact is its loads, curvatures and edge.
+    # The first instant is unloaded: P = Q = 0. `unloaded_contact`: loads, curvatures, edge.
     unloaded_contact = step_solver.contact_under_loads(0.0, 0.0)
     growing_path = _GrowingPath(
         _Instant(float(rows.time[0]), 0.0, 0.0, float(rows.displacement[0])),
@@ -998,7 +998,7 @@ class _StepSolver:
             contact_at_limit, sliding_step
         )
 
-        # At the begin of a slide nothing is left but round-off, of either sign.
+        # At the begin of a slide `slide_distance` is round-off, of either sign.
         # _ROUND_OFF_DISPLACEMENT_SHARE: 1e-12 of the displacement.
         if direction * slide_distance >= -_ROUND_OFF_DISPLACEMENT_SHARE * abs(target_displacement):
             return _SolvedStep(contact_at_limit, sliding_step, slide_distance=slide_distance)
@@ -1029,7 +1029,7 @@ class _StepSolver:
         end
             instant at the end of the step, with its P
         first_trial, limit_force
-            trial whose Q is one end of the bracket; the other end, +f P or -f P
+            trial whose Q is one bound of the bracket; the other bound, +f P or -f P
         target_displacement
             U + Q/k_s that is wanted [length]
 
@@ -1039,7 +1039,7 @@ class _StepSolver:
             If no Q is found.
         """
         memory = self._memory
-        # a trial adds pieces of memory curve, which go where the trial is not the last
+        # a trial adds pieces of memory curve, which are discarded unless it is the last trial
         n_pieces = len(memory.pieces)
         trial = first_trial
         lower_tangential_load, upper_tangential_load = sorted((trial.tangential_load, limit_force))
@@ -1083,10 +1083,10 @@ class _StepSolver:
         step = self._memory.step(state, contact)
         return _Trial(tangential_load, step, self._displacement_without_slide(contact, step))
 
-    def _displacement_without_slide(self, contact: Row, memory_step: MemoryStep) -> float:
+    def _displacement_without_slide(self, contact_row: Row, memory_step: MemoryStep) -> float:
         """Displacement U + Q/k_s of the actuator at the end of a step [length]: U of contact and
         bodies, plus the extension of the spring k_s. Gross sliding and separation are not in it.
-        `contact` has P, Q, curvatures and edge of contact there.
+        `contact_row` has P, Q, curvatures and edge of contact there.
 
             (A/pi) int ln(2 L/c) dM + (c_t + 1/k_s) Q + T q_2/2 + N_Q p_2/2 + U_tilt
 
@@ -1106,9 +1106,9 @@ class _StepSolver:
 
         # Integrals of ln(2 L/c) and c^2/2 over the punches up to the edge, each over d eta and over
         # dG.
-        sums_at_edge = self._table.punch_sums_at(contact.edge_s, compliance.datum_length)
+        sums_at_edge = self._table.punch_sums_at(contact_row.edge_s, compliance.datum_length)
         uppermost_piece = memory_step.state.uppermost_piece
-        face_curvature = contact.tangential_curvature
+        face_curvature = contact_row.tangential_curvature
 
         # dM = dF + kt dG: the integrals over F are stored with the pieces of the memory curve.
         logarithm_integral = (
@@ -1121,7 +1121,7 @@ class _StepSolver:
         )
         pressure_second_moment = (
             sums_at_edge.second_moment
-            + contact.normal_curvature * sums_at_edge.parabola_second_moment
+            + contact_row.normal_curvature * sums_at_edge.parabola_second_moment
         )
         actuator_displacement = compliance.unit_compliance * logarithm_integral
 
@@ -1129,11 +1129,11 @@ class _StepSolver:
         added_compliance = (
             compliance.tangential_body_compliance + compliance.tangential_spring_compliance
         )
-        actuator_displacement += added_compliance * contact.tangential_load
+        actuator_displacement += added_compliance * contact_row.tangential_load
         actuator_displacement += curvatures.tangential * shear_second_moment / 2
         actuator_displacement += curvatures.normal_under_shear * pressure_second_moment / 2
         displacement_by_tilt = compliance.displacement_by_tilt(
-            contact.normal_load, contact.tangential_load
+            contact_row.normal_load, contact_row.tangential_load
         )
         return actuator_displacement + float(displacement_by_tilt)
 
