@@ -5,6 +5,7 @@ in sentences.
 from __future__ import annotations
 
 from collections.abc import Callable
+from os import PathLike
 from pathlib import PurePath
 from typing import Any, NamedTuple
 
@@ -246,6 +247,18 @@ def require_class(value: object, needed: type | tuple[type, ...], caller: str, m
         raise InputError(
             f"{caller}: {article} {name} is needed, not {value_or_class(value)}; {maker}"
         )
+
+
+def require_path(source: object, caller: str, needed: str = "the path of a file") -> None:
+    """Raise InputError, one sentence, where a Python caller passes neither a text nor a path to the
+    public function `caller`. `needed` is what is needed, in words.
+
+    >>> require_path(7, "load_scene")
+    Traceback (most recent call last):
+    scenes.errors.InputError: load_scene: the path of a file is needed, not 7
+    """
+    if not isinstance(source, str | PathLike):
+        raise InputError(f"{caller}: {needed} is needed, not {value_or_class(source)}")
 
 
 def first_line(reason: BaseException) -> str:

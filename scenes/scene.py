@@ -17,7 +17,7 @@ from pydantic_core import PydanticSerializationError
 
 from scenes.arrays import LARGEST_NUMBER
 from scenes.bodies import INSTEAD_OF_HOLLOW, Bodies, Elastic, Materials, Pad, ShoulderedPad
-from scenes.errors import InputError, shortened_repr
+from scenes.errors import InputError, require_path, shortened_repr
 from scenes.files import keys_of, parsed_toml, write_keys
 from scenes.frozen import (
     Frozen,
@@ -637,6 +637,7 @@ def load_scene(source: str | Path) -> Scene:
     >>> load_scene("hertz-paper").friction.coefficient
     1.0
     """
+    require_path(source, "load_scene", "the name of a scene or the path of its file")
     path = Path(source)
     name = str(source)
     # Folder of the library that holds a scene of this name; None without one.

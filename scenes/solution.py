@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenes.array_types import Array
-from scenes.errors import InputError, first_line, require_class
+from scenes.errors import InputError, first_line, require_class, require_path
 from scenes.files import replace_file
 from scenes.netcdf import StoredArray, StoredArrays, netcdf_of, read_netcdf
 from scenes.notebook_forms import forms_for, registered_forms
@@ -515,6 +515,7 @@ class ContactSolution:
         InputError
             For a file that can't be read, is too large, or holds something else.
         """
+        require_path(path, "ContactSolution.load")
         # Arrays with their dimensions checked, and attributes of the file.
         # _AXES_OF_ARRAYS, FILE_FORMAT: axes of each array that has to be there; the newest format
         content = read_netcdf(Path(path), _AXES_OF_ARRAYS, FILE_FORMAT)

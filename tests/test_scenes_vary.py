@@ -25,6 +25,7 @@ from scenes import (
     Bodies,
     CallableLoad,
     CallableProfile,
+    ContactSolution,
     Elastic,
     FlatRounded,
     Friction,
@@ -297,6 +298,23 @@ def test_a_solution_is_refused_where_a_scene_is_needed(
     solution = semi_analytic.solve(PAPER, x=[0.0], time=[2.0], fields=())
     with pytest.raises(InputError, match="a Scene is needed, not a ContactSolution; load_scene"):
         scene_function(solution)
+
+
+@pytest.mark.parametrize(
+    ("path_function", "needed"),
+    [
+        (load_scene, "load_scene: the name of a scene or the path of its file"),
+        (lambda path: run(path, "nowhere"), "load_study: a Study or the path of its file"),
+        (ContactSolution.load, "ContactSolution.load: the path of a file"),
+        (lambda path: score([0.0], [1.0], None, scene=path), "a Scene"),
+    ],
+)
+def test_what_is_no_path_is_refused_in_one_sentence(
+    path_function: Callable[[Any], object], needed: str
+) -> None:
+    for words, other in {"7": 7, "None": None, "{}": {}}.items():
+        with pytest.raises(InputError, match=f"^{needed} is needed, not {words}"):
+            path_function(other)
 
 
 @pytest.mark.parametrize("comparison_function", OF_COMPARISON)

@@ -25,8 +25,7 @@ from reports.scoring.solution import (
     theory_of_whole_path,
 )
 from reports.scoring.surface import SurfaceResult, surface_result
-from scenes import ContactSolution, InputError, Scene, load_scene
-from scenes.frozen import validated
+from scenes import ContactSolution, InputError, Scene, scene_of
 
 Against = Literal["exact", "fe"]
 
@@ -84,6 +83,7 @@ def score(
     --------
     >>> import numpy as np
     >>> import semi_analytic
+    >>> from scenes import load_scene
     >>> x = np.linspace(-1.2, 1.2, 241)
     >>> exact = semi_analytic.solve(load_scene("cattaneo-mindlin"), x=x, time=[1.5])
     >>> report = score(
@@ -99,7 +99,7 @@ def score(
 
     # notation: P normal load, p pressure, Q tangential load, q shear
     """
-    valid_scene = validated(scene, Scene) if isinstance(scene, Scene) else load_scene(scene)
+    valid_scene = scene_of(scene)
     fields: dict[str, ArrayLike | None] = {"pressure": p, "shear": q, "slip": slip}
     series = {
         "time": time,

@@ -22,6 +22,7 @@ from reports.checking import require_admissible
 from reports.studies.sweep.solving import Question, check_figures, check_figures_of_driven_scene
 from reports.studies.sweep.store import PlannedPoint
 from scenes import InputError, Scene, load_scene
+from scenes.errors import require_path
 from scenes.files import keys_of
 from scenes.frozen import Frozen, checked, reason_of_unknown_key
 
@@ -306,6 +307,7 @@ def load_study(source: str | Path) -> Study:
     InputError
         One sentence that names file, key, value and rule.
     """
+    require_path(source, "load_study", "a Study or the path of its file")
     path = Path(source)
     return study_of(keys_of(path, "the study"), str(source), path.parent)
 
