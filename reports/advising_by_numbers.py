@@ -345,12 +345,12 @@ def _changes_of_values(
     """The changes by finite bodies of dissipation, largest pressure, largest half-width and
     permanent stick half-width, by key.
 
-    That of the dissipation is the sum of its parts. The others are those by the curvatures of the
-    faces; to the stick half-width tilt and bulk strain are added. They are NaN for unlike
-    materials, and where tilt and bulk strain change the dissipation by more than 5 %: then these
-    move them by an amount that is not known. `effects` are the elastic responses that the bodies
-    add to half-planes. `solved_theory` holds half-plane theory, and theory with the curvatures
-    alone.
+    That of the dissipation is the sum of its `parts`, one for each cause. The other changes are
+    those by the curvatures of the faces; to the stick half-width tilt and bulk strain are added.
+    They are NaN for unlike materials, and where tilt and bulk strain (the odd part) change the
+    dissipation by more than 5 %: how much tilt and strain change the other values is not known
+    then. `effects` are the elastic responses that the bodies add to half-planes. `solved_theory`
+    holds half-plane theory, and theory with the curvatures alone.
     """
     from semi_analytic.next_order import LEAST_UNCERTAIN_FRACTION
 
@@ -366,8 +366,8 @@ def _changes_of_values(
     for key, (name, words) in _QUANTITIES_OF_ADVICE.items():
         value_of = QUANTITIES[name].value_of
         theory_value = value_of(solved_theory.theory)
-        change = value_of(solved_theory.corrected) / theory_value - 1
-        uncertainty = abs(change) * uncertain_fraction
+        relative_change = value_of(solved_theory.corrected) / theory_value - 1
+        uncertainty = abs(relative_change) * uncertain_fraction
         # Estimate: a value with its uncertainty
         if key == WORK:
             estimate = _sum_of_parts(parts)
@@ -377,7 +377,7 @@ def _changes_of_values(
             estimate = _change_of_stick(scene, effects, theory_value, uncertainty)
         else:
             # LEAST_UNCERTAIN_FRACTION: 3e-5 of any value that the bodies change
-            estimate = Estimate(change, uncertainty + LEAST_UNCERTAIN_FRACTION)
+            estimate = Estimate(relative_change, uncertainty + LEAST_UNCERTAIN_FRACTION)
         changes[key] = Change(words, exact_values.get(key, theory_value), estimate)
     return changes
 
@@ -847,24 +847,24 @@ def _sentence_on_limit(advice: Advice) -> str:
         `neglected_part`: size of causes that were not followed
     """
     limit_in_words = f"the limit of {100 * advice.limit:g} %"
-    advice_to_solve = "solve the scene (`halfplane run`)"
+    words_to_solve = "solve the scene (`halfplane run`)"
     if advice.reason_for_size_alone and not advice.refusal_of_kernels:
         # The faces are flat, for corrected theory took the scene: kernels take flat faces too.
-        advice_to_solve += (
+        words_to_solve += (
             ', or its kernels in 1 to 5 s (Python: `halfplane_fe.solve(scene, bodies="kernel")`)'
         )
     # `Verdict`: within the limit, outside, or undecided by its uncertainty.
     if advice.verdict is Verdict.WITHIN:
         return f"That is within {limit_in_words}: theory may be used."
     if advice.verdict is Verdict.UNDECIDED:
-        return f"Whether it is within {limit_in_words} is undecided: {advice_to_solve}."
+        return f"Whether it is within {limit_in_words} is undecided: {words_to_solve}."
 
     # Outside: theory can be corrected, unless tilt and bulk strain (ODD_PART) are large.
     # Estimate: a value with its uncertainty
     odd_part = advice.parts.get(ODD_PART, Estimate(0.0))
     size_of_odd_part = max(advice.neglected_part, abs(odd_part.value))
     if advice.reason_for_size_alone or size_of_odd_part > advice.limit / 2:
-        return f"It is outside {limit_in_words}: {advice_to_solve}."
+        return f"It is outside {limit_in_words}: {words_to_solve}."
     return (
         f"That is outside {limit_in_words}: correct theory (`halfplane exact --corrected`), or"
         " solve the scene (`halfplane run`)."

@@ -769,13 +769,13 @@ class _ScalingLaws:
             for stated_input in self.scene.inputs:
                 if stated_input.key == key:
                     uncertain_load = stated_input
-            change_by_load = change_by_central_differences(
+            changes_of_values = change_by_central_differences(
                 self.values_at, self.scene, uncertain_load, self.values_at_inputs
             )
-            self._changes_by_loads[key] = change_by_load
+            self._changes_by_loads[key] = changes_of_values
             self._derivatives[key] = {
                 name: change.value / uncertain_load.standard_uncertainty
-                for name, change in change_by_load.changes.items()
+                for name, change in changes_of_values.changes.items()
             }
         return self._changes_by_loads[key]
 

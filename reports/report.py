@@ -48,15 +48,15 @@ class ThirdAnswer(Protocol):
     @property
     def sentences(self) -> list[str]: ...
 
-    def rows(self, comparison: Comparison) -> list[tuple[str, ...]]:
+    def rows(self, comparison_of_elements: Comparison) -> list[tuple[str, ...]]:
         """The table: values of all three solvers, then errors, then time."""
         ...
 
-    def page_words(self, comparison: Comparison) -> dict[str, Any]:
+    def page_words(self, comparison_of_elements: Comparison) -> dict[str, Any]:
         """What the page's block is filled with."""
         ...
 
-    def as_json(self, comparison: Comparison) -> str:
+    def as_json(self, comparison_of_elements: Comparison) -> str:
         """The table in numbers, as strict JSON."""
         ...
 

@@ -111,13 +111,13 @@ class SeriesAsPowers:
         # (n_powers, 8 n): column 8 i + j is part j of series i.
         self._power_coefficients = np.moveaxis(powers_on_parts, 0, 2).reshape(n_powers, -1)
 
-    def __call__(self, number: NDArray[np.intp], t: Array) -> Array:
+    def __call__(self, function_number: NDArray[np.intp], t: Array) -> Array:
         """Values of several functions, each a sum of powers on parts of [-1, 1], at places t in
         [-1, 1], by Horner's rule, in the shape of t; outside, the powers of the first or last part
         are continued.
 
-        `number` is the index, 0 to n - 1, of the function that is evaluated at each place, in the
-        shape of t.
+        `function_number` is the index, 0 to n - 1, of the function that is evaluated at each place,
+        in the shape of t.
         """
         # In place, since this is the innermost loop of many integrals: first the distance from -1
         # in lengths of a part, then that from the middle of the part, in [-1/2, 1/2].
@@ -126,7 +126,7 @@ class SeriesAsPowers:
         column = np.clip(place_in_part.astype(np.intp), 0, _PARTS_OF_INTERVAL - 1)
         place_in_part -= column
         place_in_part -= 0.5
-        column += np.ravel(number) * _PARTS_OF_INTERVAL
+        column += np.ravel(function_number) * _PARTS_OF_INTERVAL
 
         # Horner's rule from the highest power down.
         # `_power_coefficients` (n_powers, 8 n): a row for each power, a column for each part.
@@ -200,37 +200,37 @@ class PiecewiseSeries:
         )
 
 
-def clenshaw_values(coefficients: Array, number: NDArray[np.intp], t: Array) -> Array:
+def clenshaw_values(coefficients: Array, series_number: NDArray[np.intp], t: Array) -> Array:
     """Values of several Chebyshev series, one of them at each place t, by Clenshaw's recurrence:
-    the sum over k of coefficients[k, number] T_k(t), in the shape of t.
+    the sum over k of coefficients[k, series_number] T_k(t), in the shape of t.
 
     Parameters
     ----------
     coefficients
         (n_terms, n_series)
-    number
+    series_number
         index of the series that is evaluated at each place, in the shape of t
     t
         places in [-1, 1]
     """
-    series_of_places = np.ravel(number)
+    series_of_places = np.ravel(series_number)
     places = np.ravel(t)
     sums = np.empty(np.size(t))
     # Blocks of 4,096 places fit into the cache.
     for begin in range(0, len(places), _PLACES_PER_BLOCK):
         block = slice(begin, begin + _PLACES_PER_BLOCK)
-        series_number = series_of_places[block]
+        series_of_block = series_of_places[block]
         place = places[block]
         double_place = 2 * place
         # notation: b_k = c_k + 2 t b_(k+1) - b_(k+2), Clenshaw's recurrence, c_k the coefficient of
         # T_k; b, b_1, b_2 are b_k, b_(k+1), b_(k+2)
         b, b_1, b_2, product = np.zeros((4, len(place)))
         for coefficients_of_term in coefficients[:0:-1]:
-            coefficients_of_term.take(series_number, out=b, mode="clip")
+            coefficients_of_term.take(series_of_block, out=b, mode="clip")
             b -= b_2
             b += np.multiply(double_place, b_1, out=product)
             b_1, b_2, b = b, b_1, b_2
-        sums[block] = place * b_1 - b_2 + coefficients[0].take(series_number)
+        sums[block] = place * b_1 - b_2 + coefficients[0].take(series_of_block)
     return sums.reshape(np.shape(t))
 
 
@@ -532,19 +532,21 @@ def _place_of_corner(
     run
         indices in `halved_series.interval_ends` of the begin and the end of the run
     """
-    ends = halved_series.interval_ends
+    interval_ends = halved_series.interval_ends
     first_index, last_index = run
-    begin = float(ends[first_index])
-    end = float(ends[last_index])
+    run_begin = float(interval_ends[first_index])
+    run_end = float(interval_ends[last_index])
     # The shortest interval of the run: halving has gone deepest there.
-    lengths = np.diff(ends[first_index : last_index + 1])
+    lengths = np.diff(interval_ends[first_index : last_index + 1])
     shortest_interval = first_index + int(np.argmin(lengths))
-    middle_of_shortest = float(ends[shortest_interval] + ends[shortest_interval + 1]) / 2
+    middle_of_shortest = (
+        float(interval_ends[shortest_interval] + interval_ends[shortest_interval + 1]) / 2
+    )
     # Each fit is over 50 lengths of the run, or as far as the function is given.
     fit_width = min(
-        50 * (end - begin),
-        begin - float(ends[0]) or np.inf,
-        float(ends[-1]) - end or np.inf,
+        50 * (run_end - run_begin),
+        run_begin - float(interval_ends[0]) or np.inf,
+        float(interval_ends[-1]) - run_end or np.inf,
     )
 
     def fit_from(place: float) -> chebyshev.Chebyshev:
@@ -557,12 +559,12 @@ def _place_of_corner(
         )
 
     # The difference of both fits on the run, a cubic.
-    left_fit = fit_from(begin - fit_width)
-    right_fit = fit_from(end)
+    left_fit = fit_from(run_begin - fit_width)
+    right_fit = fit_from(run_end)
     fit_difference = chebyshev.Chebyshev.interpolate(
-        lambda x: right_fit(x) - left_fit(x), 3, [begin, end]
+        lambda x: right_fit(x) - left_fit(x), 3, [run_begin, run_end]
     )
-    fits_cross = fit_difference(begin) * fit_difference(end) < 0
+    fits_cross = fit_difference(run_begin) * fit_difference(run_end) < 0
     candidate_places = (fit_difference if fits_cross else fit_difference.deriv()).roots().real
     return float(
         min(

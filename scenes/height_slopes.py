@@ -498,7 +498,7 @@ def _polynomial_up_to(
 def _polynomial_of_lowest_exponent(
     samples: _Samples,
     heights: Array,
-    end: float,
+    largest_x: float,
     lowest_exponent: int,
     n_coefficients: int,
     height_roundoff: float,
@@ -506,10 +506,11 @@ def _polynomial_of_lowest_exponent(
     """Least-squares fit of a profile's heights near x = 0 by a polynomial in x^2 that begins with a
     given power; and the errors of load and stiffness by round-off in the heights.
 
-    With s = (x/end)^2 the fit is h = s^m g(s). Its slope is h' = (2 x/end^2) s^(m-1) B(s), where
-    B = m g + s g'. The load is an integral of h', so its relative error is in proportion to that
-    of B. The errors are taken at both ends of the fit, s = 0 and s = 1. None where four standard
-    deviations of round-off make an error of B above 1e-7 of B there.
+    With s = (x/X)^2, X = `largest_x`, the fit is h = s^m g(s). Its slope is
+    h' = (2 x/X^2) s^(m-1) B(s), where B = m g + s g'. The load is an integral of h', so its
+    relative error is in proportion to that of B. The errors are taken at both ends of the fit,
+    s = 0 and s = 1. None where four standard deviations of round-off make an error of B above 1e-7
+    of B there.
 
     Parameters
     ----------
@@ -517,8 +518,8 @@ def _polynomial_of_lowest_exponent(
         n places on [-1, 1], that is 2 s - 1, and Chebyshev polynomials there
     heights
         (n,) h - h(0) at the places [length]
-    end
-        largest x of the fit [length]
+    largest_x
+        X, at which the fit ends [length]
     lowest_exponent
         m, the exponent of the lowest power of x^2
     n_coefficients
@@ -555,11 +556,11 @@ def _polynomial_of_lowest_exponent(
     )
     # _LEAST_LOAD_PER_SLOPE: 0.5, the least P/(E* a) over the largest slope
     load_error = float(np.max(b_errors / b_sizes)) / _LEAST_LOAD_PER_SLOPE
-    # a dP/da is P and an integral of x h'', which is (2 m - 1) h' + (2 x/end^2) s^(m-1) 2 s dB/ds.
+    # a dP/da is P and an integral of x h'', which is (2 m - 1) h' + (2 x/X^2) s^(m-1) 2 s dB/ds.
     rate_error = float(np.max(2 * s_of_ends * b_rate_errors / b_sizes)) / _LEAST_LOAD_PER_SLOPE
     stiffness_error = 2 * lowest_exponent * load_error + rate_error
     return _InnerPolynomial(
-        end,
+        largest_x,
         slope_series,
         lowest_exponent - 1,
         height_roundoff,

@@ -642,9 +642,9 @@ def last_whole_cycle(
     end_of_last_cycle = cycle_start + n_cycles * period
 
     # A cycle with an instant at both its ends: the last of the path, else the last period.
-    for end in (end_of_last_cycle, time[-1]):
-        begin_index = _instant_at(time, end - period, round_off)
-        end_index = _instant_at(time, end, round_off)
+    for end_of_cycle in (end_of_last_cycle, time[-1]):
+        begin_index = _instant_at(time, end_of_cycle - period, round_off)
+        end_index = _instant_at(time, end_of_cycle, round_off)
         if begin_index is not None and end_index is not None and begin_index < end_index:
             # Instants within round-off of an end belong to the cycle too.
             first_index = np.searchsorted(time, time[begin_index] - round_off, side="left")

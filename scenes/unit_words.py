@@ -123,14 +123,14 @@ def fault_of_units(units: str) -> str:
     force_word, length_word, stress_word = words
     stress_size = UNITS["force"][force_word] / UNITS["length"][length_word] ** 2
     # _ROUND_OFF_OF_UNITS: 1e-6 of a size
-    right_words = [
+    consistent_words = [
         word
         for word, size in UNITS["stress"].items()
         if abs(size / stress_size - 1) < _ROUND_OFF_OF_UNITS
     ]
-    if stress_word in right_words:
+    if stress_word in consistent_words:
         return ""
-    unit_of_stress = f"{right_words[0]}, " if right_words else ""
+    unit_of_stress = f"{consistent_words[0]}, " if consistent_words else ""
     fault_text = f"{force_word}/{length_word}^2 is {unit_of_stress}not {stress_word}"
     return (
         f"{fault_text}: one set of units is needed, such as 'N, mm, MPa', with every number of the"

@@ -459,12 +459,14 @@ def _draw(
         figure = pictures.mesh(solution.bodies, half_width, contact_edge, with_boundaries=True)
         names = [_write_picture(figure, folder)]
         # all figures have the same scales of stress and displacement
-        scales = pictures.scales_of([snapshot for _, snapshot in instants_and_snapshots])
+        scales_of_figures = pictures.scales_of([snapshot for _, snapshot in instants_and_snapshots])
         n_figures = 1 + len(instants_and_snapshots)
         for picture_number, (instant, snapshot) in enumerate(instants_and_snapshots):
             show_progress(picture_number + 1, n_figures, f"time {snapshot.time:.6g}")
             name = f"von_mises_{picture_number:03d}"
-            figure = pictures.stress(solution, [snapshot], [instant], scales, name, pixels=1000)
+            figure = pictures.stress(
+                solution, [snapshot], [instant], scales_of_figures, name, pixels=1000
+            )
             names.append(_write_picture(figure, folder))
     return names
 

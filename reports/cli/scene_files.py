@@ -442,7 +442,7 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
     if refusals.refusal_of_theory:
         verdict = f"{source}: the scene is well formed. `halfplane fe {source}` finds its loads."
     else:
-        solution = _answer_of_theory(scene, source)
+        solution = _solution_of_theory(scene, source)
         verdict = _loads_in_words(solution, source)
         notes += [f"{note[:1].upper()}{note[1:]}." for note in solution.record.notes]
         content["rig"] = _values_of_rig(solution)
@@ -494,7 +494,7 @@ def _values_of_rig(solution: ContactSolution) -> dict[str, float | None]:
     }
 
 
-def _answer_of_theory(scene: Scene, source: str) -> ContactSolution:
+def _solution_of_theory(scene: Scene, source: str) -> ContactSolution:
     """Half-plane theory's dissipation and loads under the displacements that a scene prescribes.
     Where the bodies are no half-planes, theory is corrected by the elastic responses that they add.
     InputError naming `source` where theory refuses the scene.

@@ -973,11 +973,11 @@ def _answer_of_one_engine(
     findings = list(expected_numbers(scene, (solution,)))
     if inputs is None:
         inputs = _effects_of_inputs(job)
-    answer = _EngineAnswer(solution, certificates(solution), findings, inputs, path)
+    engine_answer = _EngineAnswer(solution, certificates(solution), findings, inputs, path)
     return Answer(
-        EXIT_WITHIN if answer.is_passed else EXIT_OUTSIDE,
-        _parts_of_one_engine(job, answer),
-        lambda: _json_of_one_engine(job, answer),
+        EXIT_WITHIN if engine_answer.is_passed else EXIT_OUTSIDE,
+        _parts_of_one_engine(job, engine_answer),
+        lambda: _json_of_one_engine(job, engine_answer),
         scene.name,
     )
 

@@ -314,14 +314,14 @@ def _frame_of_sketch(outlines: dict[str, Array]) -> Frame:
     # lengths for which a pixel stands where the width, or the height, fills the sketch; room for
     # arrows and supports is left free
     # _SKETCH_WIDTH, ...: size of the sketch and room in it [pixels]
-    pixel_by_width = (right_x - left_x) / (_SKETCH_WIDTH - 2 * _ROOM_AT_SIDES)
-    pixel_by_height = (largest_y - least_y) / (
+    length_per_pixel_by_width = (right_x - left_x) / (_SKETCH_WIDTH - 2 * _ROOM_AT_SIDES)
+    length_per_pixel_by_height = (largest_y - least_y) / (
         _LARGEST_SKETCH_HEIGHT - _ROOM_ABOVE - _ROOM_AT_SIDES
     )
-    pixel = max(pixel_by_width, pixel_by_height)  # length that a pixel stands for
-    height = float((largest_y - least_y) / pixel + _ROOM_ABOVE + _ROOM_AT_SIDES)
+    length_per_pixel = max(length_per_pixel_by_width, length_per_pixel_by_height)
+    height = float((largest_y - least_y) / length_per_pixel + _ROOM_ABOVE + _ROOM_AT_SIDES)
     middle_x = (left_x + right_x) / 2
-    half_width_of_drawing = (_SKETCH_WIDTH / 2 - _ROOM_AT_SIDES) * pixel
+    half_width_of_drawing = (_SKETCH_WIDTH / 2 - _ROOM_AT_SIDES) * length_per_pixel
     # a scale: first and last value [length], and where they lie [pixels, y downwards]
     x_scale = Scale(
         float(middle_x - half_width_of_drawing),
@@ -462,24 +462,25 @@ def _marks_of_plane(
     """
     roller_radius = 10.0 / 3
     hatch_length = 7.0  # along the line, and across it
-    first_point = np.array(start)
-    last_point = np.array(end)
+    # the line lies on the side of the body, or beyond the rollers
+    start_of_line = np.array(start)
+    end_of_line = np.array(end)
     outward_normal = np.array(outward)
     if has_rollers:
         fractions_of_side = np.linspace(0.08, 0.92, 7)[:, None]
-        points_on_side = first_point + fractions_of_side * (last_point - first_point)
+        points_on_side = start_of_line + fractions_of_side * (end_of_line - start_of_line)
         centres = points_on_side + outward_normal * roller_radius
         for x, y in centres:
             yield Dot(float(x), float(y), "roller", roller_radius)
-        first_point = first_point + outward_normal * 2 * roller_radius
-        last_point = last_point + outward_normal * 2 * roller_radius
-    length = np.hypot(*(last_point - first_point))
-    direction = (last_point - first_point) / length
-    n_hatches = max(int(length / 8), 4)
+        start_of_line = start_of_line + outward_normal * 2 * roller_radius
+        end_of_line = end_of_line + outward_normal * 2 * roller_radius
+    length_of_line = np.hypot(*(end_of_line - start_of_line))
+    direction_of_line = (end_of_line - start_of_line) / length_of_line
+    n_hatches = max(int(length_of_line / 8), 4)
     fractions_of_line = np.linspace(0, 1, n_hatches)[:, None]
-    starts_of_hatches = first_point + fractions_of_line * (last_point - first_point)
-    ends_of_hatches = starts_of_hatches + hatch_length * (outward_normal - direction)
-    yield Curve([first_point[0], last_point[0]], [first_point[1], last_point[1]], "wall")
+    starts_of_hatches = start_of_line + fractions_of_line * (end_of_line - start_of_line)
+    ends_of_hatches = starts_of_hatches + hatch_length * (outward_normal - direction_of_line)
+    yield Curve([start_of_line[0], end_of_line[0]], [start_of_line[1], end_of_line[1]], "wall")
     yield Segments(np.stack([starts_of_hatches, ends_of_hatches], axis=1), "curve hatch")
 
 

@@ -326,22 +326,25 @@ def _blocks_of_bar(
     is_judged
         whether lengths are multiples of the tolerance; else they are in per cent
     """
-    right_end = 0.0
-    left_end = 0.0
+    right_end_of_bar = 0.0
+    left_end_of_bar = 0.0
     unit = "of the tolerance" if is_judged else "%"
     for index, (length, name) in enumerate(zip(stack.lengths.tolist(), block_names, strict=True)):
         if length > 0:
-            start = right_end
-            right_end += length
+            start_of_block = right_end_of_bar
+            right_end_of_bar += length
         else:
-            start = left_end
-            left_end += length
+            start_of_block = left_end_of_bar
+            left_end_of_bar += length
         if length:
             # `minus`: with a real minus sign
             label = minus(f"{name}: {length:+.3g} {unit}")
-            ends = (start, start + length)
+            ends_of_block = (start_of_block, start_of_block + length)
             yield Block(
-                ends, (bottom_of_row + 0.14, bottom_of_row + 0.5), f"term-{index} edge", label
+                ends_of_block,
+                (bottom_of_row + 0.14, bottom_of_row + 0.5),
+                f"term-{index} edge",
+                label,
             )
 
 

@@ -456,8 +456,8 @@ def load_path(view: CycleView) -> Plate:
     if scene.friction.coefficient:
         keys.append(Key("cone", "|Q| = f P"))
     panels = [_panel_of_path(view, parts)]
-    for name, title, lines_of_panel in _lines_of_bulk_and_tilt(view):
-        panels.append(_panel_beneath_path(view, name, title, lines_of_panel))
+    for name, axis_words, lines_of_panel in _lines_of_bulk_and_tilt(view):
+        panels.append(_panel_beneath_path(view, name, axis_words, lines_of_panel))
         keys += [Key(line.css, line.text) for line in lines_of_panel]
     table: Table = {
         "time": np.concatenate([part.time for part in parts]),
@@ -527,10 +527,13 @@ def _ends_of_load_axes(parts: Sequence[_PathPart]) -> tuple[float, float, float]
     return end_of_p_axis, start_of_q_axis, end_of_q_axis
 
 
-def _panel_beneath_path(view: CycleView, name: str, title: str, lines: Sequence[_Line]) -> Panel:
+def _panel_beneath_path(
+    view: CycleView, name: str, axis_words: str, lines: Sequence[_Line]
+) -> Panel:
     """A low panel with lines over time (bulk stress, tilt or moment), beneath the load path. `name`
-    is that of the panel, `title` that of its vertical axis. `view` holds the axis of time. A line
-    has values (k,) at the instants, its text, and its class in the style sheet (`css`).
+    is that of the panel, `axis_words` are the words of its vertical axis. `view` holds the axis of
+    time. A line has values (k,) at the instants, its text, and its class in the style sheet
+    (`css`).
 
     `ZERO` is a line at 0.
     """
@@ -540,9 +543,9 @@ def _panel_beneath_path(view: CycleView, name: str, title: str, lines: Sequence[
     return Panel(
         name,
         view.over_time(),
-        Axis(*axis_limits(*values_of_lines, with_zero=True, margin=0.12), title, n_ticks=3),
+        Axis(*axis_limits(*values_of_lines, with_zero=True, margin=0.12), axis_words, n_ticks=3),
         marks,
-        f"{title} over time",
+        f"{axis_words} over time",
         height=190.0,
         time="x",
     )
@@ -595,7 +598,7 @@ class _Line(NamedTuple):
 
 def _lines_of_bulk_and_tilt(view: CycleView) -> Iterator[tuple[str, str, list[_Line]]]:
     """Lines over the cycle for what acts beside P and Q: bulk stress, tilt and moment, as far as
-    the scene has them. Each comes as name of a panel, title of its axis with the unit, and lines: a
+    the scene has them. Each comes as name of a panel, words of its axis with the unit, and lines: a
     class of the style sheet, a text, values (k,). `view.result_cycle` is the last cycle of the
     result; what the scene does not have is None in it. A moment that follows from a stated tilt has
     no line (`moment_is_given` is False).
@@ -822,7 +825,10 @@ def _datum_in_words(comparison: JudgedPair) -> str:
 
 
 def _loop_panel(
-    view: CycleView, name: str, letter_and_displacements: tuple[str, list[Array]], title: str
+    view: CycleView,
+    name: str,
+    letter_and_displacements: tuple[str, list[Array]],
+    words_of_displacement: str,
 ) -> Panel:
     """A panel of the tangential load Q over a displacement through the cycle, a loop for each
     engine.
@@ -839,8 +845,8 @@ def _loop_panel(
     letter_and_displacements
         letter of the displacement, U or V = U − k Q (without its elastic part); and its values in
         the reference and in the result, (k,) each
-    title
-        words of the axis of the displacement
+    words_of_displacement
+        words of its axis, with the unit
     """
     letter, displacements = letter_and_displacements
     loads = [view.reference_cycle.tangential_load, view.result_cycle.tangential_load]
@@ -851,10 +857,10 @@ def _loop_panel(
     # _LOOP_HEIGHT: 220 pixels
     panel = Panel(
         name,
-        Axis(*axis_limits(*displacements, margin=0.12), title, n_ticks=4),
+        Axis(*axis_limits(*displacements, margin=0.12), words_of_displacement, n_ticks=4),
         Axis(*axis_limits(*loads, margin=0.12), f"tangential load Q  [{load_unit(view.scene)}]"),
         marks,
-        f"Tangential load over {title}",
+        f"Tangential load over {words_of_displacement}",
         height=_LOOP_HEIGHT,
         notes=[note] if note else [],
     )

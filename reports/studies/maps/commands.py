@@ -175,9 +175,9 @@ def _answer_by_numbers(advice: Advice) -> Answer:
 
     def terminal_output() -> Iterator[Part]:
         """What the terminal shows of advice on half-plane theory for finite bodies: sentences, a
-        table of what the bodies change, and a table of the causes.
+        table of what the bodies change, and a table of the causes. Each is a `Part` of the output.
 
-        `parts` of the advice are cause -> its part of the change of the dissipation;
+        `advice.parts` are cause -> its part of the change of the dissipation;
         `neglected_part` is the size of the change by tilt, bulk strain and coupling that were not
         followed.
         """

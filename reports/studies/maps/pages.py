@@ -266,7 +266,7 @@ def figure(tables: Tables) -> Plate:
             legend_keys.append(Key(f"c{colour_number}{line_style}", line_in_words))
     panels = [_panel(tables, quantity, line_looks) for quantity in _quantities(tables, "kernels")]
     # _CAPTION: the sentences below the figure
-    # Plate: name, title, caption, description, panels, CSV table, legend, columns
+    # Plate: name, title, caption, description, panels, CSV table, legend, panels in a row
     return Plate(
         kind.name, kind.title, _CAPTION, _CAPTION, tuple(panels), {}, tuple(legend_keys), 2
     )
@@ -279,7 +279,8 @@ def _panel(
     height of the bodies, both logarithmic. It has a line for each width and friction in
     `line_looks`, which gives the number of its colour and its style.
 
-    `tables` has the kind of bodies, and the errors at the points of its map.
+    `tables` has the kind of bodies, and the errors at the points of its map. The `place` of a point
+    is its height, width and friction.
     """
     kind = tables.kind
     x_axis = Axis(

@@ -146,7 +146,7 @@ def _plate(
     for further_key in keys:
         legend[further_key.text] = further_key
     caption = fill_in(figure_words["text"], numbers)
-    # Plate: name, title, caption, description, panels, CSV table, legend, columns
+    # Plate: name, title, caption, description, panels, CSV table, legend, panels in a row
     return Plate(
         name,
         figure_words["title"],
@@ -247,12 +247,14 @@ def _marks_of_rotor() -> Iterator[Mark]:
     weight_angle = math.radians(35.0)
     direction_x = math.cos(weight_angle)
     direction_y = math.sin(weight_angle)
-    weight = (axle[0] + 0.55 * direction_x, axle[1] + 0.55 * direction_y)
+    place_of_weight = (axle[0] + 0.55 * direction_x, axle[1] + 0.55 * direction_y)
     force_tip = (axle[0] + 1.6 * direction_x, axle[1] + 1.6 * direction_y)
-    yield _line([axle[0], weight[0]], [axle[1], weight[1]], look="faint")
+    yield _line([axle[0], place_of_weight[0]], [axle[1], place_of_weight[1]], look="faint")
     yield from _text_at(*axle, "", dot=True)
-    yield _line(weight[0] + 0.1 * circle_x, weight[1] + 0.1 * circle_y, look="c1 broad-line")
-    yield Arrow(weight, force_tip, "c1")
+    weight_x = place_of_weight[0] + 0.1 * circle_x
+    weight_y = place_of_weight[1] + 0.1 * circle_y
+    yield _line(weight_x, weight_y, look="c1 broad-line")
+    yield Arrow(place_of_weight, force_tip, "c1")
     words_of_force = "turning force: P₁ cos ωt down,\nQ₁ cos(ωt − φ) along x"
     yield from _text_at(*force_tip, words_of_force, (72.0, 14.0), "1")
 
@@ -539,8 +541,9 @@ def _slip_events(case: Case) -> list[tuple[float, int]]:
 
 
 def _figure_4a(case: Case) -> Plate:
-    """Figure 4a: half-widths of contact and stick over the path of the normal load P, the sum of
-    all its changes, which grows where P falls too. The events are marked by their letters A to M.
+    """Figure 4a: half-widths of contact and stick over the travel of the normal load P, the sum of
+    the sizes of all its changes up to an instant. It grows where P falls too. The events are marked
+    by their letters A to M.
 
     `case` is the paper's ellipse of loads on one profile. Loads are over P0/3, a third of the mean
     normal load (`unit_load`); half-widths over the contact half-width at the mean load.
@@ -556,21 +559,21 @@ def _figure_4a(case: Case) -> Plate:
     # at which slip neither begins nor ends: so many instants come near enough to them.
     zones = _zones(case, slip_events, 181)
     normal_load = case.scaled_loads(zones.time)[0]
-    path_of_p = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(normal_load)))])
-    path_length_by_letter = {
-        letter: float(np.interp(case.time_of(letter), zones.time, path_of_p))
+    travel_of_p = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(normal_load)))])
+    travel_by_letter = {
+        letter: float(np.interp(case.time_of(letter), zones.time, travel_of_p))
         for letter in sorted(case.events)
     }
 
     # zones, with letters (_text_at) on the contact edge
-    marks = list(zones.marks(path_of_p))
-    for letter, path_length in path_length_by_letter.items():
-        marks += _text_at(path_length, case.half_width_at(letter), letter, (0.0, 9.0), dot=True)
-    x_axis = _axis_of_path(case, float(path_of_p[-1]), path_length_by_letter)
+    marks = list(zones.marks(travel_of_p))
+    for letter, travel in travel_by_letter.items():
+        marks += _text_at(travel, case.half_width_at(letter), letter, (0.0, 9.0), dot=True)
+    x_axis = _axis_of_path(case, float(travel_of_p[-1]), travel_by_letter)
     alt = "Half-widths over the path of P"
     # _HALF_WIDTH: axis of half-widths
     panel = _panel("figure_04a", x_axis, _HALF_WIDTH, marks, alt, (820.0, 420.0))
-    return _plate("figure_04a", [panel], zones.table(case, "way of P / (P0/3)", path_of_p))
+    return _plate("figure_04a", [panel], zones.table(case, "way of P / (P0/3)", travel_of_p))
 
 
 def _axis_of_path(

@@ -68,12 +68,11 @@ def _proof(
     Returns (whether it is proven, numbers by name): the relative errors of the mended formula
     ("right") and of the printed one ("printed"), with `numbers` added.
     """
-    errors = {
-        "right": _relative_error(mended_value, engine_value),
-        "printed": _relative_error(printed_value, engine_value),
-    }
-    return is_misprint_proven(errors["right"], errors["printed"]) and also_holds, {
-        **errors,
+    mended_error = _relative_error(mended_value, engine_value)
+    printed_error = _relative_error(printed_value, engine_value)
+    return is_misprint_proven(mended_error, printed_error) and also_holds, {
+        "right": mended_error,
+        "printed": printed_error,
         **numbers,
     }
 
@@ -281,21 +280,21 @@ def _corrective_load(
         """Largest difference of equation (2) from half-plane theory's shear, over the largest of
         the latter. A negative corrective load has no pressure.
         """
-        pressure = case.contact.pressure(x, normal_load)
+        pressure_difference = case.contact.pressure(x, normal_load)
         if corrective_load > 0:
-            pressure = pressure - case.contact.pressure(x, corrective_load)
-        largest_difference = np.max(np.abs(friction * pressure - engine_shear))
+            pressure_difference = pressure_difference - case.contact.pressure(x, corrective_load)
+        largest_difference = np.max(np.abs(friction * pressure_difference - engine_shear))
         return float(largest_difference / np.max(np.abs(engine_shear)))
 
-    errors = {
-        "right": error_with_load(normal_load - tangential_load / friction),
-        "printed": error_with_load(tangential_load - normal_load),
-        "sign turned only": error_with_load(normal_load - tangential_load),
-    }
+    mended_error = error_with_load(normal_load - tangential_load / friction)
+    printed_error = error_with_load(tangential_load - normal_load)
+    error_with_turned_sign = error_with_load(normal_load - tangential_load)
     # proven if the mended error is at most 1e-9 and both others above 1e-3
-    return is_misprint_proven(
-        errors["right"], min(errors["printed"], errors["sign turned only"])
-    ), errors
+    return is_misprint_proven(mended_error, min(printed_error, error_with_turned_sign)), {
+        "right": mended_error,
+        "printed": printed_error,
+        "sign turned only": error_with_turned_sign,
+    }
 
 
 def _sliding_condition(case: Case) -> VerdictAndNumbers:
@@ -537,7 +536,7 @@ class _SlipFromIToJ:
         #           friction, A = 2/E*, `factor` A f/pi
         """
 
-        def rate(time: Array) -> Array:
+        def slip_rate(time: Array) -> Array:
             """ds/dt of the slip s at the point x by the paper's equation (18)."""
             load_at_y = self.formulas.stick_edge_load("IJ", time)  # P_Y
             # dQ/dP from the multiplier (dQ/dP)/f - 1
@@ -549,7 +548,7 @@ class _SlipFromIToJ:
             arccosh_ratio = self.formulas.arccosh_ratio(self.x, load_at_y)  # arccosh(x/c)
             return multiplier * self.factor * load_rate * arccosh_ratio
 
-        return self.formulas.integral_while_slipping("IJ", self.x, rate)
+        return self.formulas.integral_while_slipping("IJ", self.x, slip_rate)
 
     def rate_as_printed(self, time: Array) -> Array:
         """ds/dt of the slip s by equation (14) as printed: with C dP/dt instead of C dP_Y/dt."""
@@ -638,8 +637,10 @@ def _slip_out_of_contact(case: Case) -> VerdictAndNumbers:
         half_width = case.contact.half_width(normal_load)
         integral_from_a = integral_from_c - formulas.arccosh_ratio(half_width, stick_edge_load)
         stick_edge_load_rate = formulas.stick_edge_load_rate("EG", time)
-        terms = 2 * stick_edge_load_rate * integral_from_c - normal_load_rate * integral_from_a
-        return slip_factor * terms  # A f/pi
+        sum_of_terms = (
+            2 * stick_edge_load_rate * integral_from_c - normal_load_rate * integral_from_a
+        )
+        return slip_factor * sum_of_terms  # A f/pi
 
     def rate_as_mended(time: Array) -> Array:
         """Rate of movement by equation (16) as mended."""
@@ -660,9 +661,9 @@ def _gap_for_slope(case: Case) -> VerdictAndNumbers:
     Equation (15) gives the slip of a point by an integral over the loads, with h_o in the
     integrand. The integrand is the slip by each load increment on the flat punch that sticks, of
     half-width c. Three readings of h_o are tried: the slope 1/sqrt(x^2 - c^2) of the gap that an
-    increment of load opens beside that punch; this gap itself; and the roller's gap x^2/(2 R). The
-    slip is taken from the event J to M, the second part of forward slip, at x = 0.8 a0; a0 is the
-    contact half-width at the mean load.
+    increment of load opens beside that punch; this gap itself; and the gap x^2/(2 R) of the roller,
+    here called "gap of the punch". The slip is taken from the event J to M, the second part of
+    forward slip, at x = 0.8 a0; a0 is the contact half-width at the mean load.
 
     With the slope the slip is that of half-plane theory (the engine). It also grows as that does
     where all lengths and loads are ten times as large, at the same stresses. With either gap it
@@ -721,25 +722,26 @@ def _slip_by_15(case: Case, x: float, reading: str) -> float:
     formulas = Formulas(case)  # the paper's equations, with their misprints mended
     radius = case.scene.profile.model_dump()["radius"]
 
-    def rate(time: Array) -> Array:
+    def scaled_slip_rate(time: Array) -> Array:
         """ds/dt of the slip s at the point x over A f/pi: h_o C dP/dt by the paper's equation (15),
         with what `reading` says of h_o. C is the paper's multiplier, c the half-width of the stick
         zone; forward slip is in its second part, from event J to M.
         """
         # the normal load whose contact half-width is c
         stick_edge_load = formulas.stick_edge_load("JM", time)
-        c = np.asarray(case.contact.half_width(stick_edge_load))
+        stick_half_width = np.asarray(case.contact.half_width(stick_edge_load))
         arccosh_ratio = formulas.arccosh_ratio(x, stick_edge_load)  # arccosh(x/c)
         integrals = {
             "slope": arccosh_ratio,
-            "gap of the increment": x * arccosh_ratio - np.sqrt(np.maximum(x**2 - c**2, 0.0)),
-            "gap of the punch": (x**3 - c**3) / (6 * radius),
+            "gap of the increment": x * arccosh_ratio
+            - np.sqrt(np.maximum(x**2 - stick_half_width**2, 0.0)),
+            "gap of the punch": (x**3 - stick_half_width**3) / (6 * radius),
         }
         # C dP/dt times h_o
         return formulas.multiplied_load_rate("JM", time) * integrals[reading]
 
     slip_factor = case.compliance * case.friction / math.pi  # A f/pi
-    return slip_factor * formulas.integral_while_slipping("JM", x, rate)
+    return slip_factor * formulas.integral_while_slipping("JM", x, scaled_slip_rate)
 
 
 def _stick_displacement(hertz_case: Case) -> VerdictAndNumbers:
@@ -767,25 +769,25 @@ def _stick_displacement(hertz_case: Case) -> VerdictAndNumbers:
         time_of_g = case.time_of("G")
         time_of_h = case.time_of("H")
 
-        def rate(time: Array) -> Array:
+        def integrand(time: Array) -> Array:
             """dQ/dt arccosh(x/a), a the contact half-width."""
             normal_load, _ = formulas.loads(time)
             _, tangential_rate = formulas.rates(time)
             return tangential_rate * formulas.arccosh_ratio(x, normal_load)
 
-        integral_of_17 = integral(rate, time_of_g, time_of_h)
+        integral_of_17 = integral(integrand, time_of_g, time_of_h)
         engine_displacement = formulas.engine_slip(x, time_of_g, time_of_h)  # between these times
         return case.compliance / math.pi * integral_of_17 / engine_displacement
 
     ratios = {friction: mended_over_engine(friction) for friction in (1.0, 0.6)}
     printed_ratios = {friction: 2 * friction * ratio for friction, ratio in ratios.items()}
-    errors = {
-        "right": max(abs(ratio - 1) for ratio in ratios.values()),
-        "printed": min(abs(ratio - 1) for ratio in printed_ratios.values()),
-    }
+    mended_error = max(abs(ratio - 1) for ratio in ratios.values())
+    printed_error = min(abs(ratio - 1) for ratio in printed_ratios.values())
     # proven if the mended error is at most 1e-9 and the printed one above 1e-3
-    return is_misprint_proven(errors["right"], errors["printed"]), errors | {
-        f"factor at f = {friction}": ratio for friction, ratio in printed_ratios.items()
+    return is_misprint_proven(mended_error, printed_error), {
+        "right": mended_error,
+        "printed": printed_error,
+        **{f"factor at f = {friction}": ratio for friction, ratio in printed_ratios.items()},
     }
 
 
@@ -827,14 +829,14 @@ class _PartsOfWork:
         #           multiplier of the paper's equation (14)
         """
 
-        def rate(time: Array) -> Array:
+        def integrand(time: Array) -> Array:
             """Integrand over time: `root_factor` is what all readings of the equation share."""
             stick_edge_load = self.formulas.stick_edge_load(phase, time)
             arccosh_ratio = self.formulas.arccosh_ratio(self.x, stick_edge_load)
             load_rate = np.abs(self.formulas.multiplied_load_rate(phase, time))
             return self.root_factor(time) * load_rate * arccosh_ratio
 
-        return self.formulas.integral_while_slipping(phase, self.x, rate)
+        return self.formulas.integral_while_slipping(phase, self.x, integrand)
 
     def with_multiplier_as_c(self, phase: str, length_unit: float) -> float:
         """Part of W(x), the work per area, in a phase of slip ("EG", "IJ" or "JM"), with the
@@ -845,14 +847,14 @@ class _PartsOfWork:
         scene's own unit.
         """
 
-        def rate(time: Array) -> Array:
+        def integrand(time: Array) -> Array:
             """Integrand over time: `root_factor` is what all readings of the equation share."""
             ratio = length_unit * self.x / np.abs(self.formulas.multiplier_c(phase, time))
             arccosh_ratio = np.arccosh(np.maximum(ratio, 1.0))
             load_rate = np.abs(self.formulas.multiplied_load_rate(phase, time))  # |C dP/dt|
             return self.root_factor(time) * load_rate * arccosh_ratio
 
-        return self.formulas.integral_while_slipping(phase, self.x, rate)
+        return self.formulas.integral_while_slipping(phase, self.x, integrand)
 
     def time_with_real_arccosh(self, phase: str) -> float:
         """How long x/|C| is at least 1 while x slips, so that its arccosh is a real number."""
@@ -868,7 +870,7 @@ class _PartsOfWork:
         # notation: c half-width of the stick zone, C multiplier of the paper's equation (14)
         """
 
-        def rate(time: Array) -> Array:
+        def integrand(time: Array) -> Array:
             """Integrand over time: `root_factor` is what all readings of the equation share."""
             load_rate, _ = self.formulas.rates(time)  # dP/dt
             # the normal load whose contact half-width is c
@@ -877,7 +879,7 @@ class _PartsOfWork:
             multiplier = self.formulas.multiplier_c(phase, time)
             return -self.root_factor(time) * arccosh_ratio * multiplier * load_rate
 
-        return self.formulas.integral_while_slipping(phase, self.x, rate)
+        return self.formulas.integral_while_slipping(phase, self.x, integrand)
 
 
 def _misprints_of_work(case: Case, x: float) -> dict[str, VerdictAndNumbers]:
@@ -959,7 +961,7 @@ def _integral_over_face(case: Case) -> VerdictAndNumbers:
     )
     # twice: W(x) is even, and the integral is over x > 0
     dissipation = 2 * sum(parts_of_work) * case.unit_work
-    error = _relative_error(dissipation, case.steady_cycle.dissipation)
+    error_of_integral = _relative_error(dissipation, case.steady_cycle.dissipation)
 
     # AGREEMENT_TOLERANCE: 1e-9
     powers_hold = (
@@ -967,6 +969,10 @@ def _integral_over_face(case: Case) -> VerdictAndNumbers:
         and abs(power_of_work - 2) <= AGREEMENT_TOLERANCE
     )
     return (
-        error <= AGREEMENT_TOLERANCE and powers_hold,
-        {"power of W(x)": power_of_density, "power of (11)": power_of_work, "right": error},
+        error_of_integral <= AGREEMENT_TOLERANCE and powers_hold,
+        {
+            "power of W(x)": power_of_density,
+            "power of (11)": power_of_work,
+            "right": error_of_integral,
+        },
     )

@@ -281,9 +281,9 @@ def _residual_tractions(case: Case) -> VerdictAndNumbers:
         largest_beyond_t,
     )
     slip_is_as_stated = largest_of_zeros <= _ROUNDING_ERROR < slip_numbers["slip beyond a(P_Z)"]
-    centre_is_free = abs(centre_over_z) <= _ROUNDING_ERROR
+    centre_is_without_traction = abs(centre_over_z) <= _ROUNDING_ERROR
     return verdict_of_condition(
-        slip_is_as_stated and centre_is_free, nearly_holds=slip_is_as_stated
+        slip_is_as_stated and centre_is_without_traction, nearly_holds=slip_is_as_stated
     ), {
         "a(P_Z)/a0": float(half_width_z),
         "a(P_T)/a0": float(half_width_t),

@@ -322,7 +322,7 @@ class _QuantityFigure:
             caption = (
                 f"{number(float(self.value[0]))}: the sweep has one point on every axis of numbers"
             )
-            # Plate: name, title, caption, description, panels, CSV table, legend, columns
+            # Plate: name, title, caption, description, panels, CSV table, legend, panels in a row
             return Plate(stem, title, caption, caption, (), csv_columns)
 
         # for the first six combinations (_MOST_PANELS), which rows belong to them

@@ -201,11 +201,11 @@ class Dask:
                 f"{self._option}: the scheduler has no worker: start some, then start the sweep"
                 " again"
             ) from reason
-        threads = [
+        threads_of_workers = [
             int(worker["nthreads"])
             for worker in client.scheduler_info(n_workers=-1)["workers"].values()
         ]
-        self.width = self._requested_width or max(1, sum(threads))
+        self.width = self._requested_width or max(1, sum(threads_of_workers))
         self.executor = client.get_executor(pure=False)
 
     def stop(self, *, at_once: bool) -> None:

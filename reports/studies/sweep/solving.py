@@ -602,11 +602,11 @@ def _solve_finite_elements(question: Question) -> tuple[FiniteElementSolution, d
     """
     import halfplane_fe
 
-    load_path = question.scene.load
+    load = question.scene.load
     notes: dict[str, str] = {}
-    if question.share_condensations and (load_path.tilt is not None or load_path.moment_is_given):
+    if question.share_condensations and (load.tilt is not None or load.moment_is_given):
         notes = {"": "the contact moves with the tilt; solved on bodies of its own"}
-    elif question.share_condensations and load_path.states_approach:
+    elif question.share_condensations and load.states_approach:
         notes = {"": "the load follows from the approach; solved on bodies of its own"}
     elif question.share_condensations:
         try:

@@ -90,21 +90,21 @@ class ThirdSolver:
         """Titles of the columns."""
         return ("quantity", "half-plane theory", "our finite elements", self.code)
 
-    def rows(self, comparison: Comparison) -> list[tuple[str, ...]]:
+    def rows(self, comparison_of_elements: Comparison) -> list[tuple[str, ...]]:
         """Rows of the table of three solvers: half-plane theory, our finite elements and CalculiX.
         They have a few values of each, errors against theory, and the time of the run; "–" where
         there is no value.
 
-        `comparison` is that of our finite elements with theory (`reference`); `self.comparison` is
-        that of CalculiX with theory, None where it failed.
+        `comparison_of_elements` is that of our finite elements with theory (`reference`);
+        `self.comparison` is that of CalculiX with theory, None where it failed.
         """
         # values, each with a function that takes it from a solution
         third_comparison = self.comparison
-        solutions = [comparison.reference, comparison.result]
+        solutions = [comparison_of_elements.reference, comparison_of_elements.result]
         if third_comparison:
             solutions.append(third_comparison.result)
         table_rows: list[tuple[str, ...]] = []
-        for name, unit, value_of_solution in _compared_values(comparison.scene):
+        for name, unit, value_of_solution in _compared_values(comparison_of_elements.scene):
             values = [value_of_solution(solution) for solution in solutions]
             values += [math.nan] * (3 - len(values))
             cells = [number(value) if math.isfinite(value) else "–" for value in values]
@@ -119,7 +119,7 @@ class ThirdSolver:
             "contact_edge",
             "stick_edge",
         ):
-            metric = comparison.metric(key)
+            metric = comparison_of_elements.metric(key)
             table_rows.append(
                 (
                     f"{metric.label}: error",
@@ -131,7 +131,7 @@ class ThirdSolver:
 
         # times; `work.seconds`: of each stage of a solution
         time_cells = []
-        for solution in (comparison.reference, comparison.result):
+        for solution in (comparison_of_elements.reference, comparison_of_elements.result):
             seconds = sum(solution.work.seconds.values())
             time_cells.append(f"{seconds:.2f}" if seconds else "–")
         time_cells.append(f"{self.run_record.seconds:.1f}" if self.run_record else "–")
@@ -160,13 +160,13 @@ class ThirdSolver:
     def _notes(self) -> list[str]:
         return [*self.guesses, *self.comparison.result.record.notes] if self.comparison else []
 
-    def page_words(self, comparison: Comparison) -> dict[str, Any]:
-        """The texts that the block of a page on CalculiX is filled with, by name. `comparison` is
-        that of our finite elements with theory.
+    def page_words(self, comparison_of_elements: Comparison) -> dict[str, Any]:
+        """The texts that the block of a page on CalculiX is filled with, by name.
+        `comparison_of_elements` is that of our finite elements with theory.
         """
         # why it failed, or how the run went; then known limits
         first_sentence, *limits = self.sentences
-        table = {"heads": self.heads, "rows": self.rows(comparison)}
+        table = {"heads": self.heads, "rows": self.rows(comparison_of_elements)}
         return {
             **table,
             "told": first_sentence,
@@ -175,14 +175,14 @@ class ThirdSolver:
             "notes": self._notes,
         }
 
-    def as_json(self, comparison: Comparison) -> str:
+    def as_json(self, comparison_of_elements: Comparison) -> str:
         """The content of the file third.json: values and metrics of theory, our finite elements and
         CalculiX side by side, the deck, the run, known limits and notes; strict JSON.
 
-        `comparison` is that of our finite elements with theory (`reference`); `self.comparison` is
-        that of CalculiX with theory, None where it failed. The deck is CalculiX' input:
-        `node_count` is that of both meshes, `stiffness` is pressure per penetration, `stick_slope`
-        shear per elastic slip.
+        `comparison_of_elements` is that of our finite elements with theory (`reference`);
+        `self.comparison` is that of CalculiX with theory, None where it failed. The deck is
+        CalculiX' input: `node_count` is that of both meshes, `stiffness` is pressure per
+        penetration, `stick_slope` shear per elastic slip.
         """
         deck = self.deck
         third_comparison = self.comparison
@@ -192,11 +192,11 @@ class ThirdSolver:
 
         # a few values, each with a function that takes it from a solution
         values_by_name = {}
-        for name, unit, value_of_solution in _compared_values(comparison.scene):
+        for name, unit, value_of_solution in _compared_values(comparison_of_elements.scene):
             values_by_name[name] = {
                 "unit": unit,
-                "theory": value_of_solution(comparison.reference),
-                "ours": value_of_solution(comparison.result),
+                "theory": value_of_solution(comparison_of_elements.reference),
+                "ours": value_of_solution(comparison_of_elements.result),
                 "third": value_of_solution(third_comparison.result) if third_comparison else None,
             }
         content = {
@@ -215,7 +215,7 @@ class ThirdSolver:
             "figures": values_by_name,
             "metrics": {
                 metric.key: {"ours": metric.value, "third": third_metrics.get(metric.key)}
-                for metric in comparison.metrics
+                for metric in comparison_of_elements.metrics
             },
             "limits": _limits_in_words(deck),
             "notes": self._notes,
@@ -511,7 +511,7 @@ def _limits_in_words(deck: Deck) -> list[str]:
     # over a, so that penetration and creep are in a
     mean_pressure_over_a = deck.mean_pressure / deck.scales.half_width
     load_of_cycle = deck.normal_load[deck.time >= path.cycle_start]
-    load_varies = (
+    has_friction_under_varying_load = (
         friction_coefficient
         and path.period is not None
         and np.ptp(load_of_cycle) > 1e-9 * load_of_cycle.max()
@@ -522,7 +522,9 @@ def _limits_in_words(deck: Deck) -> list[str]:
     penetration = mean_pressure_over_a / deck.stiffness
     creep = friction_coefficient * mean_pressure_over_a / deck.stick_slope
     # a template of sentences, one a line
-    limits_in_words = words_of("limits_of_calculix")(penetration, creep, load_varies, far_radius)
+    limits_in_words = words_of("limits_of_calculix")(
+        penetration, creep, has_friction_under_varying_load, far_radius
+    )
     return [line.strip() for line in str(limits_in_words).split("\n") if line.strip()]
 
 

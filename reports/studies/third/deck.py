@@ -481,7 +481,7 @@ def _body(
     nodes_by_boundary = {
         boundary: mesh.mesh.facets[:, facets] for boundary, facets in mesh.mesh.boundaries.items()
     }
-    # the left and the right end of a block that bulk stress pulls
+    # the left and the right end of a block that bulk stress pulls; both are the boundary "sides"
     pulled_ends: tuple[Indices, ...] = ()
     if mesh.supports.get("sides") == "pulled":
         facets_of_ends = nodes_by_boundary["sides"]
