@@ -1149,8 +1149,8 @@ def _rows_of_load_cycles(solution: ContactSolution) -> Iterator[tuple[str, str]]
     yield f"dissipation over their number [{unit}]", f"{cycles.per_cycle:.8g}"
     last_cycle = cycles.last_whole
     if last_cycle is not None:
-        period = f"time {last_cycle.start:.6g} to {last_cycle.end:.6g}"
-        label = f"dissipation of the last whole cycle, {period} [{unit}]"
+        times_in_words = f"time {last_cycle.start:.6g} to {last_cycle.end:.6g}"
+        label = f"dissipation of the last whole cycle, {times_in_words} [{unit}]"
         yield label, f"{last_cycle.dissipation:.8g}"
 
 

@@ -92,7 +92,8 @@ def survey(solution: FiniteElementSolution, criteria: Criteria) -> pd.DataFrame:
     Columns: body; x in theory and x in finite elements [length]; y, positive out of the lower body,
     0 for averages over depth [length]; each measure, which is a stress or a strain of the whole
     cycle, by both engines (`ENGINES`). `criteria` has the constants of the measures, and the
-    critical distance, a depth over which the stress is averaged; points are taken if it is None.
+    critical distance, a depth over which the stress is averaged; if it is None the stress is taken
+    at points.
 
     Both engines are evaluated at the same places relative to their own contact at the instant of
     the largest tension. So the contact edges, where stress has an infinite slope, are among the

@@ -197,8 +197,8 @@ def _surface_columns(
     }
     times = _times_of_frames(frames)
     if times is not None:
-        frame_of_row = surface_columns["frame"].astype(int)
-        surface_columns["time"] = converted_values(mapping, "time", times)[frame_of_row]
+        frame_index_of_row = surface_columns["frame"].astype(int)
+        surface_columns["time"] = converted_values(mapping, "time", times)[frame_index_of_row]
     elif len(frames) > 1:
         n_steps = len({step for step, _ in frames})
         notes.append(

@@ -272,13 +272,13 @@ class _Lines(Iterator[str]):
         n_announced = self.whole_number(
             header[24:36], "the count of records in columns 25 to 36", header_line
         )
-        format_number = self.whole_number(
+        form_number = self.whole_number(
             header[73:].strip()[:1] or "1", "the form of the block (0 or 1)", header_line
         )
         # forms whose node numbers have 5 characters (0) or 10 (1)
-        if format_number not in _CHARACTERS_OF_LABEL:
+        if form_number not in _CHARACTERS_OF_LABEL:
             raise InputError(
-                f"{self.path}: line {header_line}: the file is binary (form {format_number}), and"
+                f"{self.path}: line {header_line}: the file is binary (form {form_number}), and"
                 " only the ASCII forms are read; write *NODE FILE, *EL FILE and *CONTACT FILE in"
                 " place of *NODE OUTPUT, *ELEMENT OUTPUT and *CONTACT OUTPUT"
             )
@@ -294,7 +294,7 @@ class _Lines(Iterator[str]):
                     raise self.error_expecting(
                         f"{n_announced} {noun} as announced here, found {len(records)}", header_line
                     )
-                return _CHARACTERS_OF_LABEL[format_number], records
+                return _CHARACTERS_OF_LABEL[form_number], records
             else:
                 raise self.error_expecting(
                     "the head of a record (-1), then its rest (-2), or the end of the block (-3),"
@@ -587,8 +587,8 @@ def _pair_force(
 def _printed_table(
     reader: _Lines, lines: Sequence[str], title_line: int, title: re.Match[str]
 ) -> DatTable:
-    """A table printed in a .dat file: numbers of nodes, elements or faces (n, n_ids), and values
-    (n, n_values).
+    """A table printed in a .dat file: ids (n, n_ids), which are CalculiX's numbers of nodes,
+    elements or element faces; and values (n, n_values).
 
     It begins below the title and blank lines, and ends before the next blank line or title.
     InputError for a row of another length.
@@ -609,7 +609,7 @@ def _printed_table(
     column_names = title["columns"].split(",")
     first_name = column_names[0].strip()
     n_values = len(column_names)
-    # columns "slave node" or "slave element+face": one number or two, then values
+    # columns "slave node" or "slave element+face": one id or two, then values
     if first_name in _N_IDS_BY_NAME:
         n_values -= 1
         n_ids = _N_IDS_BY_NAME[first_name]

@@ -143,14 +143,14 @@ class Discrepancy:
             return float("nan")
         result_pressure = self.result_tractions[PRESSURE][self.is_loaded]
         reference_pressure = self.reference_tractions[PRESSURE][self.is_loaded]
-        result_sums = np.trapezoid(result_pressure, self.x, axis=1)
-        reference_sums = np.trapezoid(reference_pressure, self.x, axis=1)
-        ratio_to_load = float(np.median(result_sums / self.normal_load[self.is_loaded]))
+        result_integrals = np.trapezoid(result_pressure, self.x, axis=1)
+        reference_integrals = np.trapezoid(reference_pressure, self.x, axis=1)
+        ratio_to_load = float(np.median(result_integrals / self.normal_load[self.is_loaded]))
         # whether the first or the last point carries pressure of the reference
         reference_is_cut_off = self._ends_in_contact(self.reference_tractions)
         if reference_is_cut_off and not self._ends_in_contact(self.result_tractions):
             return ratio_to_load
-        ratio_to_reference = float(np.sum(result_sums) / np.sum(reference_sums))
+        ratio_to_reference = float(np.sum(result_integrals) / np.sum(reference_integrals))
         return min((ratio_to_load, ratio_to_reference), key=lambda ratio: abs(ratio - 1))
 
     def _ends_in_contact(self, tractions: Tractions) -> bool:

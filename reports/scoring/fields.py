@@ -83,6 +83,7 @@ def read_fields(path: Path, mapping: Mapping) -> SurfaceResult:
         path, frames[0], mapping, source.names_of_tractions
     )
     field_names, notes_on_slip = _fields_to_read(source, mesh, mapping)
+    # `body`: whose face the surface is, "lower" or "upper"
     surface_points, body, notes_on_surface = _surface_points(path, mesh, mapping)
 
     # values at the surface, at every instant, in the scene's unit and sign

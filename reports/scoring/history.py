@@ -137,7 +137,7 @@ def _history_by_resultants(surface: SurfaceResult, scene: Scene) -> History:
 
     # notation: P normal load
     """
-    source_in_words = "the integrals of its pressure and shear over x"
+    origin_of_loads = "the integrals of its pressure and shear over x"
     if not surface.has_shear and not has_no_tangential_load(scene):
         raise InputError(
             f"{surface.source}: without a shear the pressure alone does not say which instant is"
@@ -145,40 +145,38 @@ def _history_by_resultants(surface: SurfaceResult, scene: Scene) -> History:
             " P and Q"
         )
     if not surface.has_shear:
-        source_in_words = "the integral of its pressure over x, with Q = 0 as throughout the scene"
+        origin_of_loads = "the integral of its pressure over x, with Q = 0 as throughout the scene"
         surface = replace(surface, shear=read_only_copy(np.zeros_like(surface.pressure)))
     # (n_steps,) each; a load P that is stated takes the place of its integral
     normal_load, tangential_load = resultants(surface)
     if surface.normal_load is not None:
         normal_load = surface.normal_load
 
-    def history_with_sign(sign: float, origin_in_words: str) -> History | None:
+    def history_with_sign(sign: float, trial_origin: str) -> History | None:
         """The history found with the shear multiplied by `sign`, 1 or -1; None where the loads do
-        not follow the path then. `origin_in_words` says where the loads come from.
+        not follow the path then. `trial_origin` says where the loads come from.
         """
         loads = (normal_load, sign * tangential_load)
         try:
-            return _history_by_loads(
-                surface, scene, loads, _LARGEST_MISFIT_OF_SUMS, origin_in_words
-            )
+            return _history_by_loads(surface, scene, loads, _LARGEST_MISFIT_OF_SUMS, trial_origin)
         except InputError:
             return None
 
     shear_sign = 1.0
     loads = (normal_load, tangential_load)
     try:
-        history = _history_by_loads(surface, scene, loads, _LARGEST_MISFIT_OF_SUMS, source_in_words)
+        history = _history_by_loads(surface, scene, loads, _LARGEST_MISFIT_OF_SUMS, origin_of_loads)
     except InputError:
         # Shear on the other body: matched all the same, and scored as it is, with a sentence.
         shear_sign = -1.0
         history_with_turned_shear = history_with_sign(
-            shear_sign, f"{source_in_words}, the latter turned"
+            shear_sign, f"{origin_of_loads}, the latter turned"
         )
         if history_with_turned_shear is None:
             raise
         history = history_with_turned_shear
     # subtract the error of the rule on these points
-    corrected_in_words = f"{source_in_words}, less what that misses of theory"
+    origin_of_corrected_loads = f"{origin_of_loads}, less what that misses of theory"
     for _ in range(_N_CORRECTIONS):
         # error of the trapezoidal rule on these points, by theory at these times
         error_of_normal_load, error_of_tangential_load = _errors_of_rule(surface, scene, history)
@@ -188,14 +186,14 @@ def _history_by_resultants(surface: SurfaceResult, scene: Scene) -> History:
         corrected_tangential_load = shear_sign * tangential_load - error_of_tangential_load
         loads = (corrected_normal_load, corrected_tangential_load)
         history = _history_by_loads(
-            surface, scene, loads, _LARGEST_MISFIT_OF_SUMS, corrected_in_words
+            surface, scene, loads, _LARGEST_MISFIT_OF_SUMS, origin_of_corrected_loads
         )
     # a shear whose integral exceeds 5 % of the largest P
     has_resultant_shear = float(np.max(np.abs(tangential_load))) > _LARGEST_MISFIT_OF_SUMS * float(
         np.max(normal_load)
     )
     has_either_sign = (
-        has_resultant_shear and history_with_sign(-shear_sign, source_in_words) is not None
+        has_resultant_shear and history_with_sign(-shear_sign, origin_of_loads) is not None
     )
     return replace(history, has_either_sign=has_either_sign)
 
@@ -373,21 +371,21 @@ def _hint_on_constant_ratio(
 
 # --------------------------------------------------------------------------- by the loads, in order
 def _history_by_loads(
-    surface: SurfaceResult, scene: Scene, loads: Loads, largest_misfit: float, source_in_words: str
+    surface: SurfaceResult, scene: Scene, loads: Loads, largest_misfit: float, origin_of_loads: str
 ) -> History:
     """Find the instants of an external result (`surface`) on the load path by their loads P and Q,
     in order along the path; where every instant lies on the cycle, in its last one. Returns times
     and loads of the path, and notes.
 
     InputError where an instant is farther from the path than `largest_misfit` times the largest P
-    of the path, or where no instant has more than a two-hundredth of that. `source_in_words` says
+    of the path, or where no instant has more than a two-hundredth of that. `origin_of_loads` says
     where the loads come from. `loads` are P and Q of the instants, (n_steps,) each.
     """
     path = scene.load.path()
     largest_normal_load = float(np.max(path.at(_sample_times(path, 1))[0]))
     if np.max(loads[0]) <= _LARGEST_MISFIT_OF_LOADS * largest_normal_load:
         raise InputError(
-            f"{surface.source}: its largest P is {np.max(loads[0]):.4g} (from {source_in_words})"
+            f"{surface.source}: its largest P is {np.max(loads[0]):.4g} (from {origin_of_loads})"
             f" and the scene's {largest_normal_load:.4g}: too little to tell its instants by; see"
             " to thickness and factors of the mapping, or state the times"
         )
@@ -400,14 +398,14 @@ def _history_by_loads(
         instant = int(np.flatnonzero(relative_distances > largest_misfit)[0])
         raise InputError(
             f"{surface.source}: its history is not the scene's: at instant {instant + 1} P ="
-            f" {loads[0][instant]:.6g} and Q = {loads[1][instant]:.6g} (from {source_in_words}),"
+            f" {loads[0][instant]:.6g} and Q = {loads[1][instant]:.6g} (from {origin_of_loads}),"
             f" and the nearest that the scene's path has, in order, is P ="
             f" {normal_load_of_path[instant]:.6g} and Q ="
             f" {tangential_load_of_path[instant]:.6g} at time {time[instant]:.6g}"
             f"{_hint_on_constant_ratio(loads[0], normal_load_of_path, largest_normal_load)}"
         )
     notes = [
-        f"its instants were matched to the load path by {source_in_words}; the farthest is"
+        f"its instants were matched to the load path by {origin_of_loads}; the farthest is"
         f" {misfit:.1e} of the largest P away",
         *_notes_on_other_places(time, scene),
     ]

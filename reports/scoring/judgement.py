@@ -597,7 +597,7 @@ class Judgement:
         ]
         if "other_times" in fit.keys:  # P of another instant: the sum has no known value
             return False
-        # integral of the result's pressure over P
+        # that sum over P
         measured_ratio = self.discrepancy.resultant_ratio
         reason = f"the sum of the pressures is {measured_ratio:.4g} P"
         # the sum differs from P by more than 5 %

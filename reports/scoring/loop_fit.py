@@ -115,7 +115,7 @@ class LoopRows:
         )
 
     def fitted_rig(
-        self, displacement: Array, is_counted: NDArray[np.bool_] | None = None
+        self, theory_displacement: Array, is_counted: NDArray[np.bool_] | None = None
     ) -> tuple[float, float]:
         """The rig that fits the rows of a measured loop best: compliance C [1/stress] and origin U0
         [length] of U = U_theory + C Q + U0, by linear least squares. C is the stated one,
@@ -123,16 +123,18 @@ class LoopRows:
 
         Parameters
         ----------
-        displacement
+        theory_displacement
             (n,) U of theory at the rows
         is_counted
             (n,) which of the rows count; all of them by default
 
         # notation: Q tangential load, U relative tangential displacement
         """
-        is_used = np.ones(len(displacement), dtype=bool) if is_counted is None else is_counted
+        is_used = (
+            np.ones(len(theory_displacement), dtype=bool) if is_counted is None else is_counted
+        )
         # measured U minus theory's: what the rig adds
-        rig_displacement = (self.displacement - displacement)[is_used]
+        rig_displacement = (self.displacement - theory_displacement)[is_used]
         load = self.load[is_used]
         if self.compliance is not None:
             return self.compliance, float(np.mean(rig_displacement - self.compliance * load))

@@ -88,7 +88,7 @@ def sentences_on_scale(load_scale: float) -> list[str]:
 
 def fit_rig(
     loop: MeasuredLoop,
-    displacement: Array,
+    theory_displacement: Array,
     fraction_of_cycle: Array,
     load_of_cycle: Array,
     load_scale: float,
@@ -102,7 +102,7 @@ def fit_rig(
     ----------
     loop
         U and Q of the n rows
-    displacement, load_of_cycle
+    theory_displacement, load_of_cycle
         (n_instants,) U of theory, and r Q(t) of the scene, through one cycle
     fraction_of_cycle
         (n,) fraction of the cycle that has passed at each row
@@ -115,10 +115,10 @@ def fit_rig(
     """
     # SHARES_OF_CYCLE: the instants of the cycle, from 0 to 1
     load_at_rows = np.interp(fraction_of_cycle, SHARES_OF_CYCLE, load_of_cycle)
-    displacement_of_theory = load_scale * np.interp(
-        fraction_of_cycle, SHARES_OF_CYCLE, displacement
+    scaled_theory_displacement = load_scale * np.interp(
+        fraction_of_cycle, SHARES_OF_CYCLE, theory_displacement
     )
-    displacement_of_rig = loop.displacement - displacement_of_theory
+    displacement_of_rig = loop.displacement - scaled_theory_displacement
     if rig_compliance is not None:
         displacement_of_rig = displacement_of_rig - rig_compliance * load_at_rows
         origin = float(np.mean(displacement_of_rig))

@@ -419,7 +419,7 @@ def _best_alignment(
         raise InputError("the scene's Q stands still: there is no loop")
     amplitude = float(np.ptp(load_of_cycle) / 2)
 
-    def misfit(frequency_and_phase: tuple[float, float] | Array) -> float:
+    def misfit_as_force(frequency_and_phase: tuple[float, float] | Array) -> float:
         """Root mean square of Q of the rows minus the best fit of the scene's Q."""
         frequency, phase = frequency_and_phase
         return _alignment_at(loop, load_of_cycle, frequency, phase).misfit
@@ -427,12 +427,12 @@ def _best_alignment(
     # frequencies of the cycle, and that at which the spectrum of Q is highest
     frequencies, peak_frequency = _trial_frequencies(loop, least_cycles)
     trials = [(frequency, phase) for frequency in frequencies for phase in np.arange(24) / 24]
-    best_trial = min(trials, key=misfit)
+    best_trial = min(trials, key=misfit_as_force)
     frequency, phase = _refined_frequency_and_phase(
-        misfit, best_trial, peak_frequency, loop.time[-1], 1e-12 * amplitude
+        misfit_as_force, best_trial, peak_frequency, loop.time[-1], 1e-12 * amplitude
     )
     alignment = _alignment_at(loop, load_of_cycle, frequency, phase)
-    # from a force to a share of the amplitude
+    # from a force per thickness to a share of the amplitude of Q
     return alignment._replace(misfit=alignment.misfit / (abs(alignment.load_scale) * amplitude))
 
 

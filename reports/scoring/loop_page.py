@@ -157,8 +157,8 @@ def _figure_of_loop(score: LoopScore, means: _Means, caption_numbers: dict[str, 
     Parameters
     ----------
     score
-        the rows; `loops`, a row of values for each loop, of which the first is the measured one and
-        the second the best fit; `curves`, U and Q of the computed loops
+        the measured rows; `loops`, a table row for each loop, of which the first is the measured
+        one and the second the best fit; `curves`, U and Q of the computed loops
     means
         means of U and Q over neighbouring rows, (k,) each, drawn as dots
     caption_numbers
@@ -170,12 +170,12 @@ def _figure_of_loop(score: LoopScore, means: _Means, caption_numbers: dict[str, 
     unit_of_load = load_unit(score.scene)
     best_fit = score.loops[1]
     slope = best_fit.slope
-    mean_offset = float(np.mean(score.displacement - slope * score.load))
-    dot_heights = means.displacement - slope * means.load - mean_offset
-    curves = [
+    offset_of_all_rows = float(np.mean(score.displacement - slope * score.load))
+    dot_heights = means.displacement - slope * means.load - offset_of_all_rows
+    drawn_curves = [
         Curve(
             curve.load,
-            curve.displacement - slope * curve.load - mean_offset,
+            curve.displacement - slope * curve.load - offset_of_all_rows,
             f"line-{number}",  # its style in the page
             curve.name,
         )
@@ -184,12 +184,12 @@ def _figure_of_loop(score: LoopScore, means: _Means, caption_numbers: dict[str, 
     # key, axes with their limits, marks, title, width and height in pixels
     panel = Panel(
         "loop",
-        Axis(*axis_limits(means.load, curves[0].x), f"Q  [{unit_of_load}]"),
+        Axis(*axis_limits(means.load, drawn_curves[0].x), f"Q  [{unit_of_load}]"),
         Axis(
-            *axis_limits(dot_heights, *(curve.y for curve in curves)),
+            *axis_limits(dot_heights, *(curve.y for curve in drawn_curves)),
             f"U − slope Q  [{unit_of_length}]",
         ),
-        [*_dots(means.load, dot_heights), *curves],
+        [*_dots(means.load, dot_heights), *drawn_curves],
         "Loop of displacement over tangential load",
         _WIDTH,
         380.0,
@@ -201,7 +201,7 @@ def _figure_of_loop(score: LoopScore, means: _Means, caption_numbers: dict[str, 
         f"Q [{unit_of_load}]": score.load,
         f"U [{unit_of_length}]": score.displacement,
     }
-    legend_keys = [Key(curve.css, curve.label) for curve in curves]
+    legend_keys = [Key(curve.css, curve.label) for curve in drawn_curves]
     # with caption and texts from templates, the CSV columns and a legend
     return figure_with_texts(
         "loop", [panel], columns, legend_keys, n_columns=1, slope=f"{slope:.4g}", **caption_numbers

@@ -690,37 +690,37 @@ def _fit_at_constant_load(
     if candidate.best_loop.is_gross:
         error_of_theory = _RELATIVE_ERROR_OF_SLIDING
     # parameters of the loop with their errors, and the interval of f
-    fit = fit_with_interval(candidate.best_loop, error_of_theory)
+    masing_fit = fit_with_interval(candidate.best_loop, error_of_theory)
     # Q of the scene through a cycle; factor of the file's Q over it
     load_of_cycle = cycle_loads(scene)[1]
-    load_scale = (fit.highest_load - fit.lowest_load) / float(np.ptp(load_of_cycle))
+    load_scale = (masing_fit.highest_load - masing_fit.lowest_load) / float(np.ptp(load_of_cycle))
     sentences = [
-        *_sentences_on_rows(candidate, fit),
+        *_sentences_on_rows(candidate, masing_fit),
         *sentences_on_scale(load_scale),
-        *_sentences_on_run_in_and_drift(candidate, fit),
+        *_sentences_on_run_in_and_drift(candidate, masing_fit),
     ]
-    if fit.is_gross:
-        sentences.append(_sentence_on_slide(fit, scene))
+    if masing_fit.is_gross:
+        sentences.append(_sentence_on_slide(masing_fit, scene))
     # Q of the file is `load_scale` times that of the scene, plus `offset`; `misfit`: how the
     # distances of neighbouring rows from the loop go together
-    return _rows_without_drift(candidate.rows, fit.drift), FittedLoop(
+    return _rows_without_drift(candidate.rows, masing_fit.drift), FittedLoop(
         scene=scene,
-        friction=fit.friction,
-        lowest_friction=fit.lowest_friction,
-        highest_friction=fit.highest_friction,
-        compliance=fit.compliance,
-        share_of_cycle=_share_by_place(candidate.rows.load, fit, load_of_cycle),
+        friction=masing_fit.friction,
+        lowest_friction=masing_fit.lowest_friction,
+        highest_friction=masing_fit.highest_friction,
+        compliance=masing_fit.compliance,
+        share_of_cycle=_share_by_place(candidate.rows.load, masing_fit, load_of_cycle),
         cycles_passed=candidate.branches.cycles_passed,
         n_cycles=candidate.branches.n_cycles,
         load_scale=load_scale,
-        offset=fit.lowest_load - load_scale * float(load_of_cycle.min()),
-        displacement_noise=fit.sigma.of_displacement,
-        load_noise=fit.sigma.of_load,
+        offset=masing_fit.lowest_load - load_scale * float(load_of_cycle.min()),
+        displacement_noise=masing_fit.sigma.of_displacement,
+        load_noise=masing_fit.sigma.of_load,
         sentences=tuple(sentences),
-        misfit=fit.misfit,
-        masing_loop=MasingLoop(curve, fit.parameters),
-        masing_fit=fit,
-        is_gross=fit.is_gross,
+        misfit=masing_fit.misfit,
+        masing_loop=MasingLoop(curve, masing_fit.parameters),
+        masing_fit=masing_fit,
+        is_gross=masing_fit.is_gross,
     )
 
 
@@ -820,15 +820,15 @@ def _fit_where_load_varies(
     rows = LoopRows(loop.displacement, loop.load, branches, rig_compliance)
     loops_of_theory = _loops_of_theory(scene)
     # error of theory: 1e-5 of f
-    fit = fit_loop(rows, loops_of_theory, loop.resolution, _RELATIVE_ERROR_OF_THEORY)
+    loop_fit = fit_loop(rows, loops_of_theory, loop.resolution, _RELATIVE_ERROR_OF_THEORY)
     # Q of the scene through a cycle; factor of the file's Q over it
     load_of_cycle = cycle_loads(scene)[1]
-    load_scale = (fit.highest_load - fit.lowest_load) / float(np.ptp(load_of_cycle))
+    load_scale = (loop_fit.highest_load - loop_fit.lowest_load) / float(np.ptp(load_of_cycle))
     sentences = [
         (
-            f"The rows cover {branches.n_cycles:.4g} cycles between Q = {fit.lowest_load:.6g} and"
-            f" {fit.highest_load:.6g}; P was taken over Q as in the scene, so that the form of Q"
-            " and U over time counts for nothing"
+            f"The rows cover {branches.n_cycles:.4g} cycles between Q ="
+            f" {loop_fit.lowest_load:.6g} and {loop_fit.highest_load:.6g}; P was taken over Q as in"
+            " the scene, so that the form of Q and U over time counts for nothing"
         ),
         *sentences_on_scale(load_scale),
     ]
@@ -836,19 +836,19 @@ def _fit_where_load_varies(
     # distances of neighbouring rows from the loop go together
     return FittedLoop(
         scene=scene,
-        friction=fit.friction,
-        lowest_friction=fit.lowest_friction,
-        highest_friction=fit.highest_friction,
-        compliance=fit.compliance,
-        share_of_cycle=_share_by_nearest_point(rows, loops_of_theory, fit),
+        friction=loop_fit.friction,
+        lowest_friction=loop_fit.lowest_friction,
+        highest_friction=loop_fit.highest_friction,
+        compliance=loop_fit.compliance,
+        share_of_cycle=_share_by_nearest_point(rows, loops_of_theory, loop_fit),
         cycles_passed=branches.cycles_passed,
         n_cycles=branches.n_cycles,
         load_scale=load_scale,
-        offset=fit.lowest_load - load_scale * float(load_of_cycle.min()),
-        displacement_noise=fit.displacement_noise,
-        load_noise=fit.load_noise,
+        offset=loop_fit.lowest_load - load_scale * float(load_of_cycle.min()),
+        displacement_noise=loop_fit.displacement_noise,
+        load_noise=loop_fit.load_noise,
         sentences=tuple(sentences),
-        misfit=fit.misfit,
+        misfit=loop_fit.misfit,
     )
 
 

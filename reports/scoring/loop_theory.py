@@ -80,9 +80,9 @@ def finite_element_displacement(scene: Scene, friction: float) -> Array:
     solution = halfplane_fe.solve(scene.vary(friction=friction))
     path = scene.load.path()
     # indices of the instants of the last cycle
-    cycle = solution.last_cycle
+    cycle_indices = solution.last_cycle
     assert path.period is not None
     # share of the cycle at each of these instants, from 0 to 1
-    share = (solution.time[cycle] - path.cycle_start) / path.period
-    share -= round(float(share[0]))  # without the whole cycles before
-    return np.interp(SHARES_OF_CYCLE, share, solution.tangential_displacement[cycle])
+    shares = (solution.time[cycle_indices] - path.cycle_start) / path.period
+    shares -= round(float(shares[0]))  # without the whole cycles before
+    return np.interp(SHARES_OF_CYCLE, shares, solution.tangential_displacement[cycle_indices])

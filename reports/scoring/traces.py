@@ -379,8 +379,8 @@ def find_alternating_nodes(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
 
 def find_scatter(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     """A finding where the difference between result and reference is scatter of the tractions from
-    point to point; it states how many points exceed the Coulomb limit |q| = f p. `discrepancy`
-    holds the tractions of both.
+    point to point (noise); it states how many points exceed the Coulomb limit |q| = f p.
+    `discrepancy` holds the tractions of both.
 
     # notation: f coefficient of friction, p pressure, p_ref scale of pressure, q shear
     """
