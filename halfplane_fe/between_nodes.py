@@ -540,8 +540,19 @@ def _uncertainty_share_of_stick_edge(
     passed_before: PassedNodes,
     n_nodes_passed: int,
 ) -> tuple[float, PassedNodes]:
-    """How uncertain the place of a stick edge is at an instant, over the distance of its two nodes,
-    and how uncertain it was between the nodes that it has passed up to then.
+    """Uncertainty of the place of a stick edge at an instant, over the distance of its two nodes,
+    and a record of how uncertain it was between the nodes that it has passed up to then.
+
+    The uncertainty is the root of the sum of the squares of these parts:
+
+    - by the kind of the last node that sticks, corner or mid-side;
+    - by how near x = 0 is;
+    - by the correction of the place;
+    - by how few nodes the edge has passed since slip began, or since it last jumped;
+    - by how much farther a small load takes it than an edge of contact (`_leverage`);
+    - by how unevenly the load moves it, or by what is left of its earlier uncertainty, the larger
+      one. That is the one between the nodes that it has passed, or the one by the first sliding
+      node, which may have begun to slide late.
 
     Parameters
     ----------
@@ -758,9 +769,9 @@ def _last_stuck_and_nodes_passed(
 def _stick_edge_and_unevenness(
     problem: ContactProblem, state: InterfaceState, travel: Array, side: int, last_stuck: int
 ) -> tuple[Edge, Array]:
-    """The stick edge that slip takes inwards to the node `last_stuck`, and how unevenly a load
-    takes it on, by three nodes behind it and by the two ahead that it has passed last, (4,); (3,)
-    where it has passed a single node.
+    """The stick edge on its way inwards to the node `last_stuck`, and how unevenly the load Q moves
+    it, 0 where evenly: by three sticking nodes, and by the two sliding ones that it has passed
+    last, (4,); (3,) where it has passed a single node.
 
     Parameters
     ----------
@@ -797,11 +808,11 @@ def _unevenness(edge: Edge, last_node: int, force: Array, force_rates: Array) ->
     """How unevenly the load moves an edge of contact or stick, (3,), by three nodes behind it: 0
     where it does so evenly, infinite where it does not move the edge at all.
 
-    Force over rate of a node behind the edge is the load since an edge would have met it at this
-    rate. While the load moves the edge evenly, that of each node exceeds that of the last one by a
-    known number of times the load between two nodes (`_LOADS_BEHIND`). Near the start of a loading,
-    an older stick edge, a kink of the profile, or larger elements it does not. Returned is the
-    logarithm of the ratio of both.
+    Force over rate of a node behind the edge is the load from the meeting of both to now, if the
+    rate stays. While the load moves the edge evenly, that of each node exceeds that of the last one
+    by a known multiple of the load between two nodes (`_LOADS_BEHIND`). Near the start of a
+    loading, an older stick edge, a kink of the profile, or larger elements it does not. The result
+    is the logarithm of the ratio of both.
 
     Parameters
     ----------
@@ -830,7 +841,7 @@ def _unevenness_ahead(edge: Edge, last_node: int, distance: Array, distance_rate
 
     Gap over rate of an open node is the load until the edge meets it, slip over rate of a sliding
     one the load since then. That of the second node exceeds that of the first one by a known share
-    of the load between two nodes (`_LOAD_AHEAD`). Returned is the logarithm of the ratio of both.
+    of the load between two nodes (`_LOAD_AHEAD`). The result is the logarithm of the ratio of both.
     It shows an edge that comes to its turn, or to shear that earlier loads have left, where the
     nodes behind it do not.
 
@@ -1254,15 +1265,15 @@ def _stick_edge_at_turns(
     is_always_stuck: Mask,
     side: int,
 ) -> _StickEdgeAtTurns | None:
-    """The edge of permanent stick on one side of x = 0 at the two turning points of slip: its place
-    between two nodes (the mean of both turning points), and the excess friction work by that (the
-    sum of both); None where it cannot be located.
+    """The edge of permanent stick on one side of x = 0, from the two turning points of slip: its
+    place between two nodes, the mean of both, and the excess friction work by that place, the sum
+    of both. None where it cannot be located.
 
-    On a mesh the edge moves from node to node, so that its slip follows chords of a smooth curve,
-    which they exceed by a known function of its place between the nodes. The excess work of a
-    turning point is the sum over nodes of f p times that excess of slip. Locked-in shear brings a
-    node beside the edge nearer to the Coulomb limit at one turning point, and takes it further away
-    at the other. So its distances from the limit at both are added.
+    On a mesh the edge moves from node to node. So the slip of the nodes follows chords of a smooth
+    curve, which they exceed by a known function of the edge's place between two nodes. The excess
+    work of a turning point is the sum over nodes of f p times that excess of slip. Locked-in shear
+    brings a node beside the edge nearer to the Coulomb limit at one turning point, and takes it
+    further away at the other. The forces to the limit at both are added, so that it drops out.
 
     # notation: f friction, p and q normal and shear force of a node
 
@@ -1535,10 +1546,10 @@ def _excess_at_contact_edge(
     """Excess friction work of a load cycle by the place of the contact edge between two nodes, on
     one side of x = 0; None where the edge cannot be located at some increment in which nodes slip.
 
-    Along each increment the pressure is linear in P, and no node touches or separates. From node to
-    node it follows chords of a smooth curve, which they exceed by a known function of the edge's
-    place between them. The excess work of an increment is the sum over nodes of f |slip| times that
-    excess of pressure, integrated over the increment.
+    Along each increment the pressure is linear in P, and no node touches or separates. So, as the
+    edge goes from node to node, the pressure follows chords of a smooth curve, which they exceed by
+    a known function of the edge's place between two nodes. The excess work of an increment is the
+    sum over nodes of f |slip| times that excess of pressure, integrated over the increment.
 
     # notation: f coefficient of friction
 

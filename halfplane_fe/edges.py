@@ -290,9 +290,9 @@ def stick_edges(
     on one side at least nodes touch but none is in the stick zone.
 
     The edge lies half-way between the last node of the stick zone and the first one of the slip
-    zone: on each side of the middle of the contact where the fewest nodes are misplaced, which
-    slide inside it or stick beyond it. A node that has just come to touch sticks at the rim of the
-    slip zone, and a single one may slide at the rim of a contact that sticks.
+    zone. On its side of the middle of the contact it is where the fewest nodes are misplaced, that
+    is, slide inside it or stick beyond it. A node that has just come to touch sticks at the rim of
+    the slip zone, and a single one may slide at the rim of a contact that sticks.
 
     Parameters
     ----------
@@ -507,16 +507,16 @@ def _nodes_beyond_edges(answer: NodalAnswer, edges: Array) -> Indices:
 def held_back_by_growth(
     places: Array, contact: ContactsOfLoads, growth: float, spacing: Array
 ) -> Array:
-    """Correction of edges of contact or stick for elements whose size grows with the distance from
-    the contact: how much farther out they are in truth; of the shape of `places` (..., 2), left
-    and right, 0 where nothing is pressed [length].
+    """Correction along x of edges of contact or stick, left and right, (..., 2) [length]: how much
+    farther out they are in truth than on elements whose size grows with the distance from the
+    contact. 0 where nothing is pressed.
 
     Such elements make a body too stiff. A body that is too stiff by a share d of E* has the contact
     of a load P (1 - d), and all edges of stick too are those of loads that are smaller by d. An
     edge of the stick zone is where the edge of contact was under some smaller load L: both lie too
     far inside by d L da/dL. Here d is the third power of the growth times a fitted share
-    (`_LOAD_LACKED`). Added is a share of the distance of two nodes (`_NODES_LACKED`) times that
-    power.
+    (`_LOAD_LACKED`). To this comes a share of the distance of two nodes (`_NODES_LACKED`) times
+    that power.
 
     # notation: a half-width of contact
 
@@ -613,16 +613,16 @@ def uncertainty_at_jumps(
     first_of_cycle: int | None = None,
     is_turn: Mask | None = None,
 ) -> Array:
-    """Uncertainty (k, 2) of stick edges at k instants because the increment may be wrong in which
-    an edge jumps [length]: the length of the jump at the instants before and after it, else 0.
+    """Uncertainty (k, 2) of stick edges at k instants, because the mesh may see a jump of an edge
+    one increment too early or too late [length]: the length of the jump at the instants before and
+    after it, else 0.
 
     Where a slip zone reaches an older edge of stick, the edge jumps inwards. Where slip ends, it
-    jumps outwards. The mesh may see that an increment too early or too late. So the edge of an
-    instant before or after the jump may be that of the other side of it. Inwards an edge may also
-    go far in one increment without a jump. That is assumed at an instant at which the edge is known
-    well, unless slip starts in this increment. Moves up to six nodes are no jumps, or up to two
-    where slip starts or ends. Where a stick zone vanishes or appears, its edges move to or from its
-    middle.
+    jumps outwards. At an instant before or after the jump the true edge may be that of the other
+    side of it. An edge may also go far inwards in one increment without a jump. That is assumed at
+    an instant at which the edge is known well, unless slip starts in this increment. Moves up to
+    six nodes are no jumps, or up to two where slip starts or ends. Where a stick zone vanishes or
+    appears, its edges move to or from its middle.
 
     An increment ends where the loads turn round. Slip that ends from that instant on ends neither
     earlier nor later: such a jump is not uncertain.
@@ -739,10 +739,11 @@ def _outermost_in_contact(in_contact: Mask) -> Indices:
 
 
 def _closed_nodes_of_side(side: _Side, is_closed: Mask, is_stuck: Mask | None = None) -> Mask:
-    """Closed nodes on one side of the middle of the contact, outwards of it, a mask (k, n); one in
-    the middle belongs to the right side.
+    """Closed nodes on one side of the place that parts left and right, a mask (k, n); a node at
+    that place belongs to the right side.
 
-    Where `is_stuck` is given, the middle is that of the sticking nodes, if there are any.
+    The place is half-way between the first and the last closed node. Where `is_stuck` is given and
+    nodes stick, it is the middle one of the sticking nodes.
 
     Parameters
     ----------
@@ -755,16 +756,16 @@ def _closed_nodes_of_side(side: _Side, is_closed: Mask, is_stuck: Mask | None = 
     is_right = side.sign > 0
     first_x = side.x[np.argmax(is_closed, axis=1)]  # of the first and the last closed node
     last_x = side.x[_outermost_in_contact(is_closed)]
-    middle = ((first_x + last_x) / 2)[:, None]
+    parting_x = ((first_x + last_x) / 2)[:, None]
     if is_stuck is not None:
         sticks_in_contact = is_stuck & is_closed
         rank = np.cumsum(sticks_in_contact, axis=1)  # number of sticking nodes up to each
         n_sticking_nodes = rank[:, -1:]
-        # Counted from the left for both sides, so that they have one middle.
+        # Counted from the left for both sides, so that both have the same middle node.
         middle_rank = (n_sticking_nodes + 1) // 2 if is_right else n_sticking_nodes // 2 + 1
         middle_node = np.argmax(sticks_in_contact & (rank == middle_rank), axis=1)
-        middle = np.where(n_sticking_nodes > 0, side.x[middle_node][:, None], middle)
-    return np.asarray(is_closed & ((side.x >= middle) if is_right else (side.x > middle)))
+        parting_x = np.where(n_sticking_nodes > 0, side.x[middle_node][:, None], parting_x)
+    return np.asarray(is_closed & ((side.x >= parting_x) if is_right else (side.x > parting_x)))
 
 
 def _last_sticking(is_stuck: Mask, is_in_half: Mask) -> tuple[Indices, Indices, Indices]:
@@ -859,9 +860,9 @@ def _fitted_stick_edge(outward_x: Array, stress_to_limit: Array, last_node: Indi
     """Edge of the stick zone on one side at k instants: the zero of a straight line through the
     squares of f p -+ q at seven nodes, since this falls to zero as the square root of the distance.
 
-    Returned too are the misfit of the line, as a length, and whether its zero is accepted. Two
-    conditions hold then. A line through four of these nodes has its zero within a tenth of an
-    element. The zero is no farther than an element from the last node.
+    Also the misfit of the line, as a length, and whether its zero is accepted. Two conditions hold
+    then. A line through four of these nodes has its zero within a tenth of an element. The zero is
+    no farther than an element from the last node.
 
     Parameters
     ----------

@@ -42,7 +42,7 @@ _SAME_END = 2.0
 def ends_by_slip(x: Array, slip_range: Array, ends_by_states: Array) -> Edges:
     """Left and right end (2,) of the permanent stick zone of a load cycle, by how far the nodes
     beyond them slip, and the uncertainty of each [length]. NaN where the range of slip does not
-    have its form.
+    grow as it does near an end.
 
     Beyond an end, at a distance d, the range of slip of a node grows as d^(3/2). So a straight line
     through its power 2/3 at three nodes is zero at the end. Three lines are drawn, from the second,
@@ -94,7 +94,7 @@ def ends_by_slip(x: Array, slip_range: Array, ends_by_states: Array) -> Edges:
         place = middle + side * end_by_second_line
         spacing = abs(x[first_sliding_node] - x[first_sliding_node - side])
 
-        # It is accepted within two nodes of the end by states. False of NaN too
+        # It is accepted within two node distances of the end by states; NaN is not.
         if abs(place - ends_by_states[column]) <= _SAME_END * spacing:
             places[column] = place
             difference_of_lines = abs(end_by_last_line - end_by_first_line)
