@@ -733,7 +733,7 @@ def _vertex_of_parabola(places: Array, densities: Array) -> _Vertex:
     (3, n) each.
 
     The bound holds for a concave W: it stays below the chords of the points, extended. Where the
-    parabola is convex the middle point stands for its vertex.
+    parabola is convex the middle point replaces its vertex.
     """
     distances_of_places = np.diff(places, axis=0)
     first_distance, second_distance = distances_of_places
@@ -882,8 +882,8 @@ def dissipation(
     ----------
     profile
         any profile, or its keys with numbers or arrays: {"kind": "flat_rounded", "radius": ...,
-        "flat_half_length": ...}; the rises of a polynomial are a list of numbers or arrays. Tables
-        and functions have no keys that could be arrays
+        "flat_half_length": ...}; the rises of a polynomial are a list of numbers or arrays. A
+        profile by a table of heights or by a function has no keys that could be arrays
     material
         of the two bodies, or one for both
     friction_coefficient
@@ -908,8 +908,8 @@ def dissipation(
         member, flat and rounded 1.5 us. The other profiles are integrated between their corners,
         with one table of ln a(P), a the contact half-width, for all loads within eight octaves: 8
         to 14 us, 20 us for profiles of 31 heights. They take 1 ms and more where the load of the
-        slip zones stays below 1e-6 of P0. Where the parameters are arrays each different polynomial
-        or R2/R1 costs 1.5 to 2 ms.
+        slip zones stays below 1e-6 of P0. Where the parameters are arrays each different
+        polynomial, or ratio R2/R1 of the radii of a compound curvature, costs 1.5 to 2 ms.
 
     Raises
     ------
@@ -945,7 +945,8 @@ def dissipation(
     # of both bodies
     material = _materials_of_both_bodies(material)
     effects = checked_effects(effects)
-    # the function that computes five rows of m members: work, forward, reverse, error, P_T
+    # the function that computes five rows of m members: work, its forward and reverse part, its
+    # error, and the permanent stick load
     works_of_members = _works_of_members
     reason_if_not_finite = Reason.UNSETTLED
     notes = list(neglected_coupling(material))
@@ -1020,7 +1021,7 @@ def _works_of_members(members: Members) -> Array:
         works_and_error[:] = _works_on_table(ellipses, members.modulus * height_unit)
     else:
         for group in members.shape_groups():
-            # forward, reverse and error in units of the shape
+            # forward, reverse and error in units of the shape; `group.members`: numbers of members
             works_in_units = dissipation_and_error(group.ellipses, group.contact)
             works_and_error[:, group.members] = works_in_units * group.load_unit * group.load_unit
     forward_of_ellipses, reverse_of_ellipses, work_error = works_and_error

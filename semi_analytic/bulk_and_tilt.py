@@ -62,7 +62,7 @@ class OneCurve:
         the nested intervals of contact, or of stick, on which the curve stands
     path
         P and Q alone; where Q = 0 and bulk strain alone changes, a load in proportion to that
-        change stands for Q
+        change replaces Q
     bulk, tilt_and_moment
         stresses of both bodies, tilt and moment as paths over the same time; None for none
     moment_is_given
@@ -163,7 +163,7 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
     # (4, n) P, Q, eps and alpha along the path from where it first shears the contact
     sampled_path = _SampledPath.of_path(path, scene)
     samples = sampled_path.samples
-    # Q shears the contact; or bulk strain alone, for which a load in proportion to it stands
+    # Q shears the contact; or bulk strain alone, and then a load in proportion to it replaces Q
     shearing = _ShearOfCurve.of_samples(samples, gap, friction_coefficient, sampled_path.load_sizes)
 
     # alpha = alpha_0 + kappa P and eps = eps_0 + kappa Q, and whether they hold
@@ -247,7 +247,7 @@ class _SampledPath(NamedTuple):
             samples_of_segments[: len(path.initial_loading)], load_sizes
         )
         shearing_samples = samples_of_segments[first_shearing_segment:]
-        if not shearing_samples:  # the last state alone
+        if not shearing_samples:  # the last sample alone
             shearing_samples = [samples_of_segments[-1][:, -1:]]
         return cls(np.concatenate(shearing_samples, axis=1), first_shearing_segment, load_sizes)
 
@@ -330,9 +330,9 @@ def _path_of_curve(
     strain_per_load: float,
 ) -> LoadPath | None:
     """Load path of a memory curve: P and Q alone, without bulk stress and tilt. From a certain
-    segment on a load in proportion to the bulk strain eps may stand for Q.
+    segment on a load in proportion to the bulk strain eps may replace Q.
 
-    None where a load stands for Q while bulk stress is neither linear nor a sum of harmonics in
+    None where a load replaces Q while bulk stress is neither linear nor a sum of harmonics in
     time.
 
     Parameters
@@ -340,13 +340,13 @@ def _path_of_curve(
     path
         load path with bulk stress and tilt: initial loading and cycle
     first_segment_by_strain
-        number of the first segment in which that load stands for Q; None where Q is the load in all
+        number of the first segment in which that load replaces Q; None where Q is kept in all
     strain_per_stress
         eps by a unit bulk stress of the lower and of the upper body [1/stress]
     strain_without_load
         eps at which that load is 0
     strain_per_load
-        of eps over the load that stands for Q
+        slope of eps over the load that replaces Q
     """
     segments = (*path.initial_loading, *path.cycle)
     n_segments_with_q = len(segments)
@@ -404,7 +404,7 @@ def _contact_with_one_curve(
         f, coefficient of friction
     shearing
         what shears the contact, Q or bulk strain alone (`is_strain_alone`); whether its ends may
-        slip opposite ways; Q along the path, or the load that stands for it (`load_in_curve`)
+        slip opposite ways; Q along the path, or the load that replaces it (`load_in_curve`)
     """
     contact = TiltedProfile(intervals, datum_length)
     if not shearing.is_strain_alone and contact.is_nested(intervals.largest_load):
@@ -468,7 +468,7 @@ class _AffineRelation(NamedTuple):
             (4, n) P, Q, bulk strain eps of the lower surface relative to the upper one, and tilt
             alpha [rad], NaN where it is not known; Q is not used
         load_in_curve
-            (n,) Q, or the load that stands for it [force per thickness]
+            (n,) Q, or the load that replaces it [force per thickness]
         load_sizes
             `..._roundoff`: size below which a change of shear, strain or tilt is round-off;
             `slipping_strain` makes an edge of contact slip, `lifting_tilt` makes it lift
@@ -534,7 +534,7 @@ def _opposite_slip_contact(
     largest_shear
         the largest |Q|, or of the load in its place [force per thickness]
     is_strain_alone
-        whether Q = 0, and a load in proportion to the bulk strain stands for it
+        whether Q = 0, and a load in proportion to the bulk strain replaces it
     """
     contact = OppositeSlip(
         intervals,
@@ -742,11 +742,11 @@ def _segment_with_strain_for_shear(
     strain_without_load
         eps at which that load is 0
     strain_per_load
-        of eps over the load that stands for Q
+        slope of eps over the load that replaces Q
     """
 
     def load_of(stresses: Sequence[float]) -> float:
-        """Load that stands for bulk stresses of the lower and the upper body."""
+        """Load that replaces Q, under given bulk stresses of the lower and the upper body."""
         return (float(np.dot(strain_per_stress, stresses)) - strain_without_load) / strain_per_load
 
     normal_load = float(segment.loads(segment.start)[0])
@@ -767,7 +767,7 @@ def _segment_with_strain_for_shear(
     if not isinstance(bulk, HarmonicSegment):
         return None
 
-    # constant P; mean and harmonics of the load that stands for Q
+    # constant P; mean and harmonics of the load that replaces Q
     return HarmonicSegment(
         segment.start,
         segment.end,
@@ -780,8 +780,8 @@ def _segment_with_strain_for_shear(
 def _harmonics_of_strain(
     bulk: HarmonicSegment, strain_per_stress: tuple[float, float], strain_per_load: float
 ) -> tuple[tuple[float, float], ...]:
-    """Amplitude [force per thickness] and phase [rad] of each harmonic of the load that stands for
-    bulk strain: the strain over `strain_per_load`.
+    """Amplitude [force per thickness] and phase [rad] of each harmonic of the load that replaces
+    Q, in proportion to the bulk strain: the strain over `strain_per_load`.
 
     `bulk` stores the bulk stress of the lower body where other segments have P, that of the upper
     body where they have Q. `strain_per_stress` is the bulk strain by a unit of each [1/stress].

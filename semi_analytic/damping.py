@@ -216,18 +216,20 @@ def compliance(
     is_half_plane_theory = solution.engine == "semi_analytic" and "effects" not in solution.settings
     if not is_half_plane_theory and not solution.scene.bodies.half_planes:
         raise InputError("compliance: the formula is that of half-planes; solve by theory")
-    # Added to dU/dQ: change of the datum length, and c_t of finite bodies.
+    # The logarithms below take the datum length of the solution. Added to dU/dQ: the change to the
+    # datum length L that was given, and c_t of finite bodies.
     compliance_to_datum = added_compliance(solution, "compliance", datum_length, effects)
     unit_compliance = 2 / (math.pi * composite_modulus(solution.scene.material))
-    twice_datum_length = 2 * solution.scene.profile.datum_length
+    twice_datum_of_solution = 2 * solution.scene.profile.datum_length
     # A half-width of 0 gives an infinite compliance.
     with np.errstate(divide="ignore"):
         compliance_in_slip = (
-            unit_compliance * np.log(twice_datum_length / np.nan_to_num(solution.stick_half_width))
+            unit_compliance
+            * np.log(twice_datum_of_solution / np.nan_to_num(solution.stick_half_width))
             + compliance_to_datum
         )
         compliance_after_reversal = unit_compliance * np.log(
-            twice_datum_length / np.nan_to_num(solution.contact_half_width)
+            twice_datum_of_solution / np.nan_to_num(solution.contact_half_width)
         )
         compliance_after_reversal = compliance_after_reversal + compliance_to_datum
     return read_only_copy(compliance_in_slip), read_only_copy(compliance_after_reversal)

@@ -166,10 +166,10 @@ class ArcIntegrals:
         what this arc of the memory curve adds to shear, slip or displacement.
 
         An arc is a curved segment of the load path that was travelled in full stick while P grew.
-        The kernel is the shear, slip or displacement ("shift") that a unit of load on a flat punch
-        makes. The arc is cut into panels, at the loads of the profile's corners too. P_x is the
-        load at which the edge of contact is at the point. On a panel far from P_x the integral is a
-        Chebyshev series in time; near P_x it is taken by Gauss' rule.
+        The kernel is the shear, slip or displacement ("shift") that a unit tangential force on a
+        flat punch makes. The arc is cut into panels, at the loads of the profile's corners too. P_x
+        is the load at which the edge of contact is at the point. On a panel far from P_x the
+        integral is a Chebyshev series in time; near P_x it is taken by Gauss' rule.
 
         Parameters
         ----------
@@ -213,7 +213,8 @@ class ArcIntegrals:
         points of the arc (k,): shape (n, k). Times beyond an end of the arc count as that end.
 
         An arc is a curved segment of the load path that was travelled in full stick while P grew.
-        The kernel is the shear, slip or displacement that a unit of load on a flat punch makes.
+        The kernel is the shear, slip or displacement that a unit tangential force on a flat punch
+        makes.
 
         >>> from scenes import ellipse_segment
         >>> from semi_analytic.hertz import HertzContact
@@ -312,8 +313,8 @@ class ArcIntegrals:
         resolved. On a panel near P_x the integral is taken by Gauss' rule in a variable that makes
         it smooth.
 
-        The kernel is the shear, slip or displacement by a unit of load on a flat punch. An arc is a
-        part of a curved load segment, travelled in full stick.
+        The kernel is the shear, slip or displacement by a unit tangential force on a flat punch. An
+        arc is a part of a curved load segment, travelled in full stick.
         """
         # Of each panel: begin, end, Chebyshev coefficients and error, and which points are near.
         panels = self._resolved_panels(panel_ends[:-1], panel_ends[1:])
@@ -341,7 +342,7 @@ class ArcIntegrals:
 
         The error comes from a sample of 40 ranges that are halved: 2.5 times the largest change,
         times the root of the largest number of ranges at one point. The kernel is the shear, slip
-        or displacement by a unit of load on a flat punch.
+        or displacement by a unit tangential force on a flat punch.
 
         Parameters
         ----------
@@ -379,8 +380,8 @@ class ArcIntegrals:
         coefficients of the series no longer count, or no number lies between their ends.
 
         The integrand is the rate of Q times the kernel: the shear, slip or displacement at a point
-        by a unit of load on a flat punch. An arc is a part of a curved load segment, travelled in
-        full stick.
+        by a unit tangential force on a flat punch. An arc is a part of a curved load segment,
+        travelled in full stick.
         """
         resolved_panels: list[_Panels] = []
         largest_integral = 0.0
@@ -428,8 +429,8 @@ class ArcIntegrals:
         The variable of integration depends on the turning point of P, before or behind the arc. A
         range lies before or behind the middle of the arc and takes the turning point on its side.
 
-        The kernel is the shear, slip or displacement by a unit of load on a flat punch. An arc is a
-        part of a curved load segment, travelled in full stick.
+        The kernel is the shear, slip or displacement by a unit tangential force on a flat punch. An
+        arc is a part of a curved load segment, travelled in full stick.
         """
         integrals = np.empty(len(begins))
         is_behind_middle = begins >= self._middle_time
@@ -452,8 +453,8 @@ class ArcIntegrals:
         """Chebyshev series in time of the integrand dQ/dt K on panels of time (n,), for points that
         the edge of contact does not pass nearby; and a mask of the points that it does pass nearby.
 
-        The kernel K is the shear, slip or displacement at the point by a unit of load on a flat
-        punch. Where it is 0 all over a panel the point is neither far nor near.
+        The kernel K is the shear, slip or displacement at the point by a unit tangential force on a
+        flat punch. Where it is 0 all over a panel the point is neither far nor near.
         """
         is_far, is_near = self._far_and_near_points(begins, ends)
         far_panel, far_point = np.nonzero(is_far)
@@ -537,15 +538,17 @@ def _first_panel_ends(piece: Piece, corner_loads: Array) -> Array:
     corner_times = loads_within_arc
     if len(loads_within_arc):
         corner_times = time_of_load_on_arc(piece, loads_within_arc)
-    part_ends = np.unique(np.clip([first_time, *corner_times, last_time], first_time, last_time))
+    smooth_part_ends = np.unique(
+        np.clip([first_time, *corner_times, last_time], first_time, last_time)
+    )
     # 12 panels for all of the arc
-    panels_in_part = np.maximum(
-        np.ceil(np.diff(part_ends) / (last_time - first_time) * _FIRST_PANELS), 1
+    panels_in_smooth_part = np.maximum(
+        np.ceil(np.diff(smooth_part_ends) / (last_time - first_time) * _FIRST_PANELS), 1
     ).astype(int)
     panel_begins = [
         np.linspace(part_begin, part_end, n_panels, endpoint=False)
         for part_begin, part_end, n_panels in zip(
-            part_ends[:-1], part_ends[1:], panels_in_part, strict=True
+            smooth_part_ends[:-1], smooth_part_ends[1:], panels_in_smooth_part, strict=True
         )
     ]
     # A smooth part that is hardly longer than round-off has no inner ends.
@@ -610,8 +613,8 @@ def _force_rate_over_z(segment: LoadSegment, turning_point: TurningPoint, z: Arr
 def _punch_kernel(
     contact: Contact, kernel: Kernel, x: Array, load_above_edge: Array, load: Array, advance: Array
 ) -> Array:
-    """Kernel K(x, P) at points `x`: shear, slip or displacement there by a unit of load on a flat
-    punch of half-width a(P), over A/pi but for the shear; arrays of one shape.
+    """Kernel K(x, P) at points `x`: shear, slip or displacement there by a unit tangential force on
+    a flat punch of half-width a(P), over A/pi but for the shear; arrays of one shape.
 
         shear   1/sqrt(a^2 - x^2), pi times dp/dP
         slip    arccosh(|x|/a)
@@ -661,9 +664,9 @@ class _NearIntegral:
         """Integrals of dQ/dt K(x, P(t)) over time, (m,), by Gauss' rule in a variable s in which
         the integrand is smooth, where the edge of contact passes the point or nearly.
 
-        K is the shear, slip or displacement at x by a unit of load on a flat punch. Where K is not
-        0 for z^2 > e^2, s = ln(z + sqrt(z^2 - e^2)) but for a constant; where it is not for z^2 <
-        e^2, s = arcsin(z/e).
+        K is the shear, slip or displacement at x by a unit tangential force on a flat punch. Where
+        K is not 0 for z^2 > e^2, s = ln(z + sqrt(z^2 - e^2)) but for a constant; where it is not
+        for z^2 < e^2, s = arcsin(z/e).
 
         # notation: P_t load at the turning point of P, z^2 = |P - P_t|, P_x load at which the edge
         #           of contact is at x, e^2 = P_x - P_t beside a least P, P_t - P_x beside a largest
@@ -696,8 +699,8 @@ class _NearIntegral:
         """Integrals of dQ/ds K(x, P) over ranges of the integration variable s, (m,), each at its
         own point; 0 for a range without length. The integrand is smooth in s.
 
-        K is the shear, slip or displacement at x by a unit of load on a flat punch. Gauss' rule
-        takes the more nodes the longer a range is. A rule for singular ends takes its place in
+        K is the shear, slip or displacement at x by a unit tangential force on a flat punch. Gauss'
+        rule takes the more nodes the longer a range is. A rule for singular ends takes its place in
         rough ranges, close to a logarithm of the slip kernel.
 
         Parameters
@@ -914,8 +917,8 @@ class KernelIntegrals:
         k): the integral of M'(eta) K(x, eta) over the memory curve of each instant; A = 2/E*.
 
         The memory curve M(eta) is the tangential force that the flat punches up to the load eta
-        carry. K is the shear, slip or displacement by a unit of load on a flat punch. At constant P
-        the shear is that of Cattaneo and Mindlin, q = f [p(x, P) - p(x, P - Q/f)].
+        carry. K is the shear, slip or displacement by a unit tangential force on a flat punch. At
+        constant P the shear is that of Cattaneo and Mindlin, q = f [p(x, P) - p(x, P - Q/f)].
 
         `snapshot` has the friction states at the instants: P, the load P - P_c of the slip zones,
         direction of slip, and the piece of the curve on which the stick edge P_c lies.
@@ -1138,17 +1141,23 @@ class KernelIntegrals:
                 arc_key = (id(piece.anchor.segment), piece.arc_times[0], piece.anchor.time)
                 pieces_of_arc.setdefault(arc_key, []).append((pair_number, piece))
                 if arc_key not in self._arcs:
-                    arc = ArcIntegrals(self.contact, self.kernel, piece, self.x)
-                    self._arcs[arc_key] = piece, arc
+                    arc_integrals = ArcIntegrals(self.contact, self.kernel, piece, self.x)
+                    self._arcs[arc_key] = piece, arc_integrals
             elif piece.bend:
                 integrals[pair_number] = self._parabola_integral(piece, upper_load)
         for arc_key, numbered_pieces in pieces_of_arc.items():
-            _, arc = self._arcs[arc_key]
+            _, arc_integrals = self._arcs[arc_key]
             _, first_piece = numbered_pieces[0]
-            upper_loads = [pieces_and_upper_loads[number][1] for number, _ in numbered_pieces]
-            arc_integrals = self._integrals_up_to_loads(arc, first_piece, upper_loads)
-            for (pair_number, _), arc_integral in zip(numbered_pieces, arc_integrals, strict=True):
-                integrals[pair_number] = arc_integral
+            upper_loads = [
+                pieces_and_upper_loads[pair_number][1] for pair_number, _ in numbered_pieces
+            ]
+            integrals_of_pieces = self._integrals_up_to_loads(
+                arc_integrals, first_piece, upper_loads
+            )
+            for (pair_number, _), integral_of_piece in zip(
+                numbered_pieces, integrals_of_pieces, strict=True
+            ):
+                integrals[pair_number] = integral_of_piece
         return integrals
 
     def _parabola_integral(self, piece: CurvePart, upper_load: Array) -> Array:

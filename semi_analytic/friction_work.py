@@ -191,8 +191,8 @@ def _work_over_spans(
 
     There is one integral, for the work W, or one for each point x, for the work per area W(x). A
     span is the time of one direction of slip. Each is integrated by one quadrature rule. Where the
-    edges of contact or stick move unevenly, or pass corners of the profile, it is halved. Halving
-    of a part ends when it changes the integral by less than 1e-12 of the largest integral, across
+    edges of contact or stick move unevenly, or pass corners of the profile, its ranges are halved.
+    Halving ends where it changes the integral by less than 1e-12 of the largest integral, across
     corners by even less.
 
     Parameters
@@ -337,7 +337,7 @@ def _halve_ranges(
     integrals_along
         integrates over the ranges of given spans by a given rule
     halving
-        which spans are halved, how finely, and the times at which parts are cut first
+        which spans are halved, how finely, and the times at which their ranges are cut first
     integrals
         (n, k) first estimates for each span and integral; those of the halved spans are replaced
     errors
@@ -350,15 +350,17 @@ def _halve_ranges(
     allowed_error_of_span = halving.converged_change_share * size_of_integrals
 
     # one row for each range of a span to halve: the numbers of its span and of its integral
-    halved_numbers = np.flatnonzero(halving.needs_halving).tolist()
-    halved_spans = [spans_with_ranges[number] for number in halved_numbers]
+    halved_span_numbers = np.flatnonzero(halving.needs_halving).tolist()
+    halved_spans = [spans_with_ranges[halved_number] for halved_number in halved_span_numbers]
     n_ranges_of_spans = [len(halved_span.integral_number) for halved_span in halved_spans]
-    span_number = np.repeat(halved_numbers, n_ranges_of_spans)
+    span_number = np.repeat(halved_span_numbers, n_ranges_of_spans)
     integral_number = np.concatenate([halved_span.integral_number for halved_span in halved_spans])
     integrals_of_parts = partial(
         _integrals_of_parts, spans_with_ranges, integrals_along, span_number, integral_number
     )
-    corner_times_of_spans = [halving.corner_times[number] for number in halved_numbers]
+    corner_times_of_spans = [
+        halving.corner_times[halved_number] for halved_number in halved_span_numbers
+    ]
     integrals_and_errors = integrals_by_halving(
         integrals_of_parts,
         np.concatenate([halved_span.begin for halved_span in halved_spans]),
@@ -397,17 +399,19 @@ def _integrals_of_parts(
         (n,) times at which the parts begin and end
     """
     span_of_part = span_number[range_number]
-    numbers_of_spans = np.unique(span_of_part).tolist()
-    parts_of_spans = [np.flatnonzero(span_of_part == number) for number in numbers_of_spans]
+    halved_span_numbers = np.unique(span_of_part).tolist()
+    parts_of_spans = [
+        np.flatnonzero(span_of_part == halved_number) for halved_number in halved_span_numbers
+    ]
     # each part as a range of time in its span
     spans_with_parts = [
         SpanRanges(
-            spans_with_ranges[number].span,
+            spans_with_ranges[halved_number].span,
             integral_number[range_number[part_numbers]],
             begins[part_numbers],
             ends[part_numbers],
         )
-        for number, part_numbers in zip(numbers_of_spans, parts_of_spans, strict=True)
+        for halved_number, part_numbers in zip(halved_span_numbers, parts_of_spans, strict=True)
     ]
     integrals = np.zeros(len(range_number))
     for part_numbers, integrals_in_span in zip(
@@ -599,7 +603,7 @@ def _times_of_stick_edge(span: Span, contact_edge_load: Array) -> Array:
     sticking_piece = span.sticking_piece
     assert sticking_piece is not None  # for the type checker: the span has a stick zone
     # the combination +-Q - f P of the loads
-    excess = slip_combination(span.direction, span.friction)
+    excess_combination = slip_combination(span.direction, span.friction)
     # P_x, or the nearer end of the piece
     load_on_piece = np.clip(contact_edge_load, sticking_piece.bottom_load, sticking_piece.top_load)
     excess_on_curve = slip_combination_on_piece(
@@ -607,11 +611,13 @@ def _times_of_stick_edge(span: Span, contact_edge_load: Array) -> Array:
     )
     # From the path's excess at the begin of the span: both count from the instant of the anchor.
     excess_at_begin = float(
-        combination_change(sticking_piece.anchor, span.segment, excess, span.begin.time)
+        combination_change(sticking_piece.anchor, span.segment, excess_combination, span.begin.time)
     )
     excess_rise = excess_on_curve - excess_at_begin
     # when the path's excess has risen by so much
-    time_of_stick_edge = span.segment.time_of(excess, excess_rise, span.begin.time, span.end.time)
+    time_of_stick_edge = span.segment.time_of(
+        excess_combination, excess_rise, span.begin.time, span.end.time
+    )
     time_of_stick_edge = np.where(
         contact_edge_load <= sticking_piece.bottom_load, span.end.time, time_of_stick_edge
     )
