@@ -1912,8 +1912,8 @@ def contact_edges_along(loads: PathLoads, contact: TiltedProfile) -> Array:
     )
     loads_in_contact = loads_at_ends[loads_at_ends[:, 0] > 0]
     normal_load, _, _, tilt = loads_in_contact.T
-    middle, half_width = contact.centre_and_half_width_under(normal_load, tilt)
-    return np.stack([middle - half_width, middle + half_width], axis=-1)
+    centre, half_width = contact.centre_and_half_width_under(normal_load, tilt)
+    return np.stack([centre - half_width, centre + half_width], axis=-1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -2212,12 +2212,12 @@ def _exact_normal_contact(contact: TiltedProfile, loads: Array, x: Array) -> _No
     and tilt at the instants; P and tilt alone count.
     """
     normal_load, _, _, tilt = loads
-    middle, half_width = contact.centre_and_half_width_under(normal_load, tilt)
-    edges = np.stack([middle - half_width, middle + half_width], axis=-1)
+    centre, half_width = contact.centre_and_half_width_under(normal_load, tilt)
+    edges = np.stack([centre - half_width, centre + half_width], axis=-1)
     return _NormalContact(
         edges=edges,
-        moment=contact.moment(middle, half_width, normal_load, tilt),
-        pressure=contact.pressure_over(x, middle, half_width),
+        moment=contact.moment(centre, half_width, normal_load, tilt),
+        pressure=contact.pressure_over(x, centre, half_width),
         is_in_contact=(x >= edges[:, :1]) & (x <= edges[:, 1:]),
     )
 

@@ -146,30 +146,32 @@ def extremes(answer: ContactSolution, names: Sequence[str] = SEARCHED_VALUES) ->
         return _extremes(answer, tuple(names))
 
 
-def _extremes(answer: ContactSolution, names: tuple[str, ...]) -> Extremes:
-    """Largest values of half-plane theory through the last cycle of a solution (`answer`); `names`
+def _extremes(solution: ContactSolution, names: tuple[str, ...]) -> Extremes:
+    """Largest values of half-plane theory through the last cycle of a solution; `names`
     are those of "slip", "dissipation_density" and "edge_tension" to search for.
 
     Where one memory curve is the whole friction history, the maxima are searched for over x and
     time. For other scenes they are the largest at the default points and instants. A memory curve
     is the tangential force, or the bulk strain, locked in up to each load.
     """
-    scene = answer.scene
+    scene = solution.scene
     # None without one memory curve
     contact = _contact_of_one_curve(scene)
     if contact is None:
-        if answer in answers_at_default_points:  # it is not solved again
-            return _extremes_at_points_of(answer)
+        if solution in answers_at_default_points:  # it is not solved again
+            return _extremes_at_points_of(solution)
         return _extremes_at_default_points(scene)
     # numbers of the instants of the last cycle; "whole_cycle" is skipped where there is none
-    cycle_rows = answer.last_cycle
-    has_cycle = "whole_cycle" not in answer.work.skipped and len(cycle_rows) > 1
-    if not has_cycle or answer.settings.get("straight_steps"):
-        return _Search(answer, contact, has_cycle).extremes(names)
+    cycle_rows = solution.last_cycle
+    has_cycle = "whole_cycle" not in solution.work.skipped and len(cycle_rows) > 1
+    if not has_cycle or solution.settings.get("straight_steps"):
+        return _Search(solution, contact, has_cycle).extremes(names)
     load_path = scene.load.path()
     # A path that does not repeat begins unloaded, wherever the first increment of a solver ends.
-    start_time = float(load_path.start if load_path.period is None else answer.time[cycle_rows[0]])
-    end_time = float(answer.time[cycle_rows[-1]])
+    start_time = float(
+        load_path.start if load_path.period is None else solution.time[cycle_rows[0]]
+    )
+    end_time = float(solution.time[cycle_rows[-1]])
     # of the scene's own path, and cached
     return _extremes_of_cycle(scene, start_time, end_time, names)
 
@@ -181,8 +183,8 @@ def _extremes_of_cycle(scene: Scene, start: float, end: float, names: tuple[str,
     """
     contact = _contact_of_one_curve(scene)
     assert contact is not None
-    answer_at_ends = solve(scene, x=0.0, time=[start, end], fields=())
-    return _Search(answer_at_ends, contact, has_cycle=True).extremes(names)
+    solution_at_ends = solve(scene, x=0.0, time=[start, end], fields=())
+    return _Search(solution_at_ends, contact, has_cycle=True).extremes(names)
 
 
 def _contact_of_one_curve(scene: Scene) -> Contact | None:
@@ -196,12 +198,12 @@ def _contact_of_one_curve(scene: Scene) -> Contact | None:
 
 
 class _Search:
-    """Search for the maxima of half-plane theory over the last cycle of one answer.
+    """Search for the maxima of half-plane theory over the last cycle of one solution.
 
     Attributes
     ----------
     instants
-        (n,) instants of the answer, ascending; on straight steps those of its last cycle
+        (n,) instants of the solution, ascending; on straight steps those of its last cycle
     monotonic_parts
         load segment, begin and end time of each part of the path on which P goes one way; none on
         straight steps
@@ -213,13 +215,13 @@ class _Search:
         places within these edges, ascending, between which values are smooth functions of x
     """
 
-    def __init__(self, answer: ContactSolution, contact: Contact, has_cycle: bool) -> None:
+    def __init__(self, solution: ContactSolution, contact: Contact, has_cycle: bool) -> None:
         """Find the instants and places between which slip, friction work and pressure of a solution
         are smooth.
 
         Parameters
         ----------
-        answer
+        solution
             half-plane solution; on straight steps its own instants define the path, in place of
             that of the scene
         contact
@@ -227,15 +229,15 @@ class _Search:
         has_cycle
             whether the solution has a whole last cycle
         """
-        self.scene = answer.scene
+        self.scene = solution.scene
         self.contact = contact
-        self.answer = answer
+        self.solution = solution
         self.has_cycle = has_cycle
-        self.on_straight_steps = bool(answer.settings.get("straight_steps"))
-        self.instants = answer.time
+        self.on_straight_steps = bool(solution.settings.get("straight_steps"))
+        self.instants = solution.time
         self.monotonic_parts: list[tuple[LoadSegment, float, float]] = []
         if self.on_straight_steps:
-            self.instants = answer.time[answer.last_cycle]
+            self.instants = solution.time[solution.last_cycle]
         else:
             self.monotonic_parts = _monotonic_parts(self.scene, self.instants[0], self.instants[-1])
         self.turning_times = self._find_turning_times()
@@ -301,7 +303,7 @@ class _Search:
         """Instants between which the slip of a point in contact moves one way, ascending: turning
         points of P, Q - f P and -Q - f P.
 
-        On straight steps, or without a cycle, they are all instants of the answer. On each of the
+        On straight steps, or without a cycle, they are all instants of the solution. On each of the
         `monotonic_parts`, (load segment, begin and end time), P goes one way.
         """
         if not self.has_cycle or self.on_straight_steps:
@@ -317,12 +319,14 @@ class _Search:
                 ]
         return np.unique(turning_times)
 
-    def _answer_at(self, x: Array, time: Array, fields: tuple[str, ...]) -> ContactSolution:
+    def _solution_at(self, x: Array, time: Array, fields: tuple[str, ...]) -> ContactSolution:
         """Answer of half-plane theory at places x (n,) and instants `time` (m,); on straight steps
-        at the instants of the search's own answer, since they define the path.
+        at the instants of the search's own solution, since they define the path.
         """
         if self.on_straight_steps:
-            return solve(self.scene, x=x, time=self.answer.time, fields=fields, straight_steps=True)
+            return solve(
+                self.scene, x=x, time=self.solution.time, fields=fields, straight_steps=True
+            )
         return solve(self.scene, x=x, time=time, fields=fields)
 
     def largest_pressure_and_half_width(self) -> tuple[float, float, float]:
@@ -344,7 +348,7 @@ class _Search:
         contact, and the place of that point [length each]; 0 without friction.
 
         The range at a point is exact: slip moves one way between the turning points of the loads,
-        and until an edge of contact passes the point. On straight steps between the answer's own
+        and until an edge of contact passes the point. On straight steps between the solution's own
         instants the slip is taken at these.
         """
         if not self.scene.friction.coefficient:
@@ -357,22 +361,22 @@ class _Search:
             contact passes one of the places.
             """
             time = np.unique(np.concatenate([self.turning_times, self._times_of_passing_edge(x)]))
-            answer_at_x = self._answer_at(x, time, ("slip",))
+            solution_at_x = self._solution_at(x, time, ("slip",))
             # numbers of the instants of the last cycle
             cycle_rows = (
-                answer_at_x.last_cycle
+                solution_at_x.last_cycle
                 if self.on_straight_steps
-                else np.arange(len(answer_at_x.time))
+                else np.arange(len(solution_at_x.time))
             )
-            contact_edges = answer_at_x.contact_edges[cycle_rows]
+            contact_edges = solution_at_x.contact_edges[cycle_rows]
             # 1e-10 of the contact width at the largest load
             edge_tolerance = _EDGE_TOLERANCE_SHARE * float(np.diff(self.widest_edges)[0])
             is_within_edges = (x >= contact_edges[:, :1] - edge_tolerance) & (
                 x <= contact_edges[:, 1:] + edge_tolerance
             )
-            is_in_contact = is_within_edges & (answer_at_x.normal_load[cycle_rows] > 0)[:, None]
+            is_in_contact = is_within_edges & (solution_at_x.normal_load[cycle_rows] > 0)[:, None]
             # `range_of_slip`: largest minus smallest while in contact
-            return range_of_slip(answer_at_x.slip[cycle_rows], is_in_contact)
+            return range_of_slip(solution_at_x.slip[cycle_rows], is_in_contact)
 
         return self._largest_over_contact("slip_place", slip_ranges)
 
@@ -414,8 +418,8 @@ class _Search:
 
         def works_per_area(x: Array) -> Array:
             """Friction work per area of the cycle at places x (n,), (n,) [energy / area]."""
-            answer_at_x = self._answer_at(x, ends_of_cycle, ("dissipation_density",))
-            return np.asarray(answer_at_x.dissipation_density)
+            solution_at_x = self._solution_at(x, ends_of_cycle, ("dissipation_density",))
+            return np.asarray(solution_at_x.dissipation_density)
 
         return self._largest_over_contact("dissipation_density_place", works_per_area)
 
@@ -684,7 +688,7 @@ def _extremes_at_default_points(scene: Scene) -> Extremes:
     return _extremes_at_points_of(solve(scene))
 
 
-def _extremes_at_points_of(answer: ContactSolution) -> Extremes:
+def _extremes_at_points_of(solution: ContactSolution) -> Extremes:
     """The largest pressure, slip, friction work per area, half-width and edge tension of a
     half-plane solution with all fields, at its own points and the instants of its last cycle.
 
@@ -693,26 +697,26 @@ def _extremes_at_points_of(answer: ContactSolution) -> Extremes:
     counts while a point is in contact.
     """
     # numbers of the instants of the last cycle
-    cycle_rows = answer.last_cycle
-    largest_pressures = answer.pressure[cycle_rows].max(axis=0)
-    contact_widths = np.diff(answer.contact_edges[cycle_rows], axis=1)
+    cycle_rows = solution.last_cycle
+    largest_pressures = solution.pressure[cycle_rows].max(axis=0)
+    contact_widths = np.diff(solution.contact_edges[cycle_rows], axis=1)
     # `range_of_slip`: largest minus smallest slip of each point
-    slip_ranges = range_of_slip(answer.slip[cycle_rows], answer.state[cycle_rows] != OPEN)
-    works_per_area = answer.dissipation_density
-    tension, tension_uncertainty = _largest_tension(answer, answer.time[cycle_rows])
+    slip_ranges = range_of_slip(solution.slip[cycle_rows], solution.state[cycle_rows] != OPEN)
+    works_per_area = solution.dissipation_density
+    tension, tension_uncertainty = _largest_tension(solution, solution.time[cycle_rows])
     return Extremes(
         pressure=float(largest_pressures.max()),
-        pressure_place=float(answer.x[np.argmax(largest_pressures)]),
+        pressure_place=float(solution.x[np.argmax(largest_pressures)]),
         half_width=float(np.nanmax(contact_widths, initial=0.0)) / 2,
         slip=float(slip_ranges.max()),
-        slip_place=float(answer.x[np.argmax(slip_ranges)]),
+        slip_place=float(solution.x[np.argmax(slip_ranges)]),
         dissipation_density=float(works_per_area.max()),
-        dissipation_density_place=float(answer.x[np.argmax(works_per_area)]),
+        dissipation_density_place=float(solution.x[np.argmax(works_per_area)]),
         edge_tension=tension,
         edge_tension_uncertainty=tension_uncertainty,
         sampled=(
             "bulk stress and tilt leave no one memory curve, so the largest values of theory are"
-            f" those at {len(answer.x)} points and {len(cycle_rows)} instants"
+            f" those at {len(solution.x)} points and {len(cycle_rows)} instants"
         ),
     )
 

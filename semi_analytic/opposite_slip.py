@@ -61,7 +61,7 @@ def loads_of_slip_depths(left_depth: Array, right_depth: Array) -> tuple[Array, 
     >>> round(float(e[0]), 10), round(abs(float(q[0])), 12)
     (-0.601898288, 0.0)
     """
-    stick_middle = (left_depth - right_depth) / 2
+    stick_centre = (left_depth - right_depth) / 2
     stick_half_width = 1 - (left_depth + right_depth) / 2
     # xi = b1 - d1 v^2: places in the left slip zone; b1, b2 left and right stick edge, v the nodes
     nodes, weights = graded_nodes(np.zeros(left_depth.shape), np.ones(left_depth.shape))
@@ -75,12 +75,12 @@ def loads_of_slip_depths(left_depth: Array, right_depth: Array) -> tuple[Array, 
     )
     # sqrt(1 - xi^2)/w d xi, w = sqrt((b1 - xi)(b2 - xi))
     integrand_weights = weights * 2 * left_depth[..., None] * root_ratio
-    e = stick_middle - 2 / np.pi * np.sum(integrand_weights, axis=-1)
+    e = stick_centre - 2 / np.pi * np.sum(integrand_weights, axis=-1)
     moment_term = 4 / np.pi * np.sum(xi * integrand_weights, axis=-1)
     force_over_limit = (
         1
-        + 2 * e * stick_middle
-        - 2 * stick_middle * stick_middle
+        + 2 * e * stick_centre
+        - 2 * stick_centre * stick_centre
         - stick_half_width * stick_half_width
         + moment_term
     )
@@ -247,7 +247,7 @@ class OppositeSlip(TiltedProfile):
 
     @cached_property
     def _contact(self) -> tuple[float, float, float]:
-        """P [force per thickness], and middle and half-width of the contact [length]."""
+        """P [force per thickness], and centre and half-width of the contact [length]."""
         m, c = self.intervals.exact_centre_and_half_width(self.intervals.largest_load)
         return self.intervals.largest_load, float(m), float(c)
 
@@ -264,7 +264,7 @@ class OppositeSlip(TiltedProfile):
         I(eta) is the stick zone after |Q| = f (P - eta), and P - eta the unloading. The series need
         -e and Q/(f P) per unloading. With A P = pi a^2/(2 R), e = eps pi a/(2 A f P), the
         dimensionless bulk strain; A = 2/E*, R is the radius of the parabola, a the contact
-        half-width. `pressure_skewness` is pi kappa/A, eps = kappa Q; `_contact` holds P, middle and
+        half-width. `pressure_skewness` is pi kappa/A, eps = kappa Q; `_contact` holds P, centre and
         half-width of the contact.
         """
         largest_load, _, half_width = self._contact
@@ -286,13 +286,13 @@ class OppositeSlip(TiltedProfile):
         return replace(self, kernel_quantity="conjugate_displacement")
 
     def centre_and_half_width(self, load: ArrayLike) -> tuple[Array, Array]:
-        """Middle and half-width of the stick zone I(eta) at loads eta, any shape [length].
+        """Centre and half-width of the stick zone I(eta) at loads eta, any shape [length].
 
         I(eta) is the stick zone after |Q| = f (P - eta); P - eta is the unloading. Beyond the
         largest unloading the values are those at the largest. At eta = P they are those of the
-        contact. `_contact` holds P, middle and half-width of the contact.
+        contact. `_contact` holds P, centre and half-width of the contact.
         """
-        largest_load, contact_middle, contact_half_width = self._contact
+        largest_load, contact_centre, contact_half_width = self._contact
         unloading = np.clip(
             largest_load - np.asarray(load, dtype=float), 0.0, self._largest_unloading
         )
@@ -300,8 +300,8 @@ class OppositeSlip(TiltedProfile):
         left_edge_at, right_edge_at = self._stick_edges
         left_edge = left_edge_at(unloading)
         right_edge = right_edge_at(unloading)
-        stick_middle = contact_middle + contact_half_width * (left_edge + right_edge) / 2
-        return stick_middle, contact_half_width * (right_edge - left_edge) / 2
+        stick_centre = contact_centre + contact_half_width * (left_edge + right_edge) / 2
+        return stick_centre, contact_half_width * (right_edge - left_edge) / 2
 
     def is_nested(self, load: float) -> bool:
         """Whether the stick zones recede at both ends while |Q| grows to its largest; `load` is the
@@ -323,9 +323,9 @@ class OppositeSlip(TiltedProfile):
         to the largest |Q|, and above P beyond the contact, in proportion to the distance from its
         edge. Here x is the argument `half_width`, with its sign.
         """
-        # the constant load P, then middle and half-width of the contact
-        largest_load, contact_middle, contact_half_width = self._contact
-        relative_x = (np.asarray(half_width, dtype=float) - contact_middle) / contact_half_width
+        # the constant load P, then centre and half-width of the contact
+        largest_load, contact_centre, contact_half_width = self._contact
+        relative_x = (np.asarray(half_width, dtype=float) - contact_centre) / contact_half_width
         lower_bound = np.zeros(relative_x.shape)
         upper_bound = np.full(relative_x.shape, self._largest_unloading)
         # functions of the unloading, edges over the contact half-width
@@ -351,17 +351,17 @@ class OppositeSlip(TiltedProfile):
 
     def slip_direction_at(self, x: ArrayLike) -> Array:
         """+1 where x slips forward while Q grows, -1 where it slips in reverse."""
-        _, contact_middle, _ = self._contact
-        sign_of_side = np.where(np.asarray(x, dtype=float) > contact_middle, -1.0, 1.0)
+        _, contact_centre, _ = self._contact
+        sign_of_side = np.where(np.asarray(x, dtype=float) > contact_centre, -1.0, 1.0)
         return sign_of_side * np.sign(self.pressure_skewness)
 
     def pressure(self, x: ArrayLike, load: ArrayLike) -> Array:
         """Pressure p(x) at the constant load P, times the direction of slip at x while Q grows, +1
         or -1: so q/f where x slips [stress].
         """
-        _, contact_middle, contact_half_width = self._contact
+        _, contact_centre, contact_half_width = self._contact
         unsigned_pressure = self.profile.pressure(
-            np.asarray(x, dtype=float), np.array(contact_middle), np.array(contact_half_width)
+            np.asarray(x, dtype=float), np.array(contact_centre), np.array(contact_half_width)
         ) / (np.pi * self.intervals.compliance)
         return np.asarray(
             self.slip_direction_at(x) * unsigned_pressure + 0 * np.asarray(load, dtype=float)

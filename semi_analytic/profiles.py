@@ -1501,7 +1501,7 @@ def _series_behind_corner(
     )
     try:
         # `piecewise_series_by_halving` resolves to 4e-15 of the scale that it is given.
-        load, stiffness = (
+        load_series, stiffness_series = (
             piecewise_series_by_halving(
                 partial(load_or_stiffness, derivative_order=order),
                 interval_ends,
@@ -1515,7 +1515,7 @@ def _series_behind_corner(
             " of this half-width carries is no smooth function; give `breaks`, or a smoother"
             " function"
         ) from fault
-    return _SeriesBehindCorner(first_half_width, is_in_square_root, load, stiffness)
+    return _SeriesBehindCorner(first_half_width, is_in_square_root, load_series, stiffness_series)
 
 
 def _abel_integral(

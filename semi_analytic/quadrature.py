@@ -100,8 +100,9 @@ def gauss_rule(n_nodes: int) -> tuple[Array, Array]:
     >>> round(float(np.sum(weights * nodes**5)), 15)
     0.166666666666667
     """
-    nodes, weights = np.polynomial.legendre.leggauss(n_nodes)
-    rule = (1 + nodes) / 2, weights / 2
+    # on [-1, 1]
+    legendre_nodes, legendre_weights = np.polynomial.legendre.leggauss(n_nodes)
+    rule = (1 + legendre_nodes) / 2, legendre_weights / 2
     for nodes_or_weights in rule:
         nodes_or_weights.flags.writeable = False
     return rule

@@ -137,10 +137,10 @@ def solve(
         straight_steps=straight_steps,
         effects=effects,
     )
-    answer = solution_of(question, _findings(question))
+    solution = solution_of(question, _findings(question))
     if question.is_default:
-        answers_at_default_points.add(answer)
-    return answer
+        answers_at_default_points.add(solution)
+    return solution
 
 
 def _findings(question: Question) -> Findings:

@@ -1268,11 +1268,13 @@ def _courses_of_loads(ellipses: Ellipses, corner_loads: Array) -> tuple[_Course,
     angle and the angles at which it is cut: P in E-G (reverse slip) and in I-M (forward slip), P_c
     in E-G, in I-J and in J-M.
 
-    P_c is the load at the stick edge, `permanent_stick_load` the least P_c. Cuts are where P or P_c
-    is one of the `corner_loads` (n,), the loads of the profile's corners, and where P is largest or
-    least. Along P the angle is the time t of P = P0 + P1 cos t. Along P_c in I-J it is 2 t_I - t,
-    with t_I the begin of forward slip. Along P_c in E-G and J-M it counts back from the end of the
-    phase. E-G and J-M are `slip_angle` long; E-G begins at `slip_start`, and I half a turn later.
+    Integrated by parts, the work has ln a(P) and ln a(P_c), a the contact half-width. So a course
+    is P, or P_c, through one phase of slip. P_c is the load at the stick edge,
+    `permanent_stick_load` the least P_c. Cuts are where P or P_c is one of the `corner_loads` (n,),
+    the loads of the profile's corners, and where P is largest or least. Along P the angle is the
+    time t of P = P0 + P1 cos t. Along P_c in I-J it is 2 t_I - t, with t_I the begin of forward
+    slip. Along P_c in E-G and J-M it counts back from the end of the phase. E-G and J-M are
+    `slip_angle` long; E-G begins at `slip_start`, and I half a turn later.
     """
     is_in_range = (corner_loads > 0.99 * np.min(ellipses.permanent_stick_load)) & (
         corner_loads < np.max(ellipses.mean_load + ellipses.load_amplitude)
@@ -1863,8 +1865,11 @@ def _blocks_of_kinds(kind_of_ellipse: NDArray[np.uint8]) -> Iterator[tuple[int, 
     for kind_number, end_of_kind in enumerate(ends_of_kinds):
         n_nodes = len(_LAM_RULES[kind_number // 2][0])
         ellipses_at_once = max(_NODES_AT_ONCE // n_nodes, 64)
-        for begin in range(begin_of_kind, end_of_kind, ellipses_at_once):
-            yield kind_number, slice(begin, min(begin + ellipses_at_once, end_of_kind))
+        for begin_of_block in range(begin_of_kind, end_of_kind, ellipses_at_once):
+            yield (
+                kind_number,
+                slice(begin_of_block, min(begin_of_block + ellipses_at_once, end_of_kind)),
+            )
         begin_of_kind = end_of_kind
 
 

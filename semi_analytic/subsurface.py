@@ -16,8 +16,8 @@ face at x, and the tension at the trailing edge is (2/pi) int M' d eta / sqrt(a(
 For the parabola under P alone this is McEwen (1949).
 
 With bulk stress, tilt or unequal sides there is no one curve of punches of one middle. N and T then
-come from the tractions of the answer: with x = m + h cos(phi), p = sum A_k sin(k phi) and zeta = (z
-- m)/h, N = pi sum A_k (zeta - sqrt(zeta^2 - 1))^k. The bulk stress of the body is added.
+come from the tractions of the solution: with x = m + h cos(phi), p = sum A_k sin(k phi) and zeta =
+(z - m)/h, N = pi sum A_k (zeta - sqrt(zeta^2 - 1))^k. The bulk stress of the body is added.
 
 # notation: eta normal load, a(eta) half-width, M(eta) tangential load of the punches up to eta, f
 #           friction, delta = a - |x|; m, h middle and half-width of the contact
@@ -67,7 +67,7 @@ _PLACE_COUNT_ACROSS_CONTACT = 601
 _MOST_CONTACTS_WITH_PLACES = 4
 _SERIES_TERMS = 2048
 # Instants that are solved together; places within a contact that are enough to take p and q from a
-# given answer.
+# given solution.
 _INSTANTS_AT_ONCE = 20
 _FEWEST_PLACES_IN_CONTACT = 60
 # Shares of a contact from its edges at which q is asked for too: slip has just begun there where a
@@ -163,11 +163,11 @@ def stress(
 
     stresses = np.zeros((len(times), len(x_of_points), 4))
     if scene.unsymmetric:  # bulk stress, tilt or unequal sides
-        answers_and_rows = _answers_with_tractions(source, times)
+        solutions_and_rows = _solutions_with_tractions(source, times)
         stresses[..., :3] = _stresses_by_tractions(
-            scene, answers_and_rows, x_of_points, mirrored_y, sign_of_body
+            scene, solutions_and_rows, x_of_points, mirrored_y, sign_of_body
         )
-        stresses[..., 0] += _bulk_stresses(answers_and_rows)[:, int(body == "upper"), None]
+        stresses[..., 0] += _bulk_stresses(solutions_and_rows)[:, int(body == "upper"), None]
     else:
         stresses[..., :3] = _stresses_by_memory_curves(
             scene, times, x_of_points, mirrored_y, sign_of_body
@@ -208,7 +208,7 @@ def _stresses_by_memory_curves(
 
 def _stresses_by_tractions(
     scene: Scene,
-    answers_and_rows: list[tuple[ContactSolution, int]],
+    solutions_and_rows: list[tuple[ContactSolution, int]],
     x: Array,
     y: Array,
     sign_of_body: float,
@@ -216,15 +216,15 @@ def _stresses_by_tractions(
     """Stress s_xx, s_yy, s_xy of a body below y = 0 from the tractions of half-plane solutions,
     without the bulk stress: (n, k, 3) at n instants and k points x, y [stress].
 
-    `answers_and_rows` has for each instant a solution, and the number (row) of the instant in it.
+    `solutions_and_rows` has for each instant a solution, and the number (row) of the instant in it.
     `sign_of_body` is 1 for the lower body. It is -1 for the mirror image of the upper one, on which
     the shear traction acts the other way.
     """
     _, tilted_contact = path_loads_and_contact(scene)
-    stresses = np.zeros((len(answers_and_rows), len(x), 3))
-    for instant_number, (answer, row) in enumerate(answers_and_rows):
+    stresses = np.zeros((len(solutions_and_rows), len(x), 3))
+    for instant_number, (solution, row) in enumerate(solutions_and_rows):
         stresses[instant_number] = _stress_by_sine_series(
-            answer, row, tilted_contact, x, y, sign_of_body
+            solution, row, tilted_contact, x, y, sign_of_body
         )
     return stresses
 
@@ -302,9 +302,9 @@ def edge_tension(
     if times is None:
         raise InputError("edge_tension: instants are needed")
     if scene.unsymmetric:  # bulk stress, tilt or unequal sides
-        answers_and_rows = _answers_with_tractions(source, times)
-        lower_tensions, edge_uncertainties = _edge_tensions_by_tractions(scene, answers_and_rows)
-        bulk_stresses = _bulk_stresses(answers_and_rows)
+        solutions_and_rows = _solutions_with_tractions(source, times)
+        lower_tensions, edge_uncertainties = _edge_tensions_by_tractions(scene, solutions_and_rows)
+        bulk_stresses = _bulk_stresses(solutions_and_rows)
     else:
         lower_tensions, edge_uncertainties = _edge_tensions_by_memory_curves(scene, times)
         bulk_stresses = np.zeros((len(times), 2))
@@ -316,21 +316,21 @@ def edge_tension(
 
 
 def _edge_tensions_by_tractions(
-    scene: Scene, answers_and_rows: list[tuple[ContactSolution, int]]
+    scene: Scene, solutions_and_rows: list[tuple[ContactSolution, int]]
 ) -> tuple[Array, Array]:
     """Stress s_xx of the lower face at the left and right edge of contact, and its uncertainty, by
     the tractions of half-plane solutions at n instants: (n, 2) each [stress], without bulk stress.
 
-    `answers_and_rows` has for each instant a solution, and the number (row) of the instant in it.
+    `solutions_and_rows` has for each instant a solution, and the number (row) of the instant in it.
     An uncertainty is NaN where the coarse grids that estimate it do not converge.
     """
     path_loads, tilted_contact = path_loads_and_contact(scene)
-    tensions = np.zeros((len(answers_and_rows), 2))
-    uncertainties = np.zeros((len(answers_and_rows), 2))
-    for instant_number, (answer, row) in enumerate(answers_and_rows):
-        coarse_grids = _ratio_on_coarse_grids(answer, path_loads, tilted_contact)
-        tensions[instant_number], uncertainties[instant_number] = _edge_tensions_of_answer(
-            answer, row, tilted_contact, coarse_grids
+    tensions = np.zeros((len(solutions_and_rows), 2))
+    uncertainties = np.zeros((len(solutions_and_rows), 2))
+    for instant_number, (solution, row) in enumerate(solutions_and_rows):
+        coarse_grids = _ratio_on_coarse_grids(solution, path_loads, tilted_contact)
+        tensions[instant_number], uncertainties[instant_number] = _edge_tensions_of_solution(
+            solution, row, tilted_contact, coarse_grids
         )
     return tensions, uncertainties
 
@@ -487,7 +487,7 @@ def _panels_of_curves(
 
 
 # ----------------------------------------------- from tractions, where there is no one memory curve
-def _answers_with_tractions(
+def _solutions_with_tractions(
     source: ContactSolution | Scene | str | Path, times: Array
 ) -> list[tuple[ContactSolution, int]]:
     """For each of n times a half-plane solution with pressure and shear then, and the number (row)
@@ -497,13 +497,13 @@ def _answers_with_tractions(
     scene is solved, at points across several of the contacts, and close to the edges of all.
     """
     # by time
-    answers_and_rows: dict[float, tuple[ContactSolution, int]] = {}
+    solutions_and_rows: dict[float, tuple[ContactSolution, int]] = {}
     if isinstance(source, ContactSolution):
         scene = source.scene
-        answers_and_rows = _rows_with_tractions(source, times)
+        solutions_and_rows = _rows_with_tractions(source, times)
     else:
         scene = scene_of(source)
-    missing_times = np.array(sorted(set(times.tolist()) - answers_and_rows.keys()))
+    missing_times = np.array(sorted(set(times.tolist()) - solutions_and_rows.keys()))
     if len(missing_times):
         # At most 20 instants in one solution.
         n_blocks = math.ceil(len(missing_times) / _INSTANTS_AT_ONCE)
@@ -512,11 +512,11 @@ def _answers_with_tractions(
             contact_edges = _contact_edges_at(scene, times_at_once)
             order_by_length = np.argsort(contact_edges[:, 1] - contact_edges[:, 0])
             places = _places_for_tractions(contact_edges[order_by_length])
-            answer = solve(scene, x=places, time=times_at_once, fields=("pressure", "shear"))
-            answers_and_rows |= {
-                time: (answer, row) for row, time in enumerate(times_at_once.tolist())
+            solution = solve(scene, x=places, time=times_at_once, fields=("pressure", "shear"))
+            solutions_and_rows |= {
+                time: (solution, row) for row, time in enumerate(times_at_once.tolist())
             }
-    return [answers_and_rows[time] for time in times.tolist()]
+    return [solutions_and_rows[time] for time in times.tolist()]
 
 
 def _contact_edges_at(scene: Scene, times: Array) -> Array:
@@ -530,24 +530,24 @@ def _contact_edges_at(scene: Scene, times: Array) -> Array:
 
 
 def _rows_with_tractions(
-    answer: ContactSolution, times: Array
+    solution: ContactSolution, times: Array
 ) -> dict[float, tuple[ContactSolution, int]]:
-    """By time: a half-plane solution (`answer`) and the number (row) of the instant in it, for
+    """By time: a half-plane solution and the number (row) of the instant in it, for
     those `times` at which its tractions are known well enough.
 
     They are if the solution has 60 points in the contact then, or if there is no contact. Times
     agree within 1e-9 of themselves. Empty where pressure or shear is NaN anywhere in the solution.
     """
-    if not (np.isfinite(answer.pressure).all() and np.isfinite(answer.shear).all()):
+    if not (np.isfinite(solution.pressure).all() and np.isfinite(solution.shear).all()):
         return {}
-    nearest_rows = np.argmin(np.abs(answer.time[:, None] - times), axis=0)
-    n_points_in_contact = np.sum(answer.pressure[nearest_rows] > 0, axis=1)
+    nearest_rows = np.argmin(np.abs(solution.time[:, None] - times), axis=0)
+    n_points_in_contact = np.sum(solution.pressure[nearest_rows] > 0, axis=1)
     has_enough_points = n_points_in_contact >= _FEWEST_PLACES_IN_CONTACT
-    is_out_of_contact = answer.normal_load[nearest_rows] <= 0
-    has_instant = np.abs(answer.time[nearest_rows] - times) <= 1e-9 * np.abs(times)
+    is_out_of_contact = solution.normal_load[nearest_rows] <= 0
+    has_instant = np.abs(solution.time[nearest_rows] - times) <= 1e-9 * np.abs(times)
     time_numbers = np.flatnonzero((has_enough_points | is_out_of_contact) & has_instant)
     return {
-        float(times[time_number]): (answer, int(nearest_rows[time_number]))
+        float(times[time_number]): (solution, int(nearest_rows[time_number]))
         for time_number in time_numbers
     }
 
@@ -574,30 +574,30 @@ def _places_for_tractions(contact_edges: Array) -> Array:
     return np.unique(np.concatenate([places_across.ravel(), places_at_edges.ravel()]))
 
 
-def _bulk_stresses(answers_and_rows: list[tuple[ContactSolution, int]]) -> Array:
+def _bulk_stresses(solutions_and_rows: list[tuple[ContactSolution, int]]) -> Array:
     """Bulk stress of the lower and the upper body at n instants, (n, 2) [stress], tension positive.
 
-    `answers_and_rows` has for each instant a solution, and the number (row) of the instant in it.
+    `solutions_and_rows` has for each instant a solution, and the number (row) of the instant in it.
     0 where the solution has no bulk stress.
     """
-    stresses = np.zeros((len(answers_and_rows), 2))
-    for instant_number, (answer, row) in enumerate(answers_and_rows):
-        if answer.bulk_stress_lower is not None:
-            stresses[instant_number, 0] = answer.bulk_stress_lower[row]
-        if answer.bulk_stress_upper is not None:
-            stresses[instant_number, 1] = answer.bulk_stress_upper[row]
+    stresses = np.zeros((len(solutions_and_rows), 2))
+    for instant_number, (solution, row) in enumerate(solutions_and_rows):
+        if solution.bulk_stress_lower is not None:
+            stresses[instant_number, 0] = solution.bulk_stress_lower[row]
+        if solution.bulk_stress_upper is not None:
+            stresses[instant_number, 1] = solution.bulk_stress_upper[row]
     return stresses
 
 
 # q/(f p) (n, k) of a solution on grids, at its instants and points, by coarse grids: cached as long
 # as the solution exists.
-_coarse_ratio_by_answer: WeakKeyDictionary[ContactSolution, RatioOnGrids] = WeakKeyDictionary()
+_coarse_ratio_by_solution: WeakKeyDictionary[ContactSolution, RatioOnGrids] = WeakKeyDictionary()
 
 
 def _ratio_on_coarse_grids(
-    answer: ContactSolution, path_loads: PathLoads, tilted_contact: TiltedProfile
+    solution: ContactSolution, path_loads: PathLoads, tilted_contact: TiltedProfile
 ) -> RatioOnGrids | None:
-    """q/(f p) at the n instants and k points of a half-plane solution (`answer`), by grids of half
+    """q/(f p) at the n instants and k points of a half-plane solution, by grids of half
     as many cells and increments, followed for as many cycles.
 
     None where the solution is not from grids. NaN where an increment of the coarse grids does not
@@ -611,11 +611,11 @@ def _ratio_on_coarse_grids(
         normal contact of its profile under load and tilt
     """
     # Of a solution on grids `work.counts` has the number of grids, and that of the cycles solved.
-    counts = answer.work.counts
+    counts = solution.work.counts
     if "grids" not in counts:
         return None
-    if answer not in _coarse_ratio_by_answer:
-        scene = answer.scene
+    if solution not in _coarse_ratio_by_solution:
+        scene = solution.scene
         # Half of the usual 160 cells across the contact, and of 320 increments a cycle.
         request = GridRequest(
             most_cycles=counts["cycles_solved"],
@@ -628,15 +628,15 @@ def _ratio_on_coarse_grids(
                 tilted_contact,
                 scene.profile.height,
                 scene.friction.coefficient,
-                answer.x,
-                answer.time,
+                solution.x,
+                solution.time,
                 request,
             )
         except InputError:  # near sliding all of the coarse cells may slip
-            unknown_ratio = np.full((len(answer.time), len(answer.x)), np.nan)
+            unknown_ratio = np.full((len(solution.time), len(solution.x)), np.nan)
             coarse_ratio = RatioOnGrids(unknown_ratio, math.nan)
-        _coarse_ratio_by_answer[answer] = coarse_ratio
-    return _coarse_ratio_by_answer[answer]
+        _coarse_ratio_by_solution[solution] = coarse_ratio
+    return _coarse_ratio_by_solution[solution]
 
 
 class _TensionOfSliding(NamedTuple):
@@ -658,10 +658,10 @@ class _TensionOfSliding(NamedTuple):
 
 
 def _tension_of_sliding(
-    answer: ContactSolution, row: int, tilted_contact: TiltedProfile
+    solution: ContactSolution, row: int, tilted_contact: TiltedProfile
 ) -> _TensionOfSliding:
     """Tension s_xx of the lower face at both edges of contact if all of the contact slipped, q = f
-    p, of a half-plane solution (`answer`) at its instant number `row`.
+    p, of a half-plane solution at its instant number `row`.
 
     The tension is (2/pi) int q/|x - edge| dx at the left edge, and minus that at the right one.
     With x = middle - half_width cos(phi) it is the mean over phi, from 0 to pi, of 2 q cot(phi/2)
@@ -669,15 +669,15 @@ def _tension_of_sliding(
 
     `tilted_contact` is the normal contact of the profile, whose exact pressure is taken.
     """
-    phi, x_of_nodes = _places_across(answer, row, _PLACES_OF_TENSION)
-    pressure = _pressure_across(answer, row, tilted_contact, x_of_nodes)
-    friction_limit = answer.scene.friction.coefficient * pressure
+    phi, x_of_nodes = _places_across(solution, row, _PLACES_OF_TENSION)
+    pressure = _pressure_across(solution, row, tilted_contact, x_of_nodes)
+    friction_limit = solution.scene.friction.coefficient * pressure
     by_node = 2 * friction_limit * np.stack([1 / np.tan(phi / 2), -np.tan(phi / 2)])
     return _TensionOfSliding(x_of_nodes, by_node)
 
 
-def _edge_tensions_of_answer(
-    answer: ContactSolution,
+def _edge_tensions_of_solution(
+    solution: ContactSolution,
     row: int,
     tilted_contact: TiltedProfile,
     coarse_grids: RatioOnGrids | None = None,
@@ -700,7 +700,7 @@ def _edge_tensions_of_answer(
 
     Parameters
     ----------
-    answer, row
+    solution, row
         the solution, and the number of its instant
     tilted_contact
         normal contact of the profile, whose exact pressure is taken
@@ -708,21 +708,21 @@ def _edge_tensions_of_answer(
         of a solution on grids: q/(f p) at its instants and points by cells twice as wide, and
         their width; NaN where these grids did not converge
     """
-    is_in_contact = answer.pressure[row] > 0
+    is_in_contact = solution.pressure[row] > 0
     if not is_in_contact.any():
         return np.zeros(2), np.zeros(2)
-    friction_coefficient = answer.scene.friction.coefficient
-    x_of_points = answer.x[is_in_contact]
-    friction_limit = friction_coefficient * answer.pressure[row, is_in_contact]
-    friction_ratio = answer.shear[row, is_in_contact] / friction_limit
-    sliding_tension = _tension_of_sliding(answer, row, tilted_contact)
+    friction_coefficient = solution.scene.friction.coefficient
+    x_of_points = solution.x[is_in_contact]
+    friction_limit = friction_coefficient * solution.pressure[row, is_in_contact]
+    friction_ratio = solution.shear[row, is_in_contact] / friction_limit
+    sliding_tension = _tension_of_sliding(solution, row, tilted_contact)
     tensions = sliding_tension.times_ratio(x_of_points, friction_ratio)
     error_between_points = _tension_error_between_points(
         sliding_tension, x_of_points, friction_ratio
     )
 
     # f p at its largest
-    largest_friction_limit = friction_coefficient * float(answer.pressure[row].max())
+    largest_friction_limit = friction_coefficient * float(solution.pressure[row].max())
     if coarse_grids is None:
         cell_width = 0.0
         change_by_grids = np.zeros(2)
@@ -734,7 +734,7 @@ def _edge_tensions_of_answer(
         coarse_ratio = coarse_grids.friction_ratio[row, is_in_contact]
         change_by_grids = sliding_tension.times_ratio(x_of_points, coarse_ratio) - tensions
         # stated error of the shear, over the largest shear
-        shear_error_share = answer.record.errors.get("shear", 0.0)
+        shear_error_share = solution.record.errors.get("shear", 0.0)
         error_by_shear = (
             _TENSION_ERROR_OVER_SHEAR_ERROR * shear_error_share * largest_friction_limit
         )
@@ -749,7 +749,7 @@ def _edge_tensions_of_answer(
                 np.abs(sliding_tension.x_of_nodes - contact_edge),
                 np.abs(sliding_tension.by_node[edge_number]),
             )
-            for edge_number, contact_edge in enumerate(answer.contact_edges[row].tolist())
+            for edge_number, contact_edge in enumerate(solution.contact_edges[row].tolist())
         ]
     )
     uncertainty = np.sqrt(
@@ -836,30 +836,30 @@ def _tension_of_narrow_slip_zone(
     return _TENSION_OF_NARROW_SLIP_ZONE * sliding_tension_of_width * share_of_sliding_tension
 
 
-def _places_across(answer: ContactSolution, row: int, n_places: int) -> tuple[Array, Array]:
+def _places_across(solution: ContactSolution, row: int, n_places: int) -> tuple[Array, Array]:
     """Angles phi between 0 and pi, and places middle - half_width cos(phi) [length] across the
-    contact of an answer at the instant number `row`, (n_places,) each, from the left edge on.
+    contact of a solution at the instant number `row`, (n_places,) each, from the left edge on.
     """
-    left_edge, right_edge = answer.contact_edges[row]
+    left_edge, right_edge = solution.contact_edges[row]
     phi = math.pi * (np.arange(n_places) + 0.5) / n_places
     return phi, (left_edge + right_edge) / 2 - (right_edge - left_edge) / 2 * np.cos(phi)
 
 
 def _pressure_across(
-    answer: ContactSolution, row: int, tilted_contact: TiltedProfile, places: Array
+    solution: ContactSolution, row: int, tilted_contact: TiltedProfile, places: Array
 ) -> Array:
-    """Exact pressure at places x (n,) in the contact of an answer at the instant number `row`, (n,)
-    [stress], from the middle and the half-width of the contact. `tilted_contact` is the normal
+    """Exact pressure at places x (n,) in the contact of a solution at the instant number `row`,
+    (n,) [stress], from the middle and the half-width of the contact. `tilted_contact` is the normal
     contact of the profile under load and tilt.
     """
-    contact_edges = answer.contact_edges[row]
+    contact_edges = solution.contact_edges[row]
     middle = contact_edges.mean(keepdims=True)
     half_width = np.diff(contact_edges) / 2
     return tilted_contact.pressure_over(places, middle, half_width)[0]
 
 
 def _stress_by_sine_series(
-    answer: ContactSolution,
+    solution: ContactSolution,
     row: int,
     tilted_contact: TiltedProfile,
     x: Array,
@@ -876,7 +876,7 @@ def _stress_by_sine_series(
 
     Parameters
     ----------
-    answer, row
+    solution, row
         the solution, and the number of its instant
     tilted_contact
         normal contact of the profile, whose exact pressure is taken
@@ -886,12 +886,12 @@ def _stress_by_sine_series(
         1 for the lower body, -1 for the mirror image of the upper one, on which the shear acts the
         other way
     """
-    if not np.any(answer.pressure[row] > 0):
+    if not np.any(solution.pressure[row] > 0):
         return np.zeros((len(x), 3))
-    left_edge, right_edge = answer.contact_edges[row]
+    left_edge, right_edge = solution.contact_edges[row]
     middle = (left_edge + right_edge) / 2
     half_width = (right_edge - left_edge) / 2
-    sine_coefficients = _sine_coefficients_of_tractions(answer, row, tilted_contact)
+    sine_coefficients = _sine_coefficients_of_tractions(solution, row, tilted_contact)
     sine_coefficients[1] *= sign_of_body
 
     # The sums are taken at the mirror image x - i y, above the branch cut of the root. The
@@ -911,21 +911,21 @@ def _stress_by_sine_series(
 
 
 def _sine_coefficients_of_tractions(
-    answer: ContactSolution, row: int, tilted_contact: TiltedProfile
+    solution: ContactSolution, row: int, tilted_contact: TiltedProfile
 ) -> Array:
     """Coefficients A_k of p = sum A_k sin(k phi) and of q, (2, 2048) from k = 1 on [stress], across
-    the contact of a half-plane solution (`answer`) at its instant number `row`.
+    the contact of a half-plane solution at its instant number `row`.
 
     phi is the angle from the right edge of contact: x = middle + half_width cos(phi). p is the
     exact pressure by `tilted_contact`, the normal contact of the profile. q is p times q/p, which
     is linear between the points of the solution.
     """
-    is_in_contact = answer.pressure[row] > 0
+    is_in_contact = solution.pressure[row] > 0
     # As many places as terms, from the left edge on.
-    _, places = _places_across(answer, row, _SERIES_TERMS)
-    pressure = _pressure_across(answer, row, tilted_contact, places)
-    ratio_at_points = answer.shear[row, is_in_contact] / answer.pressure[row, is_in_contact]
-    shear = pressure * np.interp(places, answer.x[is_in_contact], ratio_at_points)
+    _, places = _places_across(solution, row, _SERIES_TERMS)
+    pressure = _pressure_across(solution, row, tilted_contact, places)
+    ratio_at_points = solution.shear[row, is_in_contact] / solution.pressure[row, is_in_contact]
+    shear = pressure * np.interp(places, solution.x[is_in_contact], ratio_at_points)
     tractions_from_right_edge = np.stack([pressure, shear])[:, ::-1]
     return scipy.fft.dst(tractions_from_right_edge, 2) / _SERIES_TERMS
 

@@ -584,9 +584,9 @@ class PiecewiseParabola(ConvexProfile):
         load_product, tilt = np.broadcast_arrays(
             np.asarray(load_product, dtype=float), np.asarray(tilt, dtype=float)
         )
-        middle = self.knots[0] - (self.slope_at_first_knot + tilt) / curvature
+        centre = self.knots[0] - (self.slope_at_first_knot + tilt) / curvature
         half_width = np.sqrt(2 * np.maximum(load_product, 0.0) / (np.pi * curvature))
-        return middle, half_width
+        return centre, half_width
 
     # --- what follows from a contact
 

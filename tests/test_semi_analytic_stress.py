@@ -16,9 +16,9 @@ from semi_analytic.answer_by_memory import memory_at
 from semi_analytic.bulk_and_tilt import PathLoads, path_loads_and_contact
 from semi_analytic.quadrature import graded_nodes
 from semi_analytic.subsurface import (
-    _answers_with_tractions,
     _curve_parts,
-    _edge_tensions_of_answer,
+    _edge_tensions_of_solution,
+    _solutions_with_tractions,
     _stress_by_sine_series,
     _tension_of_narrow_slip_zone,
 )
@@ -181,7 +181,7 @@ def test_stress_from_tractions_is_that_of_the_memory_curve(name):
     """
     scene = load_scene(name)
     time = semi_analytic.solve(scene, x=0.0, fields=()).time[[30, 60, 90, 150, 210, 290]]
-    pairs = _answers_with_tractions(scene, time)
+    pairs = _solutions_with_tractions(scene, time)
     x = np.array([-1.3, -0.4, 0.0, 0.6, 1.1, -1.5, 1.5])
     y = np.array([-0.2, -0.05, -2.0, -0.3, -0.01, 0.0, 0.0])
     exact = edge_tension(scene, time)[0]
@@ -189,7 +189,7 @@ def test_stress_from_tractions_is_that_of_the_memory_curve(name):
     profile = path_loads_and_contact(scene)[1]
     p0 = max(float(answer.pressure.max()) for answer, _ in pairs)
     for k, (answer, row) in enumerate(pairs):
-        tensions, uncertain = _edge_tensions_of_answer(answer, row, profile)
+        tensions, uncertain = _edge_tensions_of_solution(answer, row, profile)
         assert np.abs(tensions - exact[k, 0]).max() < uncertain.min() < 1e-2 * p0
         np.testing.assert_allclose(
             _stress_by_sine_series(answer, row, profile, x, y, 1.0),
@@ -330,7 +330,7 @@ def test_coarse_grids_follow_a_solution_once_and_the_contact_is_not_solved_for_i
                 calls.append(name) or function(*given, **options)
             ),
         )
-    subsurface._coarse_ratio_by_answer.pop(answer, None)
+    subsurface._coarse_ratio_by_solution.pop(answer, None)
     time = answer.time[answer.last_cycle[[0, 40, 80, 120]]]
     together = edge_tension(answer, time)
     apart = [edge_tension(answer, instant) for instant in time]
@@ -401,7 +401,7 @@ def test_where_coarse_grids_do_not_follow_the_path_the_tension_has_no_uncertaint
         raise InputError("all cells slip")
 
     monkeypatch.setattr(subsurface, "friction_ratio_on_grids", refuse)
-    monkeypatch.setattr(subsurface, "_coarse_ratio_by_answer", {})
+    monkeypatch.setattr(subsurface, "_coarse_ratio_by_solution", {})
     values_alone, unknown = edge_tension(answer, time)
     np.testing.assert_array_equal(values_alone, values)
     assert np.isnan(unknown).all()
