@@ -674,7 +674,10 @@ def _contact_of_convex_profile(scene: Scene, normal_load: float, time: float) ->
         """Pressure [stress] at places x (n,); 0 out of contact."""
         return pressure_scale * np.maximum(convex_shape.pressure(x, middle_x, half_width), 0.0)
 
-    return _Contact(float((middle_x - half_width)[0]), float((middle_x + half_width)[0]), pressure)
+    # middle and half-width are arrays of one, for one tilt
+    (left_edge,) = (middle_x - half_width).tolist()
+    (right_edge,) = (middle_x + half_width).tolist()
+    return _Contact(left_edge, right_edge, pressure)
 
 
 def _contact_by_theory(scene: Scene, normal_load: float, time: float, source: str) -> _Contact:

@@ -798,9 +798,13 @@ def cycles_with_work(
         work_at_start, work_at_end = np.interp([cycle.start, cycle.end], time, work_so_far).tolist()
         work = work_at_end - work_at_start
         work_without_inner_cycles = work
-        while outer_cycles and outer_cycles[-1][0] >= cycle.start:
-            _, work_of_inner_cycle = outer_cycles.pop()
-            work_without_inner_cycles -= work_of_inner_cycle
+        while outer_cycles:
+            start_of_last_cycle, work_of_last_cycle = outer_cycles[-1]
+            if start_of_last_cycle < cycle.start:
+                break
+            # it lies within this cycle
+            outer_cycles.pop()
+            work_without_inner_cycles -= work_of_last_cycle
         outer_cycles.append((cycle.start, work))
         yield replace(cycle, dissipation=work_without_inner_cycles)
 

@@ -766,7 +766,8 @@ def _non_negative_weights(equations: Array) -> Array:
 
     n_weights = equations.shape[1] - 1
     try:
-        return np.asarray(nnls(equations[:, :-1], equations[:, -1], maxiter=50 * n_weights)[0])
+        weights, _ = nnls(equations[:, :-1], equations[:, -1], maxiter=50 * n_weights)
+        return np.asarray(weights)
     except RuntimeError as reason:
         raise NotFoundError(f"no curve through the rows was found: {reason}") from reason
 

@@ -902,7 +902,8 @@ class Tabulated(FromFile):
         It is the least rise between neighbouring rows, if all rises are whole numbers of it, and
         their median is less than 1,000 of it.
         """
-        rises = np.abs(np.diff(self._rows_of_sides()[-1][1]))
+        _, heights = self._rows_of_sides()[-1]  # of the right side, or of both averaged
+        rises = np.abs(np.diff(heights))
         least_rise = float(np.min(rises[rises > 0]))
         # _ROUNDING_OF_STEPS: 1e-3 of a step, by which a rise may miss a whole number of steps
         are_whole_steps = (

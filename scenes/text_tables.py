@@ -502,8 +502,9 @@ def _layout_of_table(request: _Request, lines: list[Line]) -> _Layout:
         needed_text = f"{len(quantities)} columns {', '.join(quantities)}"
     if not lines_without_comments:
         raise InputError(f"{path}: the file is empty; {needed_text} are needed")
+    _, first_text = lines_without_comments[0]
     # _MARKUP_START: pattern of the beginning of JSON, XML or HTML
-    if _MARKUP_START.match(lines_without_comments[0][1]):
+    if _MARKUP_START.match(first_text):
         raise InputError(
             f"{path}: this is JSON, XML or HTML and no table: write {needed_text}, separated"
             " by commas"
@@ -511,8 +512,8 @@ def _layout_of_table(request: _Request, lines: list[Line]) -> _Layout:
     # Where every column is read: first a line with two expected headings, then any.
     for fewest_expected_headings in (0,) if quantities else (2, 0):
         layouts_without_fit: list[_Layout] = []
-        for index in range(len(lines)):
-            if _is_row(lines[index][1], max(len(quantities), 1)):
+        for index, (_, text) in enumerate(lines):
+            if _is_row(text, max(len(quantities), 1)):
                 break
             # Layouts with these headings, for each way to cut the line.
             for layout, first_row_fits in _layouts_with_headings_at(
@@ -662,10 +663,18 @@ def _layout_with_headings(
     may_skip_lines
         whether lines without numbers may stand between headings and rows
     """
-    heading_line = lines[index][0]
+    heading_line, _ = lines[index]
     # _COMMENT_MARKS: beginnings of comments: #, **, % and //
-    lines_below = [line for line in lines[index + 1 :] if not line[1].startswith(_COMMENT_MARKS)]
-    lines_above = [line for line in lines[:index] if not line[1].startswith(_COMMENT_MARKS)]
+    lines_below = [
+        (line_number, text)
+        for line_number, text in lines[index + 1 :]
+        if not text.startswith(_COMMENT_MARKS)
+    ]
+    lines_above = [
+        (line_number, text)
+        for line_number, text in lines[:index]
+        if not text.startswith(_COMMENT_MARKS)
+    ]
     # Units of the columns by lines above and below, "" where none; `rows`: (line number, text) of
     # the lines from the first row on.
     units_above = _labelled_units(lines_above, separator, len(columns.headings))
@@ -948,7 +957,7 @@ def _layout_without_headings(request: _Request, lines: list[Line]) -> _Layout:
         For a file that is no such table: what is wrong with it, and what to do.
     """
     quantities = request.quantities
-    first_text = lines[0][1]
+    _, first_text = lines[0]
     # SEPARATORS_IN_WORDS: tab, semicolon, comma, and None for blanks
     begins_with_rows = any(
         len(_cells_of_line(first_text, separator)) > 1 and _is_numeric(first_text, separator)
@@ -1020,7 +1029,7 @@ def _layout_of_rows(request: _Request, lines: list[Line], first_row: FirstRow) -
         For a column number beyond the cells of the row.
     """
     row_index, separator, cells_of_row = first_row
-    first_row_line = lines[row_index][0]
+    first_row_line, _ = lines[row_index]
     n_columns = len(cells_of_row)
     columns_read = _columns_by_number_or_order(request, n_columns, first_row_line)
 
@@ -1254,13 +1263,18 @@ def _headings_above_rows(
         if len(cells_of_line) == n_columns
     ]
     units = [""] * n_columns
-    if len(lines_with_all_cells) > 1 and _are_units(lines_with_all_cells[-1][1]):
-        units = [cell.strip("[](){}<> ") for cell in lines_with_all_cells[-1][1]]
-        lines_with_all_cells.pop()
-    # One line may stand between: the line of units.
-    if not lines_with_all_cells or lines_with_all_cells[-1][0] < lines[-1][0] - 1:
+    if len(lines_with_all_cells) > 1:
+        _, cells_of_last_line = lines_with_all_cells[-1]
+        if _are_units(cells_of_last_line):
+            units = [cell.strip("[](){}<> ") for cell in cells_of_last_line]
+            lines_with_all_cells.pop()
+    if not lines_with_all_cells:
         return 0, (), ()
     heading_line, headings = lines_with_all_cells[-1]
+    last_line, _ = lines[-1]
+    # One line may stand between: the line of units.
+    if heading_line < last_line - 1:
+        return 0, (), ()
     units_of_columns = [
         unit or unit_in(heading)[1] for unit, heading in zip(units, headings, strict=True)
     ]

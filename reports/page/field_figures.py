@@ -209,11 +209,13 @@ def _traction_curves(
     marks: list[Mark] = [ZERO]
     for engine_number, engine in enumerate(view.engines):
         for letter in "pq":
-            values = drawn.pairs[letter][engine_number][0]
+            values_at_instants = drawn.pairs[letter][engine_number]  # (k, n)
             css = f"{engine.line_css} {letter}"
             series_of_slider = f"{letter}{engine_number}" if moves_with_slider else None
             label = f"{letter}, {engine.name}"
-            marks.append(_curve_over_x(drawn.x, values, css, label, series_of_slider))
+            marks.append(
+                _curve_over_x(drawn.x, values_at_instants[0], css, label, series_of_slider)
+            )
     return marks
 
 
@@ -228,10 +230,12 @@ def _difference_curves(
     """
     marks: list[Mark] = [ZERO]
     for letter in "pq":
-        values = difference_by_letter[letter][0]
+        values_at_first_instant = difference_by_letter[letter][0]
         label = f"difference of {letter}, %"
         series_of_slider = f"d{letter}" if moves_with_slider else None
-        marks.append(_curve_over_x(x, values, f"d {letter}", label, series_of_slider))
+        marks.append(
+            _curve_over_x(x, values_at_first_instant, f"d {letter}", label, series_of_slider)
+        )
     return marks
 
 
@@ -248,8 +252,10 @@ def _differences_in_words(
     is_touching = (pressure_of_reference[0] != 0) | (pressure_of_result[0] != 0)
     notes = []
     for letter in "pq":
-        values = difference_by_letter[letter][0]
-        size_in_words = difference_in_words(values, drawn.x, "x = {} a_ref", " %", is_touching)
+        values_at_first_instant = difference_by_letter[letter][0]
+        size_in_words = difference_in_words(
+            values_at_first_instant, drawn.x, "x = {} a_ref", " %", is_touching
+        )
         notes.append(f"{letter}: {size_in_words}")
     return notes
 

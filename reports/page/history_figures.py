@@ -346,7 +346,7 @@ def _panel_of_slip(view: CycleView, slip: _SlipSinceStart) -> Panel:
     `view` holds the names of both engines and the axis of time. `slip` has a column for each point,
     (k, n_points) [length].
     """
-    unit_of_length = units(view.scene)[1]
+    _, unit_of_length, _ = units(view.scene)
     slips = (slip.reference, slip.result)
     curves = []
     for line_width, slip_of_engine, engine in zip(
@@ -385,7 +385,7 @@ def _table_of_slip(view: CycleView, slip: _SlipSinceStart) -> Table:
 
     `view` holds the times (k,) and the points of the result.
     """
-    unit_of_length = units(view.scene)[1]
+    _, unit_of_length, _ = units(view.scene)
     table = {"time": view.result_cycle.time}
     for column, point in enumerate(slip.points):
         place_with_unit = f"(x = {view.result_cycle.x[point]:.6g}) [{unit_of_length}]"
@@ -764,6 +764,7 @@ def hysteresis(view: CycleView) -> Plate | None:
         "U_reference": displacements_u[0],
         "U_result": displacements_u[1],
     }
+    _, unit_of_length, _ = units(scene)
     # A varying P does work too, where the normal approach depends on Q.
     has_constant_p = np.ptp(view.result_cycle.normal_load) == 0 and view.result_cycle.tilt is None
     # The arguments after `view.keys` fill the caption: k of each engine, works, datum of U;
@@ -776,7 +777,7 @@ def hysteresis(view: CycleView) -> Plate | None:
         view.keys,
         stretch=view.part_of_path,
         slopes=" and ".join(signed(loop_compliance(cycle)) for cycle in cycles),
-        unit=f"{units(scene)[1]} per {load_unit(scene)}",
+        unit=f"{unit_of_length} per {load_unit(scene)}",
         periodic=scene.load.path().period is not None,
         alone=are_half_planes(scene) or has_constant_p,
         works=_works_in_words(comparison),

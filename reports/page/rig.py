@@ -220,7 +220,7 @@ def _loop(rig_motion: RigMotion) -> Plate:
 
     A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
     """
-    unit_of_length = units(rig_motion.scene)[1]
+    _, unit_of_length, _ = units(rig_motion.scene)
     unit_of_load = load_unit(rig_motion.scene)
     rig_motions = [rig_motion]
     if rig_motion.motion_by_elements is not None:
@@ -299,10 +299,10 @@ def _loop_panel(
         Curve(displacement, load, key.css, key.text) for displacement, load, key in drawn_loops
     ]
     x_limits = axis_limits(*(curve.x for curve in curves))
-    # words for the units of force, length and stress
+    _, unit_of_length, _ = units(rig_motion.scene)
     return Panel(
         name,
-        Axis(*x_limits, f"displacement U  [{units(rig_motion.scene)[1]}]"),
+        Axis(*x_limits, f"displacement U  [{unit_of_length}]"),
         Axis(*axis_limits(*(curve.y for curve in curves)), f"Q  [{load_unit(rig_motion.scene)}]"),
         [Rule(0.0, "zero"), *curves],
         "Loop of the tangential load over the displacement",
@@ -422,10 +422,9 @@ def _panel_of_displacement(rig_motion: RigMotion, curves: Sequence[Curve]) -> Pa
     """A panel over time with `curves` of displacements [length] and a line at zero; its axis holds
     all of them.
     """
-    y_axis = Axis(
-        *axis_limits(*(curve.y for curve in curves)),
-        f"displacement  [{units(rig_motion.scene)[1]}]",
-    )
+    _, unit_of_length, _ = units(rig_motion.scene)
+    y_limits = axis_limits(*(curve.y for curve in curves))
+    y_axis = Axis(*y_limits, f"displacement  [{unit_of_length}]")
     marks: list[Mark] = [Rule(0.0, "zero"), *curves]
     return _panel_over_time(rig_motion, "rig-way", y_axis, marks, "Displacements over time")
 
@@ -441,9 +440,12 @@ def _table_over_time(rig_motion: RigMotion) -> Table:
 
     # notation: f coefficient of friction
     """
-    unit_of_length = units(rig_motion.scene)[1]
+    _, unit_of_length, _ = units(rig_motion.scene)
     unit_of_load = load_unit(rig_motion.scene)
-    words_of_motions = [_CSS_AND_WORDS[Motion(code)][1] for code in rig_motion.motions.tolist()]
+    words_of_motions = []
+    for code in rig_motion.motions.tolist():
+        _, words_of_motion = _CSS_AND_WORDS[Motion(code)]
+        words_of_motions.append(words_of_motion)
     coulomb_limit = rig_motion.scene.friction.coefficient * rig_motion.normal_load
     return {
         "time": rig_motion.time,
@@ -464,7 +466,7 @@ def rows_of(rig_motion: RigMotion) -> list[tuple[str, str]]:
     cycle" or "path".
     """
     scene = rig_motion.scene
-    unit_of_length = units(scene)[1]
+    _, unit_of_length, _ = units(scene)
     unit_of_load = load_unit(scene)
     actuator_stroke = np.ptp(rig_motion.actuator_displacement)
     contact_stroke = np.ptp(rig_motion.contact_displacement)
@@ -502,7 +504,7 @@ def _rows_of_motions(rig_motion: RigMotion) -> Iterator[tuple[str, str]]:
 
     `rig_motion` states, for a kind of motion, the fraction of the time in it and the distance slid.
     """
-    unit_of_length = units(rig_motion.scene)[1]
+    _, unit_of_length, _ = units(rig_motion.scene)
     for kind_of_motion in Motion:
         time_fraction = rig_motion.time_fraction(kind_of_motion)
         if not time_fraction:
@@ -513,7 +515,8 @@ def _rows_of_motions(rig_motion: RigMotion) -> Iterator[tuple[str, str]]:
                 f", over {rig_motion.slide_distance(kind_of_motion):.6g} {unit_of_length}"
             )
         # _CSS_AND_WORDS: for each kind of motion the class of the style sheet, and words
-        yield _CSS_AND_WORDS[kind_of_motion][1], time_in_words
+        _, words_of_motion = _CSS_AND_WORDS[kind_of_motion]
+        yield words_of_motion, time_in_words
 
 
 def _rows_of_elements(by_theory: RigMotion, by_elements: RigMotion) -> list[tuple[str, str]]:
@@ -524,7 +527,7 @@ def _rows_of_elements(by_theory: RigMotion, by_elements: RigMotion) -> list[tupl
     `by_theory` and `by_elements` are the motion of the rig by each engine.
     """
     unit_of_load = load_unit(by_theory.scene)
-    unit_of_length = units(by_theory.scene)[1]
+    _, unit_of_length, _ = units(by_theory.scene)
     dissipation = by_elements.solution.dissipation
     dissipation_of_theory = by_theory.solution.dissipation
     uncertainty = getattr(by_elements.solution, "dissipation_uncertainty", math.nan)
@@ -565,7 +568,7 @@ def _sentence(rig_motion: RigMotion) -> str:
 
     `rig_motion` holds the solution, and what the contact does at the shown instants.
     """
-    unit_of_length = units(rig_motion.scene)[1]
+    _, unit_of_length, _ = units(rig_motion.scene)
     part_of_path = rig_motion.part_of_path
     forward_distance = rig_motion.slide_distance(Motion.FORWARD)
     sliding_distance = forward_distance + rig_motion.slide_distance(Motion.BACK)

@@ -458,7 +458,7 @@ def _data_of_slider(view: CycleView) -> dict[str, Any]:
     point_indices = _points_of_slider(view, len(instant_indices))
     # tractions and slip as packed numbers; states as codes (instants, points)
     fields, states = _fields_of_slider(view, np.ix_(instant_indices, point_indices))
-    # words for the units of force, length and stress
+    _, unit_of_length, _ = units(scene)
     return {
         "instants": len(instant_indices),
         "points": len(point_indices),
@@ -479,7 +479,7 @@ def _data_of_slider(view: CycleView) -> dict[str, Any]:
         ],
         "time_words": view.time_words,
         "load_unit": load_unit(scene),
-        "length": units(scene)[1],
+        "length": unit_of_length,
         "engines": [engine.name for engine in view.engines],
     }
 

@@ -815,7 +815,8 @@ class _PartsOfWork:
         """
         case = self.formulas.case
         radius = case.scene.profile.model_dump()["radius"]
-        half_width = case.contact.half_width(self.formulas.loads(time)[0])
+        normal_load, _ = self.formulas.loads(time)
+        half_width = case.contact.half_width(normal_load)
         difference_of_squares = np.maximum(np.square(half_width) - self.x * self.x, 0.0)
         factor_of_root = case.friction**2 / (math.pi * radius)
         return factor_of_root * np.sqrt(difference_of_squares) / self.engine_density
