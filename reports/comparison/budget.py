@@ -761,30 +761,30 @@ def _mesh_term(metric: Metric, comparison: Comparison, refinements: Refinements)
     if term.uncertainty is None:
         return term
     labels = ", ".join(run.label for run in refinements.mesh_runs if not run.failure)
-    how_measured = f"{labels}: {term.kind}; {term.how_measured}"
+    words_on_meshes = f"{labels}: {term.kind}; {term.how_measured}"
     # in the unit of the metric; None where the run states none
     stated_uncertainty = _uncertainty_of_value(metric, comparison)
     if stated_uncertainty is None:
         return _with_stated_uncertainties(
-            replace(term, how_measured=how_measured), metric, comparison
+            replace(term, how_measured=words_on_meshes), metric, comparison
         )
     if term.value is not None and abs(term.value) > stated_uncertainty:
         return replace(
             term,
-            how_measured=f"{how_measured}; the run itself states less, {stated_uncertainty:.1e}",
+            how_measured=f"{words_on_meshes}; the run itself states less, {stated_uncertainty:.1e}",
         )
     if stated_uncertainty < term.uncertainty:
         # The places of the edges within their elements move a value from mesh to mesh: a few meshes
         # show that scatter, and no order.
-        how_measured = (
-            f"{how_measured}, {term.uncertainty:.1e}; instead the smaller uncertainty that the run"
-            " itself states"
+        words_on_meshes = (
+            f"{words_on_meshes}, {term.uncertainty:.1e}; instead the smaller uncertainty that the"
+            " run itself states"
         )
-        return Term("mesh", None, stated_uncertainty, how_measured)
+        return Term("mesh", None, stated_uncertainty, words_on_meshes)
     return replace(
         term,
         uncertainty=stated_uncertainty,
-        how_measured=f"{how_measured}; {_STATED_BY_RUN_IN_WORDS}",
+        how_measured=f"{words_on_meshes}; {_STATED_BY_RUN_IN_WORDS}",
     )
 
 
@@ -1262,10 +1262,10 @@ def _extrapolation_by_least_squares(refinement: Refinement, kind: _Kind) -> Extr
     # else of the formal order, half of it or both: its value at size zero, its value at the
     # finest size, and the standard `deviation` of the solutions from it
     curve, order_in_words, order = _trusted_curve(refinement)
-    finest_value = refinement.values[0]
+    value_of_finest_mesh = refinement.values[0]
     # between neighbouring meshes, of monotone values; taken for others too, which change by more
     mean_change = refinement.spread / (len(refinement.values) - 1)
-    residual_of_finest_value = abs(finest_value - curve.finest_value)
+    residual_of_finest_value = abs(value_of_finest_mesh - curve.finest_value)
     error_of_finest_value = abs(curve.value_at_zero - curve.finest_value)
     safety_factor = _SAFETY_FACTOR if refinement.is_plausible(order) else _LARGE_SAFETY_FACTOR
     uncertainty = safety_factor * error_of_finest_value + curve.deviation + residual_of_finest_value
@@ -1281,7 +1281,7 @@ def _extrapolation_by_least_squares(refinement: Refinement, kind: _Kind) -> Extr
         return Extrapolation(order, kind, curve.value_at_zero, uncertainty, rule)
     uncertainty = max(uncertainty, refinement.spread)
     rule = f"the finest; scatter about {order_in_words}"
-    return Extrapolation(None, kind, finest_value, uncertainty, rule)
+    return Extrapolation(None, kind, value_of_finest_mesh, uncertainty, rule)
 
 
 def _trusted_curve(refinement: Refinement) -> tuple[_FittedCurve, str, float | None]:

@@ -89,18 +89,18 @@ def _budget_row(budget_of_metric: Budget) -> tuple[str, ...]:
     term is the error by one source; the rest is the error minus all terms.
     """
     metric = budget_of_metric.metric
-    uncertainty = "not measured"
+    uncertainty_in_words = "not measured"
     if budget_of_metric.uncertainty is not None:
-        uncertainty = term_in_words(budget_of_metric.uncertainty, metric)
+        uncertainty_in_words = term_in_words(budget_of_metric.uncertainty, metric)
     cells_of_terms = [cell_of_term(term, metric) for term in budget_of_metric.terms]
-    rest_of_error = term_in_words(budget_of_metric.rest_of_error, metric, plus=True)
+    rest_in_words = term_in_words(budget_of_metric.rest_of_error, metric, plus=True)
     label = metric.short or metric.label
     return (
         label,
         value_in_words(metric),
         *cells_of_terms,
-        rest_of_error,
-        uncertainty,
+        rest_in_words,
+        uncertainty_in_words,
         _verdict_in_short(budget_of_metric),
     )
 

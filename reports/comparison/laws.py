@@ -402,9 +402,11 @@ def expected_numbers(
         if expected.engine in solution_by_engine:
             solution = solution_by_engine[expected.engine]
             # QUANTITIES: name of a quantity -> how its value is taken from a solution
-            value = QUANTITIES[expected.quantity].value_of(solution)
-            difference = (value - expected.value) / _scale_of_tolerance(expected, solution)
-            yield ExpectedNumber(expected, value, difference)
+            value_of_engine = QUANTITIES[expected.quantity].value_of(solution)
+            difference = (value_of_engine - expected.value) / _scale_of_tolerance(
+                expected, solution
+            )
+            yield ExpectedNumber(expected, value_of_engine, difference)
 
 
 def expected_rows(findings: Iterable[ExpectedNumber]) -> list[tuple[str, ...]]:

@@ -227,8 +227,8 @@ def _value_at_worst_instant(
     """
     if is_considered is None:
         is_considered = pair.is_judged  # in contact, and loaded enough
-    value, time = _worst_value_and_place(series, is_considered, pair.result_cycle.time)
-    return MetricValue(value=value, time=time, series=series, **further_fields)
+    value, worst_time = _worst_value_and_place(series, is_considered, pair.result_cycle.time)
+    return MetricValue(value=value, time=worst_time, series=series, **further_fields)
 
 
 def _metric_without_value(reason: str) -> MetricValue:
@@ -1050,10 +1050,12 @@ def state(pair: Pair) -> MetricValue:
     differing_length = (has_other_state * lengths).sum(axis=1)
     share = quotient(differing_length, length_in_contact)
     # instants at which any point carries pressure, in reference or result
-    time = result_cycle.time[pair.is_in_contact]
-    if not len(time) or time[-1] == time[0]:
+    time_in_contact = result_cycle.time[pair.is_in_contact]
+    if not len(time_in_contact) or time_in_contact[-1] == time_in_contact[0]:
         return MetricValue(value=None, series=share)
-    mean_share = np.trapezoid(share[pair.is_in_contact], time) / (time[-1] - time[0])
+    mean_share = np.trapezoid(share[pair.is_in_contact], time_in_contact) / (
+        time_in_contact[-1] - time_in_contact[0]
+    )
     return MetricValue(value=float(mean_share), series=share)
 
 

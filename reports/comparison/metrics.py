@@ -275,14 +275,16 @@ def _markdown_rows() -> Iterator[str]:
             norm_and_region = norm_and_region.replace(phrase, short_phrase)
         if not metric.signed:
             norm_and_region += "; no sign"
-        tolerance = "–"
+        tolerance_in_words = "–"
         if metric.tolerance is not None:
-            tolerance = f"{metric.tolerance:g}"
+            tolerance_in_words = f"{metric.tolerance:g}"
             if metric.judged_by:  # key of the metric that lends the tolerance
-                tolerance += f" (`{metric.judged_by}`)"
+                tolerance_in_words += f" (`{metric.judged_by}`)"
         name = f"{metric.label}: `{metric.key}`"
         method = metric.how.replace("|", "\\|")
-        yield _markdown_row((name, method, metric.why, metric.unit, norm_and_region, tolerance))
+        yield _markdown_row(
+            (name, method, metric.why, metric.unit, norm_and_region, tolerance_in_words)
+        )
 
 
 # ---------------------------------------------------------------------------------------- the table

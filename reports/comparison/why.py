@@ -48,8 +48,8 @@ def percent_of(change: Estimate) -> str:
     percent_in_words = in_percent(change.value)
     if not change.uncertainty or math.isnan(change.uncertainty):
         return f"{percent_in_words} %"
-    uncertainty = max(100 * change.uncertainty, 0.01)
-    return f"{percent_in_words} ± {uncertainty:.2f} %"
+    uncertainty_in_percent = max(100 * change.uncertainty, 0.01)
+    return f"{percent_in_words} ± {uncertainty_in_percent:.2f} %"
 
 
 class ErrorPart(NamedTuple):

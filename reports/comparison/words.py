@@ -964,10 +964,10 @@ def summary_csv(comparison: JudgedPair) -> str:
     )
     for metric in comparison.headlines:
         factor, unit = factor_and_unit_shown(comparison.scene, metric.quantity)
-        amounts = [factor * amount for amount in metric.amounts or (math.nan, math.nan)]
+        shown_amounts = [factor * amount for amount in metric.amounts or (math.nan, math.nan)]
         numbers = [
             "" if number is None or math.isnan(number) else float(number)
-            for number in (*amounts, metric.value, metric.uncertainty)
+            for number in (*shown_amounts, metric.value, metric.uncertainty)
         ]
         writer.writerow((metric.key, metric.label, unit, *numbers, metric.verdict or ""))
     return table.getvalue()
@@ -1024,9 +1024,9 @@ def first_summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
         f"P {solution.normal_load[-1]:.6g}, Q {solution.tangential_load[-1]:.6g} {load_unit(scene)}"
     )
     # values as texts, each with its uncertainty
-    half_width = f"{np.nanmax(solution.contact_half_width):.8g}"
-    half_width += _stated_uncertainty(solution, "largest_half_width")
-    dissipation = _digits_or_none(solution.dissipation) + _uncertainty_of_work(solution)
+    half_width_in_words = f"{np.nanmax(solution.contact_half_width):.8g}"
+    half_width_in_words += _stated_uncertainty(solution, "largest_half_width")
+    dissipation_in_words = _digits_or_none(solution.dissipation) + _uncertainty_of_work(solution)
     return [
         ("engine", engine_in_words(solution.engine)),
         ("how it ended", solution.record.message),
@@ -1036,9 +1036,9 @@ def first_summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
             f"largest pressure at the points [{unit_of_stress}]",
             f"{np.max(solution.pressure):.8g}{_stated_uncertainty(solution, 'largest_pressure')}",
         ),
-        (f"largest contact half-width [{unit_of_length}]", half_width),
+        (f"largest contact half-width [{unit_of_length}]", half_width_in_words),
         *_rows_of_permanent_stick(solution),
-        (f"dissipation of the {part_of_path(scene)} [{energy_unit(scene)}]", dissipation),
+        (f"dissipation of the {part_of_path(scene)} [{energy_unit(scene)}]", dissipation_in_words),
     ]
 
 

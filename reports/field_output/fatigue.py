@@ -391,10 +391,10 @@ def _measures_on_plane(
         k_of_fatemi_socie, yield_stress = criteria.fatemi_socie
         shear_modulus = young_modulus / (2 * (1 + poisson_ratio))
         strain_amplitude = shear_amplitude / shear_modulus
-        fatemi_socie = strain_amplitude * (
+        fatemi_socie_measure = strain_amplitude * (
             1 + k_of_fatemi_socie * largest_normal_stress / yield_stress
         )
-        measures_on_plane["Fatemi-Socie"] = np.maximum(fatemi_socie, 0.0)
+        measures_on_plane["Fatemi-Socie"] = np.maximum(fatemi_socie_measure, 0.0)
     if criteria.findley is not None:
         k_of_findley = criteria.findley
         measures_on_plane["Findley"] = shear_amplitude + k_of_findley * largest_normal_stress

@@ -298,15 +298,15 @@ def contact_line(body_mesh: BodyMesh, boundaries: Sequence[str] = ("contact",)) 
     """
     skfem_mesh = body_mesh.mesh
     # indices of the facets on these boundaries
-    facets = np.concatenate(
+    facet_indices = np.concatenate(
         [skfem_mesh.boundaries[name] for name in boundaries if name in skfem_mesh.boundaries]
     )
     # corners come first among the nodes, then the middle of each facet, in the order of the facets
     n_corners = int(skfem_mesh.facets.max()) + 1
     has_middle_nodes = skfem_mesh.p.shape[1] > n_corners
-    nodes = skfem_mesh.facets[:, facets].ravel()
+    nodes = skfem_mesh.facets[:, facet_indices].ravel()
     if has_middle_nodes:
-        nodes = np.concatenate([nodes, n_corners + facets])
+        nodes = np.concatenate([nodes, n_corners + facet_indices])
     nodes = np.unique(nodes)
     return np.asarray(nodes[np.argsort(skfem_mesh.p[0, nodes])], dtype=np.int64)
 

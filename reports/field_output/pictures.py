@@ -79,8 +79,8 @@ class Skin:
             9: CellType.BIQUADRATIC_QUAD,
         }
         nodes_per_cell = self.cells.shape[1]
-        points = np.column_stack([self.points, np.zeros(len(self.points))])
-        grid = pyvista.UnstructuredGrid({cell_types[nodes_per_cell]: self.cells}, points)
+        points_in_space = np.column_stack([self.points, np.zeros(len(self.points))])
+        grid = pyvista.UnstructuredGrid({cell_types[nodes_per_cell]: self.cells}, points_in_space)
         grid["value"] = self.values
         return grid
 
@@ -412,10 +412,12 @@ def _support_in_words(bodies: Sequence[BodyMesh], boundary: str) -> str:
     if boundary == "free":
         return ""
     # SUPPORT_WORDS: kind of support -> its words
-    supports = [SUPPORT_WORDS.get(body.supports.get(boundary, ""), "free") for body in bodies]
-    if len(set(supports)) == 1:
-        return f" ({supports[0]})"
-    return f" (lower {supports[0]}, upper {supports[1]})"
+    supports_in_words = [
+        SUPPORT_WORDS.get(body.supports.get(boundary, ""), "free") for body in bodies
+    ]
+    if len(set(supports_in_words)) == 1:
+        return f" ({supports_in_words[0]})"
+    return f" (lower {supports_in_words[0]}, upper {supports_in_words[1]})"
 
 
 def _marks_of_boundaries(
@@ -737,10 +739,12 @@ def _skins_at_true_scale(
     skins = []
     for body in bodies:
         lift_by_gap = np.outer(rise_by_gap(solution, body), (0.0, 1.0))
-        points = body.points + body.displacement + lift_by_gap
+        deformed_points = body.points + body.displacement + lift_by_gap
         limits = (0.0, largest_stress)
         # Skin: nodes, elements, values at the nodes, ends of the scale of colours
-        skins.append(Skin(points, body.cells, body.von_mises, limits, opacity_of_lines=0.22))
+        skins.append(
+            Skin(deformed_points, body.cells, body.von_mises, limits, opacity_of_lines=0.22)
+        )
     return skins
 
 
@@ -795,10 +799,10 @@ def state_blocks(
     from 0 to 3 each.
     """
     is_drawn = np.abs(solution.x) <= largest_x
-    x = solution.x[is_drawn]
+    drawn_x = solution.x[is_drawn]
     states = solution.state[instant_index][is_drawn]
     # a rectangle ends in the middle between two points of different state
-    borders = np.concatenate([x[:1], (x[1:] + x[:-1]) / 2, x[-1:]])
+    borders = np.concatenate([drawn_x[:1], (drawn_x[1:] + drawn_x[:-1]) / 2, drawn_x[-1:]])
     # index of the first point of each rectangle, and the end of all
     first_indices = [0, *(np.flatnonzero(np.diff(states)) + 1).tolist(), len(states)]
     return [

@@ -150,11 +150,12 @@ def _region_with_pressure(path: Path, blocks: Sequence[_ReportTable], mapping: M
         if is_chosen and name is not None and np.any(block.column(name)):
             loaded_regions.add(block.region)
     if not loaded_regions:
-        names = names_in_words(
+        columns_in_words = names_in_words(
             list(dict.fromkeys(name for block in blocks for name in block.names))
         )
         raise InputError(
-            f"{path}: no pressure that is not zero everywhere (looked for CPRESS) among {names}"
+            f"{path}: no pressure that is not zero everywhere (looked for CPRESS) among"
+            f" {columns_in_words}"
         )
     if len(loaded_regions) > 1:
         raise InputError(
@@ -280,9 +281,9 @@ def _values_of_block(path: Path, block: _ReportTable, mapping: Mapping) -> pd.Da
         if normalised_name(name) == "nodelabel":
             node_labels = block.column(name)
             break
-    values = pd.DataFrame(columns)
-    values.index = pd.Index(node_labels)
-    return values
+    table_of_nodes = pd.DataFrame(columns)
+    table_of_nodes.index = pd.Index(node_labels)
+    return table_of_nodes
 
 
 def _is_on_contact_surface(rows: pd.DataFrame) -> pd.Series[bool]:

@@ -166,11 +166,11 @@ def stored_solution(path: Path, scene: Scene) -> ContactSolution:
         ) from fault
     for key in ("material", "profile", "friction", "load"):
         stored_value = getattr(solution.scene, key)
-        value = getattr(scene, key)
-        if stored_value != value:
+        scene_value = getattr(scene, key)
+        if stored_value != scene_value:
             raise InputError(
                 f"{path}: it answers another scene: {key} is {stored_value!r} there and"
-                f" {value!r} in {scene.name}"
+                f" {scene_value!r} in {scene.name}"
             )
     return solution
 

@@ -186,13 +186,13 @@ def read_results(path: Path, mapping: Mapping) -> SurfaceResult:
     has_stress_only = file.blocks[0].name == "STRESS"
     components = list(_COMPONENT_BY_QUANTITY[file.blocks[0].name].values())
     noun = "stress" if has_stress_only else "contact values"
-    blocks, notes = _one_block_a_time(file, components, noun)
+    last_blocks, notes = _one_block_a_time(file, components, noun)
     if has_stress_only:
         face = _face_by_stress(mesh, mapping)
         notes = [*face.notes, *notes]
     else:
         _require_finite_values(file)
-        face = _face_by_contact(mesh, blocks, mapping)
+        face = _face_by_contact(mesh, last_blocks, mapping)
         notes += face.notes
     if not file.has_end_mark:
         notes.append(
@@ -200,7 +200,7 @@ def read_results(path: Path, mapping: Mapping) -> SurfaceResult:
             " missing"
         )
 
-    surface_values, plane_notes = _values_on_surface(mesh, blocks, face)
+    surface_values, plane_notes = _values_on_surface(mesh, last_blocks, face)
     printed_file = _printed_file_beside(path)
     return _surface_result_of(
         path, mapping, file.version, surface_values, printed_file, [*notes, *plane_notes]
@@ -217,13 +217,15 @@ def _values_on_surface(
     `blocks` hold values at nodes, a block for each time. `face` states its nodes and the factor of
     each quantity.
     """
-    rows, extent_along_z, plane_notes = one_plane(mesh.points, face.rows)
+    rows_in_plane, extent_along_z, plane_notes = one_plane(mesh.points, face.rows)
     fields: dict[str, Array] = {}
     for quantity, component in _COMPONENT_BY_QUANTITY[blocks[0].name].items():
-        values = np.array([mesh.values_at_nodes(block, component)[rows] for block in blocks])
+        values = np.array(
+            [mesh.values_at_nodes(block, component)[rows_in_plane] for block in blocks]
+        )
         fields[quantity] = face.factors[quantity] * values
     times = np.array([block.time for block in blocks])
-    return _SurfaceValues(mesh.points[rows, 0], extent_along_z, fields, times), plane_notes
+    return _SurfaceValues(mesh.points[rows_in_plane, 0], extent_along_z, fields, times), plane_notes
 
 
 def _require_finite_values(file: FrdFile) -> None:
@@ -288,13 +290,16 @@ def _face_by_stress(mesh: CalculixMesh, mapping: Mapping) -> _Face:
             " lies by y_offset of a mapping"
         )
     stress_factor = mapping.factors.stress or 1.0
-    factors: dict[_Quantity, float] = {"pressure": -stress_factor, "shear": stress_factor}
+    factors_by_quantity: dict[_Quantity, float] = {
+        "pressure": -stress_factor,
+        "shear": stress_factor,
+    }
     note = (
         "no contact values in the file (*CONTACT FILE): p = -SYY and q = SXY of the lower body at"
         " its face, outward normal +y; stress extrapolated to the nodes is coarser than the contact"
         " values"
     )
-    return _Face(np.flatnonzero(is_on_face), factors, [note])
+    return _Face(np.flatnonzero(is_on_face), factors_by_quantity, [note])
 
 
 def _face_by_contact(mesh: CalculixMesh, blocks: Sequence[FrdBlock], mapping: Mapping) -> _Face:
@@ -342,25 +347,25 @@ def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
     printed_file = read_dat(path)
     tables = _contact_tables(printed_file)
     mesh = _mesh_beside(path)
-    points = _printed_points(mesh, tables)
-    notes = list(points.notes)
+    printed_points = _printed_points(mesh, tables)
+    notes = list(printed_points.notes)
 
     # (n_times, n_points); columns of a table: pressure and shear, or opening and slip
     values_by_quantity: dict[_Quantity, Array] = {
-        "pressure": _values_at_points(tables.stress, 0, points.ids),
-        "shear": _values_at_points(tables.stress, 1, points.ids),
+        "pressure": _values_at_points(tables.stress, 0, printed_points.ids),
+        "shear": _values_at_points(tables.stress, 1, printed_points.ids),
     }
     if tables.slip:
-        values_by_quantity["slip"] = _values_at_points(tables.slip, 1, points.ids)
+        values_by_quantity["slip"] = _values_at_points(tables.slip, 1, printed_points.ids)
         # that the slip holds the elastic slip of the stick stiffness
         notes.append(_SLIP_NOTE)
     fields: dict[str, Array] = {
-        quantity: _factor_with_sign(mapping, quantity, points.body) * values
+        quantity: _factor_with_sign(mapping, quantity, printed_points.body) * values
         for quantity, values in values_by_quantity.items()
     }
     extent_along_z = float(np.ptp(mesh.points[:, 2]))
     times = np.array([table.time for table in tables.stress])
-    surface_values = _SurfaceValues(points.x, extent_along_z, fields, times)
+    surface_values = _SurfaceValues(printed_points.x, extent_along_z, fields, times)
     return _surface_result_of(path, mapping, "CalculiX", surface_values, printed_file, notes)
 
 
@@ -740,18 +745,20 @@ def _pair_loads(
 
     force_on_lower = np.array(forces_on_lower)
     thickness_source = "mapping"
-    thickness = 1.0
+    mesh_thickness = 1.0  # `converted_values` divides by the thickness of the mapping
     if extent_along_z > 0 and "thickness" not in mapping.model_fields_set:
         thickness_source = "mesh"
-        thickness = extent_along_z * (mapping.factors.length or 1.0)
+        mesh_thickness = extent_along_z * (mapping.factors.length or 1.0)
     loads = {
-        "normal_load": converted_values(mapping, "normal_load", -force_on_lower[:, 1] / thickness),
+        "normal_load": converted_values(
+            mapping, "normal_load", -force_on_lower[:, 1] / mesh_thickness
+        ),
         "tangential_load": converted_values(
-            mapping, "tangential_load", force_on_lower[:, 0] / thickness
+            mapping, "tangential_load", force_on_lower[:, 0] / mesh_thickness
         ),
     }
     note = (
         f"loads are the resultants of the contact pair in {file.path.name}, divided by the"
-        f" {thickness_source}'s thickness, {thickness * mapping.thickness:g}"
+        f" {thickness_source}'s thickness, {mesh_thickness * mapping.thickness:g}"
     )
     return loads, [note]

@@ -293,27 +293,27 @@ def joined_mesh(parts: Sequence[FieldPart]) -> FieldPart:
                     f"{parts[0].name}: {field} has another number of components than in"
                     f" {part.name}; write one form"
                 )
-    cells = []
+    joined_cells = []
     n_points_before = 0
     for part in parts:
-        cells += [
+        joined_cells += [
             (dimension, point_numbers + n_points_before) for dimension, point_numbers in part.cells
         ]
         n_points_before += len(part.points)
-    point_fields = {
+    joined_point_fields = {
         field: np.concatenate([part.point_fields[field] for part in parts])
         for field in common_point_fields
     }
-    cell_fields = {}
+    joined_cell_fields = {}
     for field in common_cell_fields:
         blocks = itertools.chain.from_iterable(part.cell_fields[field] for part in parts)
-        cell_fields[field] = tuple(blocks)
+        joined_cell_fields[field] = tuple(blocks)
     return FieldPart(
         ", ".join(part.name for part in parts),
         np.concatenate([part.points for part in parts]),
-        tuple(cells),
-        point_fields,
-        cell_fields,
+        tuple(joined_cells),
+        joined_point_fields,
+        joined_cell_fields,
     )
 
 

@@ -480,9 +480,9 @@ def _points_of_face(
         "lower": np.flatnonzero(is_on_face & (material_height < 0)),
         "upper": np.flatnonzero(is_on_face & (material_height > 0)),
     }
-    for body, points in points_by_body.items():
-        if len(points):
-            return points, body
+    for body, point_numbers in points_by_body.items():
+        if len(point_numbers):
+            return point_numbers, body
     raise InputError(
         f"{path}: no point of a face at y = {mapping.y_offset:g} (y goes from"
         f" {mesh.points[:, 1].min():.6g} to {mesh.points[:, 1].max():.6g}); say where it lies"

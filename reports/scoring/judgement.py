@@ -331,17 +331,17 @@ class Judgement:
         """
         if not single_fits:
             best_fit = self.fit_without_causes
-            is_traction_explained = best_fit.is_noise((PRESSURE,))
+            is_pressure_explained = best_fit.is_noise((PRESSURE,))
         else:
             best_fit = single_fits[0]
-            is_traction_explained = self.is_traction_explained(best_fit, PRESSURE)
+            is_pressure_explained = self.is_traction_explained(best_fit, PRESSURE)
         # n_values: number of values in contact; share: norm of what the fit leaves over the norm of
         # the whole difference
         is_nearly_all_explained = (
             share_of_difference_left(best_fit, self.fit_without_causes, (PRESSURE,))
             <= _LARGEST_SHARE_LEFT_IF_COMPLETE
         )
-        return is_traction_explained and (
+        return is_pressure_explained and (
             is_nearly_all_explained
             or best_fit.n_values((PRESSURE,)) >= _FEWEST_VALUES_THAT_SHOW_NOISE
         )
@@ -795,11 +795,11 @@ class Judgement:
         """
         compared_components = self.components if components is None else components
         # mean square of the difference that each leaves
-        mean_square = fit.mean_square(compared_components)
+        mean_square_of_fit = fit.mean_square(compared_components)
         mean_square_of_simple = simple_fit.mean_square(compared_components)
         if len(fit.causes) <= len(simple_fit.causes):
-            return mean_square < mean_square_of_simple
-        is_large_gain = mean_square <= _LARGEST_SQUARE_RATIO_OF_PAIR * mean_square_of_simple
+            return mean_square_of_fit < mean_square_of_simple
+        is_large_gain = mean_square_of_fit <= _LARGEST_SQUARE_RATIO_OF_PAIR * mean_square_of_simple
         is_significant = (
             probability_by_chance(fit, simple_fit, compared_components)
             < LARGEST_PROBABILITY_BY_CHANCE

@@ -343,10 +343,10 @@ def _error_by_scatter(loop: MasingLoop, fit: MasingFit, area_per_sigma: Array) -
     from scipy.stats import t as student
 
     # derivatives of the area by the seven parameters of the loop, (7,)
-    area_by_parameters = loop.area_by_parameters + area_per_sigma @ fit.distances.derivatives
+    whole_area_by_parameters = loop.area_by_parameters + area_per_sigma @ fit.distances.derivatives
     # derivatives (m,) of the area by the residuals of the fit, of which those of the n rows come
     # first: `influence` (7, m) is the change of the parameters by each residual
-    area_by_residuals = area_by_parameters @ fit.influence
+    area_by_residuals = whole_area_by_parameters @ fit.influence
     area_by_residuals[: len(area_per_sigma)] += area_per_sigma
     # The scatter is at least what the digits of the rows leave: sigma is no smaller.
     variance = max(

@@ -135,11 +135,13 @@ class LoopRows:
         )
         # measured U minus theory's: what the rig adds
         rig_displacement = (self.displacement - theory_displacement)[is_used]
-        load = self.load[is_used]
+        load_of_used_rows = self.load[is_used]
         if self.compliance is not None:
-            return self.compliance, float(np.mean(rig_displacement - self.compliance * load))
+            return self.compliance, float(
+                np.mean(rig_displacement - self.compliance * load_of_used_rows)
+            )
         # unknowns: C and U0
-        columns = np.column_stack([load, np.ones_like(rig_displacement)])
+        columns = np.column_stack([load_of_used_rows, np.ones_like(rig_displacement)])
         compliance, origin = np.linalg.lstsq(columns, rig_displacement, rcond=None)[0]
         return float(compliance), float(origin)
 
@@ -1163,12 +1165,12 @@ def _search_with_noise_of_fit(
         sum_of_squares = float(np.sum(search.residuals(friction, terms)[:-2] ** 2))
         # noise that the fit leaves, over the noise it was weighted with
         noise_ratio = math.sqrt(sum_of_squares / search.degrees_of_freedom)
-        noise = RowNoise(
+        new_noise = RowNoise(
             max(noise_ratio * search.noise.of_displacement, least_noise.of_displacement),
             max(noise_ratio * search.noise.of_load, least_noise.of_load),
         )
-        noise_changes = np.array(noise) / np.array(search.noise) - 1
-        search = replace(search, noise=noise)
+        noise_changes = np.array(new_noise) / np.array(search.noise) - 1
+        search = replace(search, noise=new_noise)
         if np.max(np.abs(noise_changes)) < 0.05:
             break
     return search, friction, terms

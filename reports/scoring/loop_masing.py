@@ -83,14 +83,17 @@ class MeasuredRows:
         """Mean time of the highest and of the lowest turning points of the measured loop, over the
         time of the whole record, from -1/2 to 1/2; 0 without any such point.
         """
-        # (n,) number of cycles since a lowest point: whole at these, a half more at highest ones
-        cycles_passed = np.maximum.accumulate(self.branches.cycles_passed)
+        # (n,) number of cycles since a lowest point, steps back by noise taken out: whole at lowest
+        # points, a half more at highest ones
+        ascending_cycles_passed = np.maximum.accumulate(self.branches.cycles_passed)
         mean_times = []
         for cycles_at_turn in (0.5, 0.0):
-            first_cycle = math.ceil(cycles_passed[0] - cycles_at_turn)
-            cycles = np.arange(first_cycle, cycles_passed[-1] - cycles_at_turn + 1e-9)
+            first_cycle = math.ceil(ascending_cycles_passed[0] - cycles_at_turn)
+            cycles = np.arange(first_cycle, ascending_cycles_passed[-1] - cycles_at_turn + 1e-9)
             # self.share_of_time: (n,) time of the rows over the record, from -1/2 to 1/2
-            shares_of_time = np.interp(cycles + cycles_at_turn, cycles_passed, self.share_of_time)
+            shares_of_time = np.interp(
+                cycles + cycles_at_turn, ascending_cycles_passed, self.share_of_time
+            )
             mean_times.append(float(np.mean(shares_of_time)) if len(shares_of_time) else 0.0)
         return mean_times[0], mean_times[1]
 
@@ -202,12 +205,12 @@ def memory_curve(scene: Scene, sliding_friction_per_load: float) -> MemoryCurve:
         "cycle": [(normal_load, -largest_tangential_load)],
     }
     nearly_sliding_scene = scene.vary(load=nearly_sliding_loads, cycles=2)
-    path = nearly_sliding_scene.load.path()
-    assert path.period is not None
+    nearly_sliding_path = nearly_sliding_scene.load.path()
+    assert nearly_sliding_path.period is not None
     # samples closer and closer towards gross sliding, where the slope grows
     share_of_branch = 1 - (1 - np.linspace(0.0, 1.0, _N_SAMPLES_OF_CURVE)) ** 3
     # second cycle, whose first half is the falling branch
-    times = path.cycle_start + path.period * (1 + share_of_branch / 2)
+    times = nearly_sliding_path.cycle_start + nearly_sliding_path.period * (1 + share_of_branch / 2)
     solution = semi_analytic.solve(
         nearly_sliding_scene, x=0.0, time=times, fields="tangential_displacement", cycles="steady"
     )
@@ -491,10 +494,10 @@ def distances_from_loop(
     """
     loop = MasingLoop(curve, parameters)
     # U and Q of the rows, from the middle of the loop
-    displacement = (
+    displacement_from_middle = (
         rows.displacement - parameters[ORIGIN] - parameters[DRIFT_RATE] * rows.share_of_time
     )
-    load = rows.load - parameters[MIDDLE]
+    load_from_middle = rows.load - parameters[MIDDLE]
     # corners (2, m) of a polygon along the rising branch, at 160 places in its partial slip and 160
     # on its slide (_PLACES_OF_CORNERS)
     corners_of_branch = np.array(loop.points(_PLACES_OF_CORNERS))
@@ -502,7 +505,7 @@ def distances_from_loop(
     branch_sign = np.where(rows.branches.is_rising, 1.0, -1.0)
     # (4, n) each: distance; components in U and in Q of the unit normal; place on the branch
     nearest_on_branch = _distances_from_branch(
-        loop, corners_of_branch, displacement, load, branch_sign, sigma
+        loop, corners_of_branch, displacement_from_middle, load_from_middle, branch_sign, sigma
     )
 
     # the other branch, for rows beside a turning point
@@ -510,8 +513,8 @@ def distances_from_loop(
     nearest_on_other_branch = _distances_from_branch(
         loop,
         corners_of_branch,
-        displacement[rows_beside_turns],
-        load[rows_beside_turns],
+        displacement_from_middle[rows_beside_turns],
+        load_from_middle[rows_beside_turns],
         -branch_sign[rows_beside_turns],
         sigma,
     )

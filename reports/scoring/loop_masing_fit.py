@@ -976,7 +976,7 @@ def best_loop(rows: MeasuredRows, memory_curve: MemoryCurve) -> BestLoop:
     """
     least_noise = noise_of_last_digits(rows.displacement, rows.load, rows.resolution)
     # row_noise: what neighbouring rows differ by
-    sigma = RowNoise(
+    first_sigma = RowNoise(
         max(row_noise(rows.displacement), least_noise.of_displacement),
         max(row_noise(rows.load), least_noise.of_load),
     )
@@ -984,7 +984,7 @@ def best_loop(rows: MeasuredRows, memory_curve: MemoryCurve) -> BestLoop:
     n_fitted = len(_fitted_parameters(rows, is_gross=False))
     degrees_of_freedom = len(rows.displacement) - n_fitted
     search, fits = _fits_with_likeliest_noise(
-        _Search(rows, memory_curve, sigma), least_noise, degrees_of_freedom
+        _Search(rows, memory_curve, first_sigma), least_noise, degrees_of_freedom
     )
     parameters = fits.better_fit.parameters
     distances = distances_from_loop(rows, memory_curve, parameters, search.sigma)
@@ -1027,7 +1027,7 @@ def _fits_with_likeliest_noise(
         )
         if times_reweighted == 0:
             scatter_of_log_ratio = _scatter_of_noise_ratio(distances)
-        sigma = _likeliest_noise(
+        new_sigma = _likeliest_noise(
             distances,
             search.sigma,
             least_noise,
@@ -1035,10 +1035,10 @@ def _fits_with_likeliest_noise(
             log_noise_ratio,
             scatter_of_log_ratio,
         )
-        changes_of_sigma = np.array(sigma) / np.array(search.sigma) - 1
+        changes_of_sigma = np.array(new_sigma) / np.array(search.sigma) - 1
         if np.max(np.abs(changes_of_sigma)) < _LARGEST_CHANGE_OF_SAME_NOISE:
             break
-        search = replace(search, sigma=sigma)
+        search = replace(search, sigma=new_sigma)
         # With another noise another minimum may be the lowest.
         fits = search.best_fits() if times_reweighted == 0 else search.fits_near(fits)
     return search, fits

@@ -224,11 +224,11 @@ def drift_of_displacement(
 
     # notation: Q tangential load
     """
-    cycles_passed = np.maximum.accumulate(branches.cycles_passed)
+    ascending_cycles_passed = np.maximum.accumulate(branches.cycles_passed)
     # a branch is half a cycle; _SHARE_AT_TURN: a tenth of a branch
     share_of_branch = np.mod(2 * branches.cycles_passed, 1.0)
     is_away_from_turns = (share_of_branch > _SHARE_AT_TURN) & (share_of_branch < 1 - _SHARE_AT_TURN)
-    has_later_row = branches.cycles_passed + 1 < cycles_passed[-1]
+    has_later_row = branches.cycles_passed + 1 < ascending_cycles_passed[-1]
     is_compared = is_away_from_turns & has_later_row
     # eight pairs of rows
     if np.count_nonzero(is_compared) < _FEWEST_PAIRS:
@@ -237,9 +237,9 @@ def drift_of_displacement(
     slope = float(np.polyfit(load, displacement, 1)[0])
     displacement_beside_line = displacement - slope * load
     displacement_a_cycle_later = np.interp(
-        cycles_a_cycle_later, cycles_passed, displacement_beside_line
+        cycles_a_cycle_later, ascending_cycles_passed, displacement_beside_line
     )
-    time_a_cycle_later = np.interp(cycles_a_cycle_later, cycles_passed, time)
+    time_a_cycle_later = np.interp(cycles_a_cycle_later, ascending_cycles_passed, time)
     changes_of_displacement = displacement_a_cycle_later - displacement_beside_line[is_compared]
     periods = time_a_cycle_later - time[is_compared]
     return float(np.mean(changes_of_displacement) / np.mean(periods))

@@ -401,24 +401,26 @@ def _changes_of_loop(fitted_loop: BestLoop, branches: Branches) -> _ChangesOfLoo
     """
     if branches.n_cycles < _FEWEST_CYCLES:
         return _ChangesOfLoop()
-    cycles_passed = np.maximum.accumulate(branches.cycles_passed)  # (n,), noise taken out
+    ascending_cycles_passed = np.maximum.accumulate(branches.cycles_passed)  # (n,), noise taken out
     # first turning point behind the first row
-    cycles_at_turn = _cycles_at_first_turn(cycles_passed)
-    if cycles_at_turn - cycles_passed[0] < _SHORTEST_FIRST_HALF_CYCLE:
+    cycles_at_turn = _cycles_at_first_turn(ascending_cycles_passed)
+    if cycles_at_turn - ascending_cycles_passed[0] < _SHORTEST_FIRST_HALF_CYCLE:
         cycles_at_turn += 0.5
-    is_in_first_half_cycle = cycles_passed < cycles_at_turn
+    is_in_first_half_cycle = ascending_cycles_passed < cycles_at_turn
     # waves with a period of two cycles
     alternating_changes = [
-        fitted_loop.change_with(wave(np.pi * cycles_passed)) for wave in (np.cos, np.sin)
+        fitted_loop.change_with(wave(np.pi * ascending_cycles_passed)) for wave in (np.cos, np.sin)
     ]
-    change_of_size = fitted_loop.change_of_size_with(cycles_passed)
+    change_of_size = fitted_loop.change_of_size_with(ascending_cycles_passed)
     return _ChangesOfLoop(
-        with_time=fitted_loop.change_with(cycles_passed),
+        with_time=fitted_loop.change_with(ascending_cycles_passed),
         of_first_half_cycle=fitted_loop.change_with(is_in_first_half_cycle.astype(float)),
         every_second_cycle=min(alternating_changes, key=lambda change: change.chance),
         of_size=change_of_size,
         # of ln f, if all rows were as large as the last ones; added_values: growth of U and of Q
-        of_log_friction=fitted_loop.log_friction_change(change_of_size.added_values, cycles_passed),
+        of_log_friction=fitted_loop.log_friction_change(
+            change_of_size.added_values, ascending_cycles_passed
+        ),
     )
 
 

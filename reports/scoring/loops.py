@@ -441,15 +441,15 @@ def _loop_with_rig(
     _, compliance, origin = fit_rig(
         loop, computed_loop.displacement, fit.share_of_cycle, load, fit.load_scale, rig_compliance
     )
-    displacement = fit.load_scale * computed_loop.displacement + compliance * load + origin
+    displacement_with_rig = fit.load_scale * computed_loop.displacement + compliance * load + origin
     # the rig is elastic: it adds nothing to the area
     mean_load = (load_of_scene[1:] + load_of_scene[:-1]) / 2
     area = fit.load_scale**2 * float(np.sum(mean_load * np.diff(computed_loop.displacement)))
-    slope, distance = _slope_and_distance(loop, fit.share_of_cycle, displacement, load)
+    slope, distance = _slope_and_distance(loop, fit.share_of_cycle, displacement_with_rig, load)
     # name, f, W and its uncertainty, slope, distance
     table_row = LoopRow(computed_loop.name, computed_loop.friction, area, 0.0, slope, distance)
     # offset: the file's Q is r times the scene's plus this
-    return _ComputedLoop(table_row, displacement, load + fit.offset)
+    return _ComputedLoop(table_row, displacement_with_rig, load + fit.offset)
 
 
 def _sliding_loops(
@@ -470,13 +470,17 @@ def _sliding_loops(
     loops = []
     for name, sliding_loop in sliding_loops.items():
         # from the middle of the loop, at shares of the cycle from 0 to 1
-        displacement, load = sliding_loop.closed_curve(SHARES_OF_CYCLE)
+        computed_displacement, load_from_middle = sliding_loop.closed_curve(SHARES_OF_CYCLE)
         # the origin of U is arbitrary: the mean of the computed U becomes that of the measured one
-        displacement_at_rows = np.interp(fit.share_of_cycle, SHARES_OF_CYCLE, displacement)
-        displacement = displacement + float(np.mean(loop.displacement - displacement_at_rows))
+        displacement_at_rows = np.interp(fit.share_of_cycle, SHARES_OF_CYCLE, computed_displacement)
+        computed_displacement = computed_displacement + float(
+            np.mean(loop.displacement - displacement_at_rows)
+        )
         # dU/dQ of the computed loop [1/stress], and its root mean square distance along U from the
         # means of the measured rows [length]
-        slope, distance = _slope_and_distance(loop, fit.share_of_cycle, displacement, load)
+        slope, distance = _slope_and_distance(
+            loop, fit.share_of_cycle, computed_displacement, load_from_middle
+        )
         table_row = LoopRow(
             name,
             sliding_loop.friction,
@@ -485,7 +489,9 @@ def _sliding_loops(
             slope=slope,
             distance=distance,
         )
-        loops.append(_ComputedLoop(table_row, displacement, load + middle_load))
+        loops.append(
+            _ComputedLoop(table_row, computed_displacement, load_from_middle + middle_load)
+        )
     sentences = []
     if against == "fe":
         sentences.append(
@@ -495,7 +501,7 @@ def _sliding_loops(
 
 
 def _slope_and_distance(
-    loop: MeasuredLoop, share_of_cycle: Array, displacement: Array, load: Array
+    loop: MeasuredLoop, share_of_cycle: Array, computed_displacement: Array, computed_load: Array
 ) -> tuple[float, float]:
     """Slope dU/dQ of a computed loop, and the root mean square of its distances from the means of
     the rows, along U.
@@ -506,13 +512,15 @@ def _slope_and_distance(
         the measured rows
     share_of_cycle
         (n_rows,) share of the cycle that is over at each row
-    displacement, load
+    computed_displacement, computed_load
         (n_instants,) U and Q of the computed loop at `SHARES_OF_CYCLE` of the cycle
 
     # notation: Q tangential load, U relative tangential displacement
     """
-    displacement_at_rows = np.interp(share_of_cycle, SHARES_OF_CYCLE, displacement)
-    slope = _slope_of_line(displacement_at_rows, np.interp(share_of_cycle, SHARES_OF_CYCLE, load))
+    displacement_at_rows = np.interp(share_of_cycle, SHARES_OF_CYCLE, computed_displacement)
+    slope = _slope_of_line(
+        displacement_at_rows, np.interp(share_of_cycle, SHARES_OF_CYCLE, computed_load)
+    )
     _, distances = means_of_parts(share_of_cycle, loop.displacement - displacement_at_rows)
     return slope, math.sqrt(float(np.mean(distances**2)))
 

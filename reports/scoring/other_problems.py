@@ -306,15 +306,17 @@ def _fit_of_adhesion(discrepancy: Discrepancy) -> ProblemFit | None:
 
     # notation: p pressure, p0 and p1 fitted factors
     """
-    pressure = discrepancy.result_tractions[PRESSURE]
-    largest_pressure = pressure.max(axis=1, keepdims=True)
+    result_pressure = discrepancy.result_tractions[PRESSURE]
+    largest_pressure = result_pressure.max(axis=1, keepdims=True)
     # beyond a thousandth of the largest pressure of the instant
-    is_in_tension = pressure < -_LARGEST_OPEN_PRESSURE_SHARE * largest_pressure
-    largest_tension = float(np.max(-pressure / np.maximum(largest_pressure, 1e-300)))
+    is_in_tension = result_pressure < -_LARGEST_OPEN_PRESSURE_SHARE * largest_pressure
+    largest_tension = float(np.max(-result_pressure / np.maximum(largest_pressure, 1e-300)))
     # 5 % of the largest pressure, which no extrapolation makes; two points on each side
     if largest_tension < _LEAST_TENSION_SHARE:
         return None
-    for pressure_of_instant, is_in_tension_at_instant in zip(pressure, is_in_tension, strict=True):
+    for pressure_of_instant, is_in_tension_at_instant in zip(
+        result_pressure, is_in_tension, strict=True
+    ):
         peak_index = int(np.argmax(pressure_of_instant))
         n_points_on_left = is_in_tension_at_instant[:peak_index].sum()
         n_points_on_right = is_in_tension_at_instant[peak_index:].sum()
@@ -335,7 +337,7 @@ def _fit_of_adhesion(discrepancy: Discrepancy) -> ProblemFit | None:
         # shear as in the reference; three sizes of each instant: p0, p1, half-width
         predicted_tractions=_tractions_with(discrepancy, PRESSURE, closed_form.pressure),
         tractions_to_beat=discrepancy.reference_tractions,
-        n_sizes=3 * len(pressure),
+        n_sizes=3 * len(result_pressure),
         # in contact in the result, in the reference or with this pressure
         judged_points=_points_in_contact(discrepancy, closed_form.pressure),
         sentence_values={"tension": largest_tension},
@@ -397,7 +399,7 @@ def _fit_of_sphere(discrepancy: Discrepancy) -> ProblemFit | None:
     # p0/a of a sphere is 4/pi times that of a cylinder
     pressure_over_half_width = _SPHERE_OVER_CYLINDER * scales.pressure / scales.half_width
     xi = discrepancy.x / closed_form.half_widths[:, None]
-    pressure = (
+    sphere_pressure = (
         pressure_over_half_width
         * closed_form.half_widths[:, None]
         * np.sqrt(np.maximum(1 - xi**2, 0.0))
@@ -407,11 +409,11 @@ def _fit_of_sphere(discrepancy: Discrepancy) -> ProblemFit | None:
     )
     return ProblemFit(
         # shear as in the reference; one size, the half-width, for each instant
-        predicted_tractions=_tractions_with(discrepancy, PRESSURE, pressure),
+        predicted_tractions=_tractions_with(discrepancy, PRESSURE, sphere_pressure),
         tractions_to_beat=discrepancy.reference_tractions,
-        n_sizes=len(pressure),
+        n_sizes=len(sphere_pressure),
         # in contact in the result, in the reference or with this pressure
-        judged_points=_points_in_contact(discrepancy, pressure),
+        judged_points=_points_in_contact(discrepancy, sphere_pressure),
         sentence_values={"force": largest_force},
     )
 
@@ -464,7 +466,7 @@ def _elastic_pressure_below_limit(
     contact = contact_of(discrepancy.scene.profile, discrepancy.scene.material)
     limited_pressures = []
     most_points_on_limit = 0
-    for pressure, normal_load, weights in zip(
+    for result_pressure, normal_load, weights in zip(
         discrepancy.result_tractions[PRESSURE],
         discrepancy.normal_load,
         discrepancy.weight,
@@ -472,7 +474,7 @@ def _elastic_pressure_below_limit(
     ):
         elastic_pressures = contact.pressure(discrepancy.x, normal_load * _LOAD_RATIOS[:, None])
         trial_pressures = np.minimum(elastic_pressures, pressure_limit)
-        sums_of_squares = np.sum(weights * (pressure - trial_pressures) ** 2, axis=1)
+        sums_of_squares = np.sum(weights * (result_pressure - trial_pressures) ** 2, axis=1)
         best_trial = int(np.argmin(sums_of_squares))
         limited_pressures.append(trial_pressures[best_trial])
         is_on_limit = elastic_pressures[best_trial] > _LEAST_RATIO_TO_LIMIT * pressure_limit

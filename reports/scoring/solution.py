@@ -990,9 +990,9 @@ def _centred_surface(
     if mapping.x_offset or not is_off_centre or is_wide:
         return surface, ""
     # the instant of the largest pressure
-    pressure = surface.pressure[int(np.argmax(surface.pressure.max(axis=1)))]
-    normal_load = np.trapezoid(pressure, surface.x)
-    centroid = float(np.trapezoid(pressure * surface.x, surface.x) / normal_load)
+    pressure_of_instant = surface.pressure[int(np.argmax(surface.pressure.max(axis=1)))]
+    normal_load = np.trapezoid(pressure_of_instant, surface.x)
+    centroid = float(np.trapezoid(pressure_of_instant * surface.x, surface.x) / normal_load)
     offset = centroid - middle_of_theory
     method_in_words = ", by the centroid" if middle_of_theory else ", the centroid"
     sentence = (

@@ -401,8 +401,8 @@ def find_scatter(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     noise_by_component = [
         min(residual.mean_square_of_noise, residual.mean_square) ** 0.5 for residual in residuals
     ]
-    has_shear = len(noise_by_component) > 1
-    if has_shear and _shear_alone_scatters(noise_by_component, friction_coefficient):
+    counts_shear = len(noise_by_component) > 1
+    if counts_shear and _shear_alone_scatters(noise_by_component, friction_coefficient):
         return
     square_of_noise = sum(noise**2 for noise in noise_by_component)
     share_of_noise = square_of_noise / sum(residual.mean_square for residual in residuals)
@@ -410,7 +410,7 @@ def find_scatter(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
         f"noise from point to point makes {share_of_noise:.0%} of the square of the discrepancy"
     ]
     noise_in_words = f"{noise_by_component[PRESSURE]:.2g} in p/p_ref"
-    if has_shear:
+    if counts_shear:
         noise_in_words += f" and {noise_by_component[SHEAR]:.2g} in q/(f p_ref)"
         evidence.insert(0, _sentence_on_coulomb_limit(discrepancy, square_of_noise**0.5))
     # WORDS: templates of sentences
@@ -466,11 +466,11 @@ def find_long_steps(comparison: Comparison) -> Iterator[Diagnosis]:
     # relative errors of the dissipation, beside that of the smooth path and of straight lines
     error_on_smooth_path = values.get("dissipation")
     error_on_straight_lines = values.get("dissipation_polygon")
-    limit = comparison.scene.tolerances.limit("dissipation") or 0.0
+    tolerance = comparison.scene.tolerances.limit("dissipation") or 0.0
     if error_on_smooth_path is None or error_on_straight_lines is None:
         return
     if (
-        not abs(error_on_smooth_path) > limit
+        not abs(error_on_smooth_path) > tolerance
         or not abs(error_on_straight_lines) < abs(error_on_smooth_path) / 2
     ):
         return

@@ -177,19 +177,19 @@ class Predictions:
         # a variant without any fault
         if variant == Variant():
             return self.discrepancy.reference_tractions
-        x = (
+        x_with_faults = (
             self.discrepancy.x - variant.x_offset * self.discrepancy.half_width
         ) / variant.x_stretch
         # nodal forces over element lengths, in place of tractions at the points
         if variant.has_nodal_forces:
             # m points between the n nodes, and weights (m, n) by which tractions at these points
             # are summed to nodal forces over lengths
-            fine_points, weights = _shape_functions(x)
+            fine_points, weights = _shape_functions(x_with_faults)
             tractions = (
                 self._tractions_of_theory(variant, fine_points, with_shear=with_shear) @ weights
             )
         else:
-            tractions = self._tractions_of_theory(variant, x, with_shear=with_shear)
+            tractions = self._tractions_of_theory(variant, x_with_faults, with_shear=with_shear)
         # a reference that is not half-plane theory itself
         if not self.discrepancy.is_half_plane_theory:
             # theory without faults
@@ -216,20 +216,24 @@ class Predictions:
         # scene with another modulus, friction or load; times (k,) earlier by a delay, or of the
         # first cycle
         discrepancy = self.discrepancy
-        scene = self._scene_with_faults(variant)
-        time = self._times_with_faults(variant, scene)
+        scene_with_faults = self._scene_with_faults(variant)
+        time = self._times_with_faults(variant, scene_with_faults)
         if variant.history_fault == "no memory" and with_shear:
-            return _tractions_without_memory(scene, x, time)
+            return _tractions_without_memory(scene_with_faults, x, time)
         if variant.history_fault in ("straight steps", "end of steps") and with_shear:
             takes_ends = variant.history_fault == "end of steps"
-            return _tractions_by_long_steps(discrepancy, scene, x, takes_ends=takes_ends)
+            return _tractions_by_long_steps(
+                discrepancy, scene_with_faults, x, takes_ends=takes_ends
+            )
 
         # small bodies: curvatures that blocks of finite height add to half-planes
         effects = None
         if variant.share_of_block_curvatures < 0 or variant.relative_layer_compliance < 0:
             raise InputError("a body of negative height, a layer of negative compliance")
         if variant.share_of_block_curvatures:
-            effects = _curvatures_of_blocks(discrepancy, scene, variant.share_of_block_curvatures)
+            effects = _curvatures_of_blocks(
+                discrepancy, scene_with_faults, variant.share_of_block_curvatures
+            )
         # the pressure alone, with a soft layer, whose compliance is relative to a_ref/E*
         if not with_shear:
             layer_compliance = (
@@ -237,7 +241,7 @@ class Predictions:
                 * discrepancy.half_width
                 / composite_modulus(discrepancy.scene.material)
             )
-            return self._pressure(scene, x, time, effects, layer_compliance)[None]
+            return self._pressure(scene_with_faults, x, time, effects, layer_compliance)[None]
         # faces that sink into each other: a soft layer changes the pressure alone
         if variant.relative_layer_compliance:
             pressure = self._tractions_of_theory(variant, x, with_shear=False)[PRESSURE]
@@ -250,14 +254,14 @@ class Predictions:
             )
         # one_curve: the scene as one memory curve of all flat punches; None where bulk stress or
         # tilt needs a grid of points
-        if scene.unsymmetric and one_curve(scene) is None:
+        if scene_with_faults.unsymmetric and one_curve(scene_with_faults) is None:
             raise InputError("its memory of friction is no one curve: not looked for")
-        tractions = _tractions_of_scene(scene, x, time, effects=effects)
+        tractions = _tractions_of_scene(scene_with_faults, x, time, effects=effects)
         if variant.dundurs_beta:
             # (P, Q) of fine steps, and the step of each instant
-            loads, step_numbers = _fine_load_steps(scene, time)
+            loads, step_numbers = _fine_load_steps(scene_with_faults, time)
             tractions[SHEAR] += shear_by_coupling(
-                scene, x, loads, step_numbers, variant.dundurs_beta
+                scene_with_faults, x, loads, step_numbers, variant.dundurs_beta
             )
         return tractions
 
