@@ -1419,7 +1419,7 @@ def _fields_at_points(
     m) each, read-only. Second: the errors of shear and slip by integration along arcs.
 
     An arc is a curved piece of the memory curve M(eta), the tangential force of the flat punches up
-    to the load eta. A field that was not asked for is NaN, or open, and takes no memory. Fields are
+    to the load eta. A field that was not asked for is NaN, or open, without storage. Fields are
     computed at the different |x| of the request, `distance` (k,); `distance_index` (m,) is that of
     each point. Tractions are infinite at the tip of a sharp wedge.
 
@@ -1669,8 +1669,8 @@ def _kernel_sums(
     sampled_loads = snapshot.load[sampled_instants]
     slip = np.abs(answer_fields.at_points["slip"])
     largest_slip = float(np.max(slip, where=np.isfinite(slip), initial=0.0))
-    # Beside the stored pieces a curve has the line of slip, from the stick edge to the load.
-    most_lines = _largest_piece_count(snapshot, sampled_instants) + 1
+    # Beside the stored pieces a curve has a straight one by slip, from the stick edge to the load.
+    most_pieces = _largest_piece_count(snapshot, sampled_instants) + 1
     return SumsOfKernels(
         distances=request.distance,
         loads=np.unique(np.append(sampled_loads, np.max(snapshot.load))),
@@ -1678,7 +1678,7 @@ def _kernel_sums(
         stick_half_widths=answer_fields.over_time["stick_half_width"],
         friction=snapshot.friction,
         largest_slip=largest_slip / request.unit_compliance,
-        n_kernels=2 * most_lines,
+        n_kernels=2 * most_pieces,
         arc_errors=answer_fields.arc_errors,
     )
 

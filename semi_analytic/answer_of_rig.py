@@ -686,11 +686,11 @@ def _reason_without_next_order(driven_path: DrivenPath, last_cycle: slice) -> st
 
 
 def _compliance_to_answer_datum(rig: RiggedScene) -> float:
-    """Compliance (A/pi) ln(L0/L) of half-planes between two datum depths [1 / stress]; 0 for finite
-    bodies.
+    """Compliance (A/pi) ln(L0/L) of half-planes between two datum lengths [1 / stress]; 0 for
+    finite bodies.
 
-    L0 is the depth that every answer counts its displacements from, L that at which the rig
-    prescribes them. `rig.compliance` holds L and the compliance A/pi of half-planes,
+    L0 is the datum length of the displacements in every answer, L that at which the rig prescribes
+    them. `rig.compliance` holds L and the compliance A/pi of half-planes,
     `rig.scene.profile` L0.
     """
     if not rig.scene.bodies.half_planes:

@@ -1001,8 +1001,8 @@ def _works_of_members(members: Members) -> Array:
     kind = members.kind
     # rows: work in forward slip, in reverse slip, and the error of their sum
     works_and_error = np.empty((3, len(members.is_mirrored)))
-    # _DEEP_SLIP_LOAD_SHARE: 0.02, the least share for the quick formula of Lam: of the mean load
-    # for the largest P - P_c, and of each amplitude of (Q -+ f P)/f for the other one
+    # _DEEP_SLIP_LOAD_SHARE: 0.02. Lam is taken by its quick formula where the largest P - P_c is
+    # above this share of the mean load, and each amplitude of (Q -+ f P)/f above it of the other.
     if kind in ("hertz", "power_law"):
         works_and_error[:2] = works_by_lam(
             ellipses, quick_power_law_kernel, careful_power_law_kernel, _DEEP_SLIP_LOAD_SHARE
@@ -1597,7 +1597,7 @@ class _Batch:
         """
         is_invalid = self._is_invalid(loads, parameters)
         if np.any(is_invalid):
-            # Some valid numbers in their place: these members are left out below.
+            # Some valid values in their place: these members are left out below.
             loads = LoadArrays(*(np.where(is_invalid, 1.0, column) for column in loads))
             parameters = [np.where(is_invalid, 1.0, column) for column in parameters]
         # Without friction only Q = 0 is admissible, and nothing is dissipated: any positive

@@ -475,20 +475,20 @@ class _AffineRelation(NamedTuple):
         """
         normal_load, _, eps, alpha = samples
         is_tilt_known = np.isfinite(alpha)
-        load_of_tilt = normal_load[is_tilt_known]
+        load_at_known_tilt = normal_load[is_tilt_known]
         known_tilt = alpha[is_tilt_known]
         # Changes of strain or tilt below their round-off count as none.
         if np.ptp(load_in_curve) > load_sizes.shear_roundoff:
             kappa = _least_squares_slope(load_in_curve, eps, load_sizes.strain_roundoff)
         else:
-            kappa = _least_squares_slope(load_of_tilt, known_tilt, load_sizes.tilt_roundoff)
+            kappa = _least_squares_slope(load_at_known_tilt, known_tilt, load_sizes.tilt_roundoff)
         tilt_without_load = 0.0
         if np.any(is_tilt_known):
-            tilt_without_load = float(np.mean(known_tilt - kappa * load_of_tilt))
+            tilt_without_load = float(np.mean(known_tilt - kappa * load_at_known_tilt))
 
         # Largest deviations from both lines, and what round-off allows.
         strain_deviation = float(np.ptp(eps - kappa * load_in_curve))
-        tilt_deviations = np.abs(known_tilt - tilt_without_load - kappa * load_of_tilt)
+        tilt_deviations = np.abs(known_tilt - tilt_without_load - kappa * load_at_known_tilt)
         tilt_deviation = float(np.max(tilt_deviations, initial=0.0))
         largest_shear = np.max(np.abs(load_in_curve))
         largest_load = np.max(normal_load)
@@ -843,8 +843,6 @@ def eccentricity(scene: Scene) -> Eccentricity | None:
         e, the amplitude eps, and the largest moderate amplitude, (A/(pi a)) Q with half the range
         of Q and A = 2/E*
 
-    # notation: p, q, eps samples (n,) of P, Q and bulk strain
-
     >>> from scenes import load_scene
     >>> scene = load_scene("cattaneo-mindlin")
     >>> eccentricity(scene) is None
@@ -858,10 +856,13 @@ def eccentricity(scene: Scene) -> Eccentricity | None:
     if not path.has_bulk_or_tilt or all(segment.bulk is None for segment in segments):
         return None
 
-    p, q, eps = _samples_without_tilt(segments, strain_per_stress_of(scene.material))
-    half_width = _half_width_without_tilt(scene, float(np.max(p)))
-    strain_amplitude = float(np.ptp(eps)) / 2
-    shear_amplitude = float(np.ptp(q)) / 2
+    # samples (n,) of P, Q and bulk strain eps
+    normal_loads, tangential_loads, bulk_strains = _samples_without_tilt(
+        segments, strain_per_stress_of(scene.material)
+    )
+    half_width = _half_width_without_tilt(scene, float(np.max(normal_loads)))
+    strain_amplitude = float(np.ptp(bulk_strains)) / 2
+    shear_amplitude = float(np.ptp(tangential_loads)) / 2
     stick_eccentricity = math.nan
     if isinstance(profile, Hertz) and friction_coefficient > 0:
         stick_eccentricity = strain_amplitude * profile.radius / (friction_coefficient * half_width)

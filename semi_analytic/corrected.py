@@ -907,7 +907,7 @@ class PathSeries:
         )
         largest_excess = np.zeros(len(row_numbers))
         signs_of_shear = np.zeros(len(row_numbers))
-        # Many instants at once, _ROWS_AT_ONCE = 2000, to bound the memory.
+        # Many instants at once, _ROWS_AT_ONCE = 2000, to bound the storage.
         for chunk_start in range(0, len(row_numbers), _ROWS_AT_ONCE):
             rows_of_chunk = slice(chunk_start, chunk_start + _ROWS_AT_ONCE)
             shear = fields_of_places.shear_of_memory(row_numbers[rows_of_chunk])
@@ -1657,8 +1657,9 @@ def punch_table_of(
         Where that contact is wider than the profile, or where the bodies bend the faces away from
         each other so that the contact would split.
     """
-    # Half-width of half-planes at the largest P; kn without p_2, and n4, at each instant.
-    largest_half_width = float(contact.half_width(float(np.max(path_rows.normal_load))))
+    # Half-width that the table covers: at first that of half-planes at the largest P. Then kn
+    # without p_2, and n4, at each instant.
+    covered_half_width = float(contact.half_width(float(np.max(path_rows.normal_load))))
     gap_curvature = curvatures.gap_curvature_under(path_rows.normal_load, path_rows.tangential_load)
     gap_fourth_coefficient = curvatures.normal_fourth * path_rows.normal_load
 
@@ -1666,7 +1667,7 @@ def punch_table_of(
     # profile. largest_s: coordinate s of the widest punch of the table.
     for _ in range(_MOST_WIDENINGS):
         punch_table = PunchTable(
-            contact, modulus, min(largest_half_width * _TABLE_WIDTH_FACTOR, contact.extent)
+            contact, modulus, min(covered_half_width * _TABLE_WIDTH_FACTOR, contact.extent)
         )
         # The second moment p_2 of the pressure is at most that of a flat punch, P c^2/2.
         # normal_mixed: N_22, by which p_2 adds 2 N_22 p_2 to kn.
@@ -1685,12 +1686,12 @@ def punch_table_of(
         )
         if np.all(load_at_table_end >= path_rows.normal_load):
             break
-        if largest_half_width >= contact.extent:
+        if covered_half_width >= contact.extent:
             raise InputError(
                 "profile: with the curvature of the bodies the contact is wider than the profile,"
                 f" {contact.extent:.6g}: state a wider profile or smaller loads"
             )
-        largest_half_width *= _TABLE_WIDTH_FACTOR
+        covered_half_width *= _TABLE_WIDTH_FACTOR
     else:
         raise contact_splits_error()
     _require_one_contact(

@@ -165,7 +165,8 @@ class ArcIntegrals:
         """Integrals of one kernel times dQ at |x| = `x` (k,) along an arc, panel of time by panel:
         what this arc of the memory curve adds to shear, slip or displacement.
 
-        An arc is a curved segment of the load path that was travelled in full stick while P grew.
+        An arc is a curved piece of the memory curve: it comes from a curved segment of the load
+        path that was travelled in full stick while P grew.
         The kernel is the shear, slip or displacement ("shift") that a unit tangential force on a
         flat punch makes. The arc is cut into panels, at the loads of the profile's corners too. P_x
         is the load at which the edge of contact is at the point. On a panel far from P_x the
@@ -466,7 +467,7 @@ class ArcIntegrals:
         # what the kernels take for a(P)
         advance = self._contact.edge_advance(load)
         coefficients = np.empty((len(far_panel), CHEBYSHEV_DEGREE + 1))
-        # Two million nodes at once bound the memory.
+        # Two million nodes at once bound the storage.
         pairs_at_once = _NODES_AT_ONCE // (CHEBYSHEV_DEGREE + 1)
         for first_pair in range(0, len(far_panel), pairs_at_once):
             chunk = slice(first_pair, first_pair + pairs_at_once)
@@ -714,7 +715,7 @@ class _NearIntegral:
         is_rough = self._is_rough(begin_s, end_s - begin_s, squared_e)
         nodes = _nodes_of_ranges(begin_s, end_s, is_rough)
         integrals = np.zeros(len(begin_s))
-        # Two million nodes at once bound the memory.
+        # Two million nodes at once bound the storage.
         for first_node in range(0, len(nodes.s), _NODES_AT_ONCE):
             chunk = slice(first_node, first_node + _NODES_AT_ONCE)
             range_number = nodes.range_number[chunk]

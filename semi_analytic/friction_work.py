@@ -1023,7 +1023,7 @@ def work_error(contact: Contact, records: Records) -> float:
     kernel_error = error_of_values + error_of_rule
     if not np.all(np.isfinite(kernel_error)):
         raise NotFoundError(
-            "the error of a slip area is not a number: neither is the dissipation of these rows"
+            "the error of the dissipation kernel is not a number: neither is the dissipation"
         )
     return float(np.max(kernel_error, initial=0.0) * np.sum(records.level_rise))
 
@@ -1038,7 +1038,7 @@ def density_of_records(contact: Contact, records: Records, x: Array) -> Array:
     """
     scaled_work_per_area = np.zeros(len(x))
     smooth_parts = _cut_where_unsmooth(contact, records)
-    # 200,000 pairs of part and point at once bound the memory
+    # 200,000 pairs of part and point at once bound the storage
     parts_at_once = max(_NODES_AT_ONCE // len(x), 1)
     for first_part in range(0, len(smooth_parts.load_at_begin), parts_at_once):
         parts_of_chunk = smooth_parts.take(slice(first_part, first_part + parts_at_once))
@@ -1070,7 +1070,7 @@ def _work_per_area_of_parts(contact: Contact, parts: Records, x: Array) -> Array
         pairs.closeness_to_singularity(), closeness_to_corner[pairs.part_number]
     )
     scaled_work_per_area = np.zeros(len(x))
-    # six rules, of 4 nodes and more; 200,000 nodes at once bound the memory
+    # six rules, of 4 nodes and more; 200,000 nodes at once bound the storage
     for rule_number, (rule, n_nodes) in enumerate(_RULES_AND_NODE_COUNTS):
         pairs_of_rule = np.flatnonzero(rule_of_pair == rule_number)
         pairs_at_once = _NODES_AT_ONCE // n_nodes
