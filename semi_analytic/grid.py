@@ -608,7 +608,7 @@ class Grid:
         grid_numbers: NDArray[np.intp],
     ) -> TangentialSolution:
         """Shear q, slip s, direction of slip and displacement U of some grids under a tangential
-        load, where the cells in contact are known. Which of them slide is found by an active set.
+        load, where the cells in contact are known. Which of them slip is found by an active set.
 
         q = q_0 - G v, with q_0 of full stick and the slip v of the increment. G is the stiffness of
         the cells in contact. It is solved on blocks of cells, as many in each grid as the largest
@@ -641,7 +641,7 @@ class Grid:
         # slip of the increment if there were neither shear nor U
         free_slip = block.values_of(displacement_without_shear - slip_at_begin)
 
-        directions_in_block, shear_in_block, increment_slip = _sliding_cells(
+        directions_in_block, shear_in_block, increment_slip = _slipping_cells(
             cell_stiffness,
             self._shear_in_full_stick(tangential_load, free_slip, cell_stiffness),
             np.where(block.is_touching, block.values_of(friction_limit), 0.0),
@@ -669,7 +669,7 @@ class Grid:
     def _shear_in_full_stick(
         self, tangential_load: float, free_slip: Array, cell_stiffness: CellStiffness
     ) -> Array:
-        """Shear q_0 of m cells side by side on each of n grids if no cell slid in an increment,
+        """Shear q_0 of m cells side by side on each of n grids if no cell slipped in an increment,
         (n, m) [stress].
 
         One part carries Q, and displaces all cells alike. The other part undoes the differences of
@@ -839,7 +839,7 @@ class Grid:
         """Normal and tangential solution of all grids while the bodies are apart: no traction, no
         cells in contact, normal approach 0. The displacement U of the upper body stays.
 
-        The faces slide by the bulk strain alone: `displacement_by_strain` (g, k) is that movement
+        The faces move by the bulk strain alone: `displacement_by_strain` (g, k) is that movement
         on g grids of k cells [length]. The grids are left without cells in contact.
         """
         no_cells = np.zeros(len(self.x), dtype=int)
@@ -1070,7 +1070,7 @@ def _first_guess_of_directions(
     return directions
 
 
-def _sliding_cells(
+def _slipping_cells(
     cell_stiffness: CellStiffness,
     shear_in_full_stick: Array,
     friction_limit: Array,
@@ -1078,10 +1078,10 @@ def _sliding_cells(
     directions: NDArray[np.intp],
     tolerance: float,
 ) -> tuple[NDArray[np.intp], Array, Array]:
-    """Which cells slide in an increment, by an active set: direction of slip (0 in stick), shear,
+    """Which cells slip in an increment, by an active set: direction of slip (0 in stick), shear,
     and slip in the increment of all cells, (g, k) each for g grids of k cells.
 
-    A cell slides where |q| would be above f p; it sticks where its slip would go against its
+    A cell slips where |q| would be above f p; it sticks where its slip would go against its
     direction. The problem is solved again until no cell changes.
 
     Parameters
@@ -1090,11 +1090,11 @@ def _sliding_cells(
         `matrix` (k, k): stiffness of the k cells in contact, by which equal displacements of all
         cells make no traction
     shear_in_full_stick
-        (g, k) q if no cell slid [stress]
+        (g, k) q if no cell slipped [stress]
     friction_limit
         (g, k) f p [stress]
     is_touching
-        (g, k) which cells are in contact; open ones slide without friction
+        (g, k) which cells are in contact; open ones slip without friction
     directions
         (g, k) first guess of the directions of slip, +1, -1 or 0
     tolerance
@@ -1103,22 +1103,22 @@ def _sliding_cells(
     Raises
     ------
     ArithmeticError
-        Where all cells slide, or the active set does not converge.
+        Where all cells slip, or the active set does not converge.
     """
     for _ in range(_MOST_ACTIVE_SET_ITERATIONS):
-        is_sliding = (directions != 0) | ~is_touching
-        if np.any(np.all(is_sliding, axis=1)):
+        is_slipping = (directions != 0) | ~is_touching
+        if np.any(np.all(is_slipping, axis=1)):
             raise ArithmeticError("all cells slip")
         shear_in_slip = directions * friction_limit
-        # Slip of the increment that brings the shear of the sliding cells to the limit.
-        increment_slip = _slip_of_sliding_cells(
-            cell_stiffness, is_sliding, shear_in_full_stick - shear_in_slip
+        # Slip of the increment that brings the shear of the slipping cells to the limit.
+        increment_slip = _increment_slip_of(
+            cell_stiffness, is_slipping, shear_in_full_stick - shear_in_slip
         )
         shear = shear_in_full_stick
-        if np.any(is_sliding):
+        if np.any(is_slipping):
             shear_in_stick = shear_in_full_stick - increment_slip @ cell_stiffness.matrix
-            shear = np.where(is_sliding, shear_in_slip, shear_in_stick)
-        is_beyond_limit = ~is_sliding & (np.abs(shear) > friction_limit + tolerance)
+            shear = np.where(is_slipping, shear_in_slip, shear_in_stick)
+        is_beyond_limit = ~is_slipping & (np.abs(shear) > friction_limit + tolerance)
         # A cell whose slip is against its direction sticks again.
         directions_along_slip = np.where(directions * increment_slip > 0, directions, 0)
         new_directions = np.where(is_beyond_limit, np.sign(shear), directions_along_slip)
@@ -1129,43 +1129,43 @@ def _sliding_cells(
     raise ArithmeticError("the slip zones do not converge")
 
 
-def _slip_of_sliding_cells(
-    cell_stiffness: CellStiffness, is_sliding: NDArray[np.bool_], shear_excess: Array
+def _increment_slip_of(
+    cell_stiffness: CellStiffness, is_slipping: NDArray[np.bool_], shear_excess: Array
 ) -> Array:
-    """Slip v of the sliding cells in an increment, (g, k) for g grids of k cells, 0 in all cells
-    that stick [length]: the solution of G v = q_0 - q over the sliding cells.
+    """Slip v of the slipping cells in an increment, (g, k) for g grids of k cells, 0 in all cells
+    that stick [length]: the solution of G v = q_0 - q over the slipping cells.
 
-    All grids are solved at once. They have different numbers of sliding cells: their systems are
+    All grids are solved at once. They have different numbers of slipping cells: their systems are
     filled up to one size with rows v = 0.
 
     Parameters
     ----------
     cell_stiffness
         `matrix` (k, k): the stiffness G of the cells in contact
-    is_sliding
-        (g, k) which cells slide
+    is_slipping
+        (g, k) which cells slip
     shear_excess
-        (g, k) q_0 - q [stress]: q_0 is the shear if no cell slid, q = +-f p
+        (g, k) q_0 - q [stress]: q_0 is the shear if no cell slipped, q = +-f p
     """
     increment_slip = np.zeros(shear_excess.shape)
-    most_sliding_cells = int(np.max(np.sum(is_sliding, axis=1)))
-    if not most_sliding_cells:
+    most_slipping_cells = int(np.max(np.sum(is_slipping, axis=1)))
+    if not most_slipping_cells:
         return increment_slip
-    # Numbers of the cells in each system, (g, n): sliding cells, then others that fill it up.
-    n_cells = is_sliding.shape[1]
-    cell_numbers = np.argsort(~is_sliding, axis=1, kind="stable")[:, :most_sliding_cells]
-    grid_numbers = np.arange(len(is_sliding))[:, None]
-    is_sliding_row = is_sliding[grid_numbers, cell_numbers]
+    # Numbers of the cells in each system, (g, n): slipping cells, then others that fill it up.
+    n_cells = is_slipping.shape[1]
+    cell_numbers = np.argsort(~is_slipping, axis=1, kind="stable")[:, :most_slipping_cells]
+    grid_numbers = np.arange(len(is_slipping))[:, None]
+    is_slipping_row = is_slipping[grid_numbers, cell_numbers]
     # Rows and columns of G of these cells, (g, n, n).
     stiffness = cell_stiffness.matrix.ravel().take(
         cell_numbers[:, :, None] * n_cells + cell_numbers[:, None, :]
     )
-    if not is_sliding_row.all():
-        stiffness *= is_sliding_row[:, :, None] & is_sliding_row[:, None, :]
-        diagonal = np.arange(most_sliding_cells)
-        stiffness[:, diagonal, diagonal] += ~is_sliding_row
-    right_side = np.where(is_sliding_row, shear_excess[grid_numbers, cell_numbers], 0.0)
-    slip_of_rows = np.linalg.solve(stiffness, right_side[..., None])[..., 0]
+    if not is_slipping_row.all():
+        stiffness *= is_slipping_row[:, :, None] & is_slipping_row[:, None, :]
+        diagonal = np.arange(most_slipping_cells)
+        stiffness[:, diagonal, diagonal] += ~is_slipping_row
+    right_hand_side = np.where(is_slipping_row, shear_excess[grid_numbers, cell_numbers], 0.0)
+    slip_of_rows = np.linalg.solve(stiffness, right_hand_side[..., None])[..., 0]
     increment_slip[grid_numbers, cell_numbers] = slip_of_rows
     return increment_slip
 

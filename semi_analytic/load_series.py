@@ -1028,7 +1028,7 @@ class LoadSeries:
     @property
     def covered_parts(self) -> list[int]:
         """For each whole cycle that the answer covers, its number among the parts."""
-        return [number + self.first_cycle_part for number in self.covered]
+        return [cycle + self.first_cycle_part for cycle in self.covered]
 
     @property
     def largest_load(self) -> float:
@@ -1171,7 +1171,7 @@ def series_of(scene: Scene, time: Array | None) -> LoadSeries:
     cycle_start = float(cycle[0, 0])
     period = float(cycle[-1, 0] - cycle[0, 0])
     most_cycles, n_whole_cycles = cycles_to_follow(cycle_start, period, scene.cycles, time)
-    cycle_parts = (PathPart(cycle, number * period) for number in range(most_cycles))
+    cycle_parts = (PathPart(cycle, cycle_number * period) for cycle_number in range(most_cycles))
     series = _follow_cycles(
         friction_coefficient, PathPart(loading, 0.0), cycle_parts, period, n_whole_cycles
     )

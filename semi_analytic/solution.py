@@ -145,7 +145,7 @@ def solve(
 
 def _findings(question: Question) -> Findings:
     """Values, stated errors and notes of half-plane theory for a question, by the first of these
-    methods that holds for its scene:
+    methods that is valid for its scene:
 
     1. prescribed displacements of a rig;
     2. finite bodies, `effects` of the question;

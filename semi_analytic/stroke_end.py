@@ -72,7 +72,7 @@ def loads_left_at_stroke_end(stick_ratio: float, n_panels: int) -> LoadsLeft:
     n_panels
         number of panels of the slip zone on each side, finer at both ends
     """
-    # borders of the panels on the right, as x/a
+    # borders of the panels at x > 0, as x/a
     angles = np.linspace(0.0, np.pi, n_panels + 1)
     borders = stick_ratio + (1 - stick_ratio) * (1 - np.cos(angles)) / 2
     inner_border = borders[:-1]

@@ -765,8 +765,8 @@ def _tension_error_between_points(
     taken as linear between points.
 
     Straight lines err by the square of the distance of the points. So the error is a third of the
-    change if every second point is left out. The larger change counts of leaving out the points of
-    odd and those of even number.
+    change if every second point is omitted. The larger change counts of omitting the points of odd
+    and those of even number.
 
     Parameters
     ----------
@@ -1036,7 +1036,7 @@ def _potentials(
     x + i y, y <= 0: complex (4, n), summed over the flat punches of a contact.
 
     The memory curve M(eta) is the tangential force of the punches up to the normal load eta. The
-    derivatives are left 0 on the face, where they only occur times y.
+    derivatives stay 0 on the face, where they only occur times y.
 
     Parameters
     ----------
