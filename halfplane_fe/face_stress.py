@@ -58,7 +58,7 @@ _USUAL_FITTED_NODES = 16
 _MOST_FITTED_NODES = 100
 # Least uncertainty of the tension over f p0 and sqrt(r), r the spacing of the nodes over the
 # half-width: the error of single nodes that is left where all fits agree by chance.
-_LEAST_TENSION_ERROR = 0.002
+_LEAST_TENSION_ERROR = 0.0035
 # Degree of the polynomial of p^2, by the fewest nodes that are fitted with it. On 11 profiles and
 # elements of a/160 the tension has an error of 1e-3 at most with the fourth degree; x^5.3 has 2e-2
 # with a parabola. Where fewer nodes are fitted, higher degrees follow the error of single ones.
