@@ -527,7 +527,7 @@ def _sample_times(path: LoadPath, n_cycles: int) -> Array:
 
 
 def _times_in_order(
-    times: Array, path: LoadPath, scene: Scene, loads: Loads, largest_normal_load: float
+    sample_times: Array, path: LoadPath, scene: Scene, loads: Loads, largest_normal_load: float
 ) -> Array:
     """Find the time on the load path of each of k instants of a result by its loads P and Q:
     ascending times (k,), near to the loads, and with even steps where several places are as near.
@@ -538,7 +538,7 @@ def _times_in_order(
 
     Parameters
     ----------
-    times
+    sample_times
         (n,) times of samples of the path, ascending
     path
         the load path, which gives P and Q at a time
@@ -549,16 +549,18 @@ def _times_in_order(
     largest_normal_load
         largest P of the path, by which distances between loads are divided
     """
-    places, costs_by_distance = _places_near_loads(times, path, loads, largest_normal_load)
-    chosen_places = _cheapest_sequence(times, places, costs_by_distance, path.period)
+    places, costs_by_distance = _places_near_loads(sample_times, path, loads, largest_normal_load)
+    chosen_places = _cheapest_sequence(sample_times, places, costs_by_distance, path.period)
     # exact times near the samples; those that miss a turning point by round-off are put on it
     return np.maximum.accumulate(
-        _times_on_ends_of_segments(_refined_times(times, chosen_places, path, loads), path, scene)
+        _times_on_ends_of_segments(
+            _refined_times(sample_times, chosen_places, path, loads), path, scene
+        )
     )
 
 
 def _places_near_loads(
-    times: Array, path: LoadPath, loads: Loads, largest_normal_load: float
+    sample_times: Array, path: LoadPath, loads: Loads, largest_normal_load: float
 ) -> tuple[list[Places], list[Array]]:
     """Where each of k instants of a result may lie on the load path: for each instant the indices
     of the samples that are nearest to its loads P and Q, (m,), and the cost of each, (m,).
@@ -569,7 +571,7 @@ def _places_near_loads(
 
     Parameters
     ----------
-    times
+    sample_times
         (n,) times of samples of the path, ascending
     path
         the load path, which gives P and Q at a time
@@ -578,7 +580,7 @@ def _places_near_loads(
     largest_normal_load
         largest P of the path, by which distances between loads are divided
     """
-    normal_load, tangential_load = path.at(times)
+    normal_load, tangential_load = path.at(sample_times)
     # of each instant: squared distance from the path at each sample, over P^2, (n,)
     squared_distances = [
         _squared_distances(normal_load - instant_p, tangential_load - instant_q)
@@ -599,7 +601,7 @@ def _places_near_loads(
 
 
 def _cheapest_sequence(
-    times: Array, places: list[Places], costs_by_distance: list[Array], period: float | None
+    sample_times: Array, places: list[Places], costs_by_distance: list[Array], period: float | None
 ) -> Places:
     """One place on the load path for each of k instants, (k,): the sequence of samples that costs
     least in all, by dynamic programming.
@@ -611,7 +613,7 @@ def _cheapest_sequence(
 
     Parameters
     ----------
-    times
+    sample_times
         (n,) times of samples of the path, ascending
     places
         for each instant the indices of the samples at which it may lie, (m,)
@@ -620,18 +622,18 @@ def _cheapest_sequence(
     period
         length of a revolution of the path; None without one
     """
-    duration = times[-1] - times[0]
+    duration = sample_times[-1] - sample_times[0]
     mean_step = duration / len(places)
     step_back = (period or duration) / _DIVISOR_OF_STEP_BACK
     # cost of the way to each place of an instant; of equal matches the earlier one counts
-    cost = _COST_OF_A_CYCLE_AHEAD * (times[places[0]] - times[0]) / duration
+    cost = _COST_OF_A_CYCLE_AHEAD * (sample_times[places[0]] - sample_times[0]) / duration
     cost = cost + costs_by_distance[0]
     # for each place of an instant the best of the one before
     predecessors: list[Places] = []
     for instant_index in range(1, len(places)):
         # from each place of the instant before to each place of this one
-        times_before = times[places[instant_index - 1]]
-        time_step = times[places[instant_index]] - times_before[:, None]
+        times_before = sample_times[places[instant_index - 1]]
+        time_step = sample_times[places[instant_index]] - times_before[:, None]
         cost_of_pair = (
             cost[:, None] + (time_step / np.where(time_step < 0, step_back, mean_step)) ** 2
         )
@@ -711,18 +713,20 @@ def _squared_distances(p_difference: Array, q_difference: Array) -> Array:
     return np.minimum(square_of_chord_after, square_of_chord_before)
 
 
-def _refined_times(times: Array, chosen_places: Places, path: LoadPath, loads: Loads) -> Array:
+def _refined_times(
+    sample_times: Array, chosen_places: Places, path: LoadPath, loads: Loads
+) -> Array:
     """Times (k,) at which the load path is nearest to the loads P and Q of a result's k instants:
     six times the nearest point on chords ten times shorter. They lie near the samples with indices
-    `chosen_places` among `times` (n,).
+    `chosen_places` among `sample_times` (n,).
 
     A nearest point on a chord misses the path's by the square of its length; squares of distances
     alone are flat to 1e-8 of a cycle around it.
     """
-    time = times[chosen_places]
+    refined_times = sample_times[chosen_places]
     instant_indices = np.arange(len(chosen_places))
-    time_below = times[np.maximum(chosen_places - 1, 0)]
-    time_above = times[np.minimum(chosen_places + 1, len(times) - 1)]
+    time_below = sample_times[np.maximum(chosen_places - 1, 0)]
+    time_above = sample_times[np.minimum(chosen_places + 1, len(sample_times) - 1)]
     for _ in range(6):
         step = (time_above - time_below) / 20
         fine_times = time_below[:, None] + step[:, None] * np.arange(21)
@@ -732,13 +736,13 @@ def _refined_times(times: Array, chosen_places: Places, path: LoadPath, loads: L
             normal_load - loads[0][:, None], tangential_load - loads[1][:, None]
         )
         nearest_chord = np.argmin(squared_distance, axis=1)
-        time = (
+        refined_times = (
             fine_times[instant_indices, nearest_chord]
             + share[instant_indices, nearest_chord] * step
         )
-        time_below = np.maximum(time - step, times[0])
-        time_above = np.minimum(time + step, times[-1])
-    return time
+        time_below = np.maximum(refined_times - step, sample_times[0])
+        time_above = np.minimum(refined_times + step, sample_times[-1])
+    return refined_times
 
 
 def _distances_from_path(path: LoadPath, time: Array, loads: Loads) -> Array:

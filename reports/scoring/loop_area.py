@@ -264,7 +264,7 @@ def _end_of_cycle(
     return row_after, fraction_of_step, tolerated_misclosure
 
 
-def area_about_fit(loop: MasingLoop, fit: MasingFit, cycles: float) -> LoopArea:
+def area_about_fit(fitted_loop: MasingLoop, fit: MasingFit, cycles: float) -> LoopArea:
     """Area W of a measured loop of load Q over displacement U, per cycle [energy per thickness]:
     that of the fitted loop plus the area between this loop and the rows, with its errors.
 
@@ -275,7 +275,7 @@ def area_about_fit(loop: MasingLoop, fit: MasingFit, cycles: float) -> LoopArea:
 
     Parameters
     ----------
-    loop
+    fitted_loop
         the fitted loop, by Masing's rule
     fit
         its parameters with their interval; `distances`, the signed distances of the n rows from the
@@ -290,28 +290,29 @@ def area_about_fit(loop: MasingLoop, fit: MasingFit, cycles: float) -> LoopArea:
     order_on_loop = np.argsort(place_on_loop, kind="stable")
     # (n,) change of W by a distance of one sigma of each row
     area_per_sigma = np.empty(len(place_on_loop))
-    area_per_sigma[order_on_loop] = _area_per_sigma(loop, fit, order_on_loop)
+    area_per_sigma[order_on_loop] = _area_per_sigma(fitted_loop, fit, order_on_loop)
     area_beside_fit = float(area_per_sigma @ fit.distances.signed_distance)
     # the same area by every second row along the loop, once from the first row and once from the
     # second
     area_beside_fit_by_half_the_rows = [
         float(
-            _area_per_sigma(loop, fit, half_of_rows) @ fit.distances.signed_distance[half_of_rows]
+            _area_per_sigma(fitted_loop, fit, half_of_rows)
+            @ fit.distances.signed_distance[half_of_rows]
         )
         for half_of_rows in _halves_of_rows(order_on_loop)
     ]
 
-    error_by_scatter = _error_by_scatter(loop, fit, area_per_sigma)
+    error_by_scatter = _error_by_scatter(fitted_loop, fit, area_per_sigma)
     error_by_digits = 0.0
     if fit.error_by_digits:
         # derivative of W by f, times the error of f
-        error_by_digits = loop.area_by_friction_where_gross * fit.error_by_digits
+        error_by_digits = fitted_loop.area_by_friction_where_gross * fit.error_by_digits
     # half of the difference to the areas by every second row
     error_by_distance = abs(area_beside_fit - sum(area_beside_fit_by_half_the_rows) / 2) / 2
     return LoopArea(
-        value=loop.area + area_beside_fit,
+        value=fitted_loop.area + area_beside_fit,
         # the second term: error of the loop's area by samples of its curve
-        error_by_distance=error_by_distance + _RELATIVE_ERROR_BY_SAMPLES * loop.area,
+        error_by_distance=error_by_distance + _RELATIVE_ERROR_BY_SAMPLES * fitted_loop.area,
         error_by_scatter=math.hypot(error_by_scatter, error_by_digits),
         n_cycles=max(math.floor(cycles), 1),
     )
@@ -324,13 +325,13 @@ def _halves_of_rows(order: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[
     return order[::2], order[1::2]
 
 
-def _error_by_scatter(loop: MasingLoop, fit: MasingFit, area_per_sigma: Array) -> float:
+def _error_by_scatter(fitted_loop: MasingLoop, fit: MasingFit, area_per_sigma: Array) -> float:
     """Error (95 %) of the area of a measured loop [energy per thickness] by the scatter of its
     rows. Scatter moves each row, and with it the fitted loop.
 
     Parameters
     ----------
-    loop, fit
+    fitted_loop, fit
         the fitted loop, and the distances of the rows from it, in sigma, with their derivatives by
         its seven parameters. `degrees_of_freedom` is the number of rows minus that of fitted
         parameters; `misfit.widening` is the factor by which correlated neighbours widen an
@@ -343,7 +344,9 @@ def _error_by_scatter(loop: MasingLoop, fit: MasingFit, area_per_sigma: Array) -
     from scipy.stats import t as student
 
     # derivatives of the area by the seven parameters of the loop, (7,)
-    whole_area_by_parameters = loop.area_by_parameters + area_per_sigma @ fit.distances.derivatives
+    whole_area_by_parameters = (
+        fitted_loop.area_by_parameters + area_per_sigma @ fit.distances.derivatives
+    )
     # derivatives (m,) of the area by the residuals of the fit, of which those of the n rows come
     # first: `influence` (7, m) is the change of the parameters by each residual
     area_by_residuals = whole_area_by_parameters @ fit.influence
@@ -367,12 +370,12 @@ def _error_by_scatter(loop: MasingLoop, fit: MasingFit, area_per_sigma: Array) -
     for parameters_at_end in fit.interval_ends:
         area_at_end = 0.0
         if parameters_at_end is not None:
-            area_at_end = replace(loop, parameters=parameters_at_end).area
-        error_by_scatter = max(error_by_scatter, abs(area_at_end - loop.area))
+            area_at_end = replace(fitted_loop, parameters=parameters_at_end).area
+        error_by_scatter = max(error_by_scatter, abs(area_at_end - fitted_loop.area))
     return error_by_scatter
 
 
-def _area_per_sigma(loop: MasingLoop, fit: MasingFit, rows: NDArray[np.intp]) -> Array:
+def _area_per_sigma(fitted_loop: MasingLoop, fit: MasingFit, rows: NDArray[np.intp]) -> Array:
     """Change of the area W of a measured loop [energy per thickness] if a row lies one sigma away
     from the fitted loop, for each of the `rows`: (k,).
 
@@ -383,7 +386,7 @@ def _area_per_sigma(loop: MasingLoop, fit: MasingFit, rows: NDArray[np.intp]) ->
 
     Parameters
     ----------
-    loop
+    fitted_loop
         the fitted loop
     fit
         `distances`: unit normal (n, 2) of the loop and place along it (n,), 0 to 1 on the rising
@@ -400,8 +403,12 @@ def _area_per_sigma(loop: MasingLoop, fit: MasingFit, rows: NDArray[np.intp]) ->
     place_before = np.concatenate([[place[-1] - 2], place[:-1]])
     place_after = np.concatenate([place[1:], [place[0] + 2]])
     # U and Q of the loop at the midpoints, from its middle
-    displacement_before, load_before = loop.points_at_rows(np.mod((place_before + place) / 2, 2.0))
-    displacement_after, load_after = loop.points_at_rows(np.mod((place + place_after) / 2, 2.0))
+    displacement_before, load_before = fitted_loop.points_at_rows(
+        np.mod((place_before + place) / 2, 2.0)
+    )
+    displacement_after, load_after = fitted_loop.points_at_rows(
+        np.mod((place + place_after) / 2, 2.0)
+    )
     area_by_load_error = (
         unit_normal[:, 1] * fit.sigma.of_load * (displacement_after - displacement_before)
     )

@@ -87,7 +87,7 @@ def sentences_on_scale(load_scale: float) -> list[str]:
 
 
 def fit_rig(
-    loop: MeasuredLoop,
+    measured_loop: MeasuredLoop,
     theory_displacement: Array,
     fraction_of_cycle: Array,
     load_of_cycle: Array,
@@ -100,7 +100,7 @@ def fit_rig(
 
     Parameters
     ----------
-    loop
+    measured_loop
         U and Q of the n rows
     theory_displacement, load_of_cycle
         (n_instants,) U of theory, and r Q(t) of the scene, through one cycle
@@ -118,7 +118,7 @@ def fit_rig(
     scaled_theory_displacement = load_scale * np.interp(
         fraction_of_cycle, SHARES_OF_CYCLE, theory_displacement
     )
-    displacement_of_rig = loop.displacement - scaled_theory_displacement
+    displacement_of_rig = measured_loop.displacement - scaled_theory_displacement
     if rig_compliance is not None:
         displacement_of_rig = displacement_of_rig - rig_compliance * load_at_rows
         origin = float(np.mean(displacement_of_rig))

@@ -550,8 +550,8 @@ def distances_from_loop(
 def _distances_from_branch(
     loop: MasingLoop,
     corners_of_branch: Array,
-    displacement: Array,
-    load: Array,
+    displacement_from_middle: Array,
+    load_from_middle: Array,
     branch_sign: Array,
     sigma: RowNoise,
 ) -> Array:
@@ -571,7 +571,7 @@ def _distances_from_branch(
         (2, m) U and Q of the corners of a polygon along the rising branch, over sigma. Between
         neighbours the place grows by 1/160 (`_CORNERS_PER_PART`); 18 corners lie before place 0 and
         18 behind place 2
-    displacement, load
+    displacement_from_middle, load_from_middle
         (n,) U and Q of the rows, from the middle of the loop
     branch_sign
         (n,) 1 for rows of the rising branch, -1 for the falling one, which is the rising one
@@ -582,7 +582,10 @@ def _distances_from_branch(
     # notation: Q tangential load, U relative tangential displacement
     """
     row_points = np.array(
-        [branch_sign * displacement / sigma.of_displacement, branch_sign * load / sigma.of_load]
+        [
+            branch_sign * displacement_from_middle / sigma.of_displacement,
+            branch_sign * load_from_middle / sigma.of_load,
+        ]
     )
     # index of the chord plus the fraction of it that is passed
     place_on_polygon, _, _, _ = nearest_on_polyline(row_points, corners_of_branch)

@@ -45,7 +45,9 @@ _RELATIVE_ERROR_OF_THEORY = 1e-5
 _CHI_SQUARED = 3.841
 
 
-def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None) -> FittedLoop:
+def fit_over_time(
+    measured_loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
+) -> FittedLoop:
     """Fit the friction coefficient f to a measured loop whose tangential load Q has more than two
     turning points a cycle, with the 95 % interval of f.
 
@@ -55,7 +57,7 @@ def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
 
     Parameters
     ----------
-    loop
+    measured_loop
         U, Q and time of the rows; `resolution`, steps of U and Q that their digits resolve
     rig_compliance
         compliance C of the rig between the places where U is measured [1/stress]; None fits it too
@@ -64,8 +66,8 @@ def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
     """
     # where the rows lie on the scene's cycle. Their Q is `load_scale` times the scene's plus
     # `offset`, at the same P: so f is `load_scale` times the scene's.
-    alignment = _required_alignment(loop, scene)
-    search = _Search(loop, scene, cycle_loads(scene)[1], rig_compliance)
+    alignment = _required_alignment(measured_loop, scene)
+    search = _Search(measured_loop, scene, cycle_loads(scene)[1], rig_compliance)
     # the least f of the scene: below it the contact slides as a whole at the scene's loads
     sliding_friction = friction_at_gross_sliding(scene)
     trials = search.trial_fits(sliding_friction, alignment)
@@ -84,7 +86,7 @@ def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
     lower_half_of_interval, upper_half_of_interval = (
         math.hypot(distance, *errors_beside_scatter) for distance in distances_to_ends
     )
-    n_cycles = float(loop.time[-1] / alignment.period)
+    n_cycles = float(measured_loop.time[-1] / alignment.period)
     return FittedLoop(
         scene=scene,
         friction=friction_of_file,
@@ -96,12 +98,12 @@ def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
         else friction_of_file + upper_half_of_interval,
         compliance=best_fit.compliance,
         share_of_cycle=alignment.share_of_cycle,
-        cycles_passed=loop.time / alignment.period,
+        cycles_passed=measured_loop.time / alignment.period,
         n_cycles=n_cycles,
         load_scale=alignment.load_scale,
         offset=alignment.offset,
         displacement_noise=best_fit.displacement_noise,
-        load_noise=max(noise_of_load, loop.resolution[1] / math.sqrt(12)),
+        load_noise=max(noise_of_load, measured_loop.resolution[1] / math.sqrt(12)),
         sentences=_sentences_on_alignment(alignment, n_cycles),
     )
 
@@ -360,7 +362,7 @@ class _Alignment(NamedTuple):
     misfit: float
 
 
-def _required_alignment(loop: MeasuredLoop, scene: Scene) -> _Alignment:
+def _required_alignment(measured_loop: MeasuredLoop, scene: Scene) -> _Alignment:
     """Find where on the scene's cycle each row of a measured loop lies, by its time, and the file's
     period, scale and offset of Q: those with which the scene's Q fits that of the rows best.
 
@@ -375,25 +377,27 @@ def _required_alignment(loop: MeasuredLoop, scene: Scene) -> _Alignment:
     load_of_cycle = cycle_loads(scene)[1]
     # Where Q goes straight between its turning points, rows of one cycle also fit half of a cycle
     # that is twice as large. So trial periods of which the rows cover 0.9 and more come first.
-    alignment = _best_alignment(loop, load_of_cycle, _FEWEST_CYCLES)
+    alignment = _best_alignment(measured_loop, load_of_cycle, _FEWEST_CYCLES)
     if alignment.misfit > _LARGEST_MISFIT:
-        alignment = _best_alignment(loop, load_of_cycle)
-    n_cycles = loop.time[-1] / alignment.period
+        alignment = _best_alignment(measured_loop, load_of_cycle)
+    n_cycles = measured_loop.time[-1] / alignment.period
     if alignment.misfit > _LARGEST_MISFIT:
         raise InputError(
-            f"{loop.source}: its Q follows that of {scene.name} to {100 * alignment.misfit:.0f} %"
-            f" of its amplitude only (limit {100 * _LARGEST_MISFIT:.0f} %): give a column time,"
-            " whole cycles, and a scene with this form of Q"
+            f"{measured_loop.source}: its Q follows that of {scene.name} to"
+            f" {100 * alignment.misfit:.0f} % of its amplitude only (limit"
+            f" {100 * _LARGEST_MISFIT:.0f} %): give a column time, whole cycles, and a scene with this"
+            " form of Q"
         )
     if n_cycles < _FEWEST_CYCLES:
         raise InputError(
-            f"{loop.source}: its rows cover {n_cycles:.2g} of a cycle: a loop needs a whole one"
+            f"{measured_loop.source}: its rows cover {n_cycles:.2g} of a cycle: a loop needs a"
+            " whole one"
         )
     return alignment
 
 
 def _best_alignment(
-    loop: MeasuredLoop, load_of_cycle: Array, least_cycles: float = 0.0
+    measured_loop: MeasuredLoop, load_of_cycle: Array, least_cycles: float = 0.0
 ) -> _Alignment:
     """Find where the rows of a measured loop lie on the scene's cycle: period, phase, scale and
     offset at which Q of this cycle follows Q of the rows best.
@@ -422,27 +426,27 @@ def _best_alignment(
     def misfit_as_force(frequency_and_phase: tuple[float, float] | Array) -> float:
         """Root mean square of Q of the rows minus the best fit of the scene's Q."""
         frequency, phase = frequency_and_phase
-        return _alignment_at(loop, load_of_cycle, frequency, phase).misfit
+        return _alignment_at(measured_loop, load_of_cycle, frequency, phase).misfit
 
     # frequencies of the cycle, and that at which the spectrum of Q is highest
-    frequencies, peak_frequency = _trial_frequencies(loop, least_cycles)
+    frequencies, peak_frequency = _trial_frequencies(measured_loop, least_cycles)
     trials = [(frequency, phase) for frequency in frequencies for phase in np.arange(24) / 24]
     best_trial = min(trials, key=misfit_as_force)
     frequency, phase = _refined_frequency_and_phase(
-        misfit_as_force, best_trial, peak_frequency, loop.time[-1], 1e-12 * amplitude
+        misfit_as_force, best_trial, peak_frequency, measured_loop.time[-1], 1e-12 * amplitude
     )
-    alignment = _alignment_at(loop, load_of_cycle, frequency, phase)
+    alignment = _alignment_at(measured_loop, load_of_cycle, frequency, phase)
     # from a force per thickness to a share of the amplitude of Q
     return alignment._replace(misfit=alignment.misfit / (abs(alignment.load_scale) * amplitude))
 
 
 def _alignment_at(
-    loop: MeasuredLoop, load_of_cycle: Array, frequency: float, phase: float
+    measured_loop: MeasuredLoop, load_of_cycle: Array, frequency: float, phase: float
 ) -> _Alignment:
     """Where the rows of a measured loop lie on the scene's cycle, for a given frequency of the
     cycle and its phase (share of a cycle at time 0). Scale and offset of Q are those that fit the
     measured Q best. `load_of_cycle` is Q of the scene at the shares of its cycle,
-    `SHARES_OF_CYCLE`; `loop` holds time and Q of the n rows.
+    `SHARES_OF_CYCLE`; `measured_loop` holds time and Q of the n rows.
 
     The misfit is a force per thickness here, not yet over the amplitude: the root mean square of
     the measured Q minus this fit. Where the scale is not positive, ten times the range of Q is
@@ -450,17 +454,17 @@ def _alignment_at(
 
     # notation: Q tangential load
     """
-    n_rows = len(loop.load)
-    share_of_cycle = np.mod(frequency * loop.time + phase, 1.0)
+    n_rows = len(measured_loop.load)
+    share_of_cycle = np.mod(frequency * measured_loop.time + phase, 1.0)
     scene_load = np.interp(share_of_cycle, SHARES_OF_CYCLE, load_of_cycle)
     columns = np.column_stack([scene_load, np.ones(n_rows)])
-    load_scale, offset = np.linalg.lstsq(columns, loop.load, rcond=None)[0].tolist()
-    residuals = loop.load - load_scale * scene_load - offset
+    load_scale, offset = np.linalg.lstsq(columns, measured_loop.load, rcond=None)[0].tolist()
+    residuals = measured_loop.load - load_scale * scene_load - offset
     misfit = float(np.sqrt(residuals @ residuals / n_rows))
     # A negative scale fits a sine as well as a positive one does half a cycle later: only the
     # positive one counts.
     if load_scale <= 0:
-        misfit += 10 * float(np.ptp(loop.load))
+        misfit += 10 * float(np.ptp(measured_loop.load))
     return _Alignment(share_of_cycle, load_scale, offset, float(1 / frequency), misfit)
 
 
@@ -511,7 +515,9 @@ def _refined_frequency_and_phase(
     return frequency, phase
 
 
-def _trial_frequencies(loop: MeasuredLoop, least_cycles: float) -> tuple[list[float], float]:
+def _trial_frequencies(
+    measured_loop: MeasuredLoop, least_cycles: float
+) -> tuple[list[float], float]:
     """Frequencies of the cycle to try [cycles per unit of time], from the spectrum of Q of the rows
     of a measured loop; and the frequency at which this spectrum is highest.
 
@@ -521,12 +527,12 @@ def _trial_frequencies(loop: MeasuredLoop, least_cycles: float) -> tuple[list[fl
     # notation: Q tangential load
     """
     # loop.time begins at 0
-    even_times = np.linspace(0.0, loop.time[-1], min(len(loop.load), 4096))
-    even_loads = np.interp(even_times, loop.time, loop.load)
+    even_times = np.linspace(0.0, measured_loop.time[-1], min(len(measured_loop.load), 4096))
+    even_loads = np.interp(even_times, measured_loop.time, measured_loop.load)
     load_from_mean = even_loads - even_loads.mean()
     n_times = len(even_times)
     spectrum = np.abs(np.fft.rfft(load_from_mean * np.hanning(n_times), 8 * n_times))
-    record_length = loop.time[-1] * n_times / (n_times - 1)
+    record_length = measured_loop.time[-1] * n_times / (n_times - 1)
     # Eight values of the spectrum belong to one cycle in the record; the first four to the mean.
     most_cycles = min(_MOST_CYCLES, n_times // 4)
     cycles_in_record = float(np.argmax(spectrum[4 : 8 * most_cycles]) + 4) / 8
@@ -539,7 +545,7 @@ def _trial_frequencies(loop: MeasuredLoop, least_cycles: float) -> tuple[list[fl
     if peak_frequency * record_length < 3:  # a spectrum of a few cycles has no sharp maximum
         frequencies += (np.arange(0.9, 3.0, 0.05) / record_length).tolist()
     frequencies_of_enough_cycles = [
-        frequency for frequency in frequencies if frequency * loop.time[-1] >= least_cycles
+        frequency for frequency in frequencies if frequency * measured_loop.time[-1] >= least_cycles
     ]
     return frequencies_of_enough_cycles or frequencies, peak_frequency
 
@@ -589,7 +595,7 @@ def _friction_changes_by_load_noise(
 
 
 def _noise_of_load(
-    loop: MeasuredLoop, share_of_cycle: Array, load_scale: float, load_of_cycle: Array
+    measured_loop: MeasuredLoop, share_of_cycle: Array, load_scale: float, load_of_cycle: Array
 ) -> tuple[float, float, float]:
     """Noise of the load Q of the rows of a measured loop: its standard deviation about r Q of the
     scene [force per thickness]. With it come the standard errors that it leaves in the place on the
@@ -606,7 +612,7 @@ def _noise_of_load(
     """
     scene_load = load_scale * np.interp(share_of_cycle, SHARES_OF_CYCLE, load_of_cycle)
     load_from_mean = scene_load - scene_load.mean()
-    noise = float(np.std(loop.load - scene_load))
+    noise = float(np.std(measured_loop.load - scene_load))
     # slope of r Q over the share of the cycle, at the middle between two instants
     # N_INSTANTS: number of these instants, the last one being the first again
     slopes = load_scale * np.diff(load_of_cycle) * (N_INSTANTS - 1)

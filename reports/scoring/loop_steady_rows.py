@@ -90,7 +90,7 @@ _SHORTEST_FIRST_HALF_CYCLE = 0.1
 
 
 def fit_steady_rows(
-    loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
+    measured_loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
 ) -> tuple[MeasuredLoop, FittedLoop]:
     """Choose the rows of a measured loop of Q over U that repeat one steady cycle, and fit the
     friction coefficient f to them.
@@ -100,7 +100,7 @@ def fit_steady_rows(
 
     Parameters
     ----------
-    loop
+    measured_loop
         U, Q and time of the rows, and their file `source`
     rig_compliance
         compliance C of the rig between the places where U is measured [1/stress]; None fits it
@@ -122,38 +122,38 @@ def fit_steady_rows(
     if not has_constant_normal_load(scene):
         # Distances from the nearest point of a loop are no scatter beside its turning points: three
         # of twenty good loops with noise were refused by them.
-        fit = _fit_where_load_varies(loop, scene, rig_compliance)
+        fit = _fit_where_load_varies(measured_loop, scene, rig_compliance)
         # part of the rows' distances that is no scatter, over the mean opening of the loop in U
         # (its area over the range of Q)
-        share_of_opening = _share_of_opening(loop, fit.misfit, fit.cycles_passed)
+        share_of_opening = _share_of_opening(measured_loop, fit.misfit, fit.cycles_passed)
         if (
             # more than 2 % of the opening
             share_of_opening > _LARGEST_SHARE_OF_OPENING_WHERE_LOAD_VARIES
-            or _differences_of_cycles_in_words(loop)
+            or _differences_of_cycles_in_words(measured_loop)
         ):
             fit = _fit_with_sentence(
                 fit, "P varies: the rows were not examined for drift, run-in and cycles that differ"
             )
-        return loop, _fit_with_sentence_on_widening(fit, share_of_opening)
+        return measured_loop, _fit_with_sentence_on_widening(fit, share_of_opening)
 
     # drift of U in a cycle, over the range of U; 0 where it is small enough for a gauge
-    drift = _drift_of_cycle(loop)
+    drift = _drift_of_cycle(measured_loop)
     if drift:
         raise InputError(
-            f"{loop.source}: its rows are of no steady loop: U moves on by {100 * drift:+.2g} % of"
-            " its range in each cycle, so the contact slides on or the gauge does; give the rows of"
-            " cycles that are alike"
+            f"{measured_loop.source}: its rows are of no steady loop: U moves on by"
+            f" {100 * drift:+.2g} % of its range in each cycle, so the contact slides on or the gauge"
+            " does; give the rows of cycles that are alike"
         )
     range_of_load = float(np.ptp(cycle_loads(scene)[1]))
     # of theory: U over half the change of Q since a turning point, from which loops are built
     curve = memory_curve(scene, friction_at_gross_sliding(scene) / range_of_load)
     # the rows without a run-in, their best loop, and tests of their steadiness
-    candidate = _steadiest_rows(loop, curve, rig_compliance)
+    candidate = _steadiest_rows(measured_loop, curve, rig_compliance)
     if rig_compliance is None:
-        _require_loop_of_theory(candidate, loop, scene)
+        _require_loop_of_theory(candidate, measured_loop, scene)
     chosen_rows, fit = _fit_at_constant_load(candidate, scene, curve)
     # number of cycles that all measured rows cover
-    fit = replace(fit, n_cycles=_branches_by_height(loop).n_cycles)
+    fit = replace(fit, n_cycles=_branches_by_height(measured_loop).n_cycles)
     # 1.5 % of the opening; only with a stated rig compliance, since else such rows were refused
     if candidate.share_of_opening > _LARGEST_SHARE_OF_OPENING:
         fit = _fit_with_sentence(
@@ -173,7 +173,7 @@ def _fit_with_sentence(fit: FittedLoop, sentence: str) -> FittedLoop:
 
 
 def _steadiest_rows(
-    loop: MeasuredLoop, curve: MemoryCurve, rig_compliance: float | None
+    measured_loop: MeasuredLoop, curve: MemoryCurve, rig_compliance: float | None
 ) -> _Candidate:
     """The rows of a measured loop of Q over U that repeat one cycle, with the loop of theory that
     fits them and tests of their steadiness.
@@ -198,8 +198,8 @@ def _steadiest_rows(
     """
     candidates = []
     growth_words = ""
-    difference_words = _differences_of_cycles_in_words(loop)
-    for remaining_rows in _rows_without_run_in(loop):
+    difference_words = _differences_of_cycles_in_words(measured_loop)
+    for remaining_rows in _rows_without_run_in(measured_loop):
         # "grow" or "shrink" where the remaining cycles may do so as all cycles do; else ""
         growth_of_remaining = remaining_rows.lasting_growth
         if growth_of_remaining:
@@ -222,8 +222,8 @@ def _steadiest_rows(
                 " ones still do"
             )
         raise InputError(
-            f"{loop.source}: its rows are of no steady loop: {reason}; give the rows of cycles that"
-            " are alike"
+            f"{measured_loop.source}: its rows are of no steady loop: {reason}; give the rows of"
+            " cycles that are alike"
         )
     if candidates[-1].is_steady:
         return candidates[-1]
@@ -424,7 +424,9 @@ def _changes_of_loop(fitted_loop: BestLoop, branches: Branches) -> _ChangesOfLoo
     )
 
 
-def _require_loop_of_theory(candidate: _Candidate, loop: MeasuredLoop, scene: Scene) -> None:
+def _require_loop_of_theory(
+    candidate: _Candidate, measured_loop: MeasuredLoop, scene: Scene
+) -> None:
     """Raise InputError, with the reason, where theory has no such steady loop: where cycles change,
     where Q rises while the contact slides, or where even the best fit lies far beside the rows. How
     far is stated over the mean opening of the loop in U, its area over the range of Q.
@@ -435,7 +437,7 @@ def _require_loop_of_theory(candidate: _Candidate, loop: MeasuredLoop, scene: Sc
         the rows that were chosen, their best loop, and the changes of the loop that were tested:
         every second cycle, with time, in size. `share_of_opening` is the part of the distances of
         the rows that is no scatter; `unsteady_share_of_opening` includes what a change explains
-    loop
+    measured_loop
         all measured rows
 
     # notation: Q tangential load, U relative tangential displacement
@@ -476,8 +478,8 @@ def _require_loop_of_theory(candidate: _Candidate, loop: MeasuredLoop, scene: Sc
     if not reason:
         return
     raise InputError(
-        f"{loop.source}: its rows are of no steady loop of {scene.name}:"
-        f" {_differences_of_cycles_in_words(loop) or reason}; the best fit is"
+        f"{measured_loop.source}: its rows are of no steady loop of {scene.name}:"
+        f" {_differences_of_cycles_in_words(measured_loop) or reason}; the best fit is"
         f" {100 * candidate.unsteady_share_of_opening:.2g} % of the loop's opening away from rows"
         f" that lie beside each other (limit {100 * largest_share_of_opening:.2g} %)"
     )
@@ -554,15 +556,15 @@ class _RowsWithoutRunIn:
         )
 
 
-def _rows_without_run_in(loop: MeasuredLoop) -> Iterator[_RowsWithoutRunIn]:
+def _rows_without_run_in(measured_loop: MeasuredLoop) -> Iterator[_RowsWithoutRunIn]:
     """The rows of a measured loop without a run-in. More and more first half-cycles are left out,
     each time with a sentence that states it. Where the loop has fewer than three cycles, all rows
     come first. In all other cases at least 2.4 cycles are left.
     """
-    cycles_passed = np.maximum.accumulate(_branches_by_height(loop).cycles_passed)
+    cycles_passed = np.maximum.accumulate(_branches_by_height(measured_loop).cycles_passed)
     if cycles_passed[-1] - cycles_passed[0] < _FEWEST_CYCLES_WITH_RUN_IN:
         # the rows from `first_row` on, and a sentence on those left out
-        yield _RowsWithoutRunIn(loop, first_row=0, n_half_cycles=0, sentence="")
+        yield _RowsWithoutRunIn(measured_loop, first_row=0, n_half_cycles=0, sentence="")
     # at the first turning point behind the first row
     cycles_at_turn = _cycles_at_first_turn(cycles_passed)
     # numbers of half-cycles from 0 to 16
@@ -576,7 +578,7 @@ def _rows_without_run_in(loop: MeasuredLoop) -> Iterator[_RowsWithoutRunIn]:
                 f"Rows 1 to {first_row}, before the first turning point, are left out: they may be"
                 " of the initial loading"
             )
-        yield _RowsWithoutRunIn(loop, first_row, n_half_cycles, sentence)
+        yield _RowsWithoutRunIn(measured_loop, first_row, n_half_cycles, sentence)
 
 
 def _cycles_at_first_turn(cycles_passed: Array) -> float:
@@ -586,46 +588,56 @@ def _cycles_at_first_turn(cycles_passed: Array) -> float:
     return math.ceil(2 * cycles_passed[0] + _LARGEST_DISTANCE_ON_TURN) / 2
 
 
-def _branches_by_height(loop: MeasuredLoop) -> Branches:
+def _branches_by_height(measured_loop: MeasuredLoop) -> Branches:
     """Branches of the rows of a measured loop, rising or falling, by the height U/(range of U) +
     Q/(range of Q). It has its turning points where the branches have theirs, also where Q stays
     while the contact slides.
     """
-    range_of_displacement = float(np.ptp(loop.displacement))
-    range_of_load = float(np.ptp(loop.load))
-    height = loop.displacement / range_of_displacement + loop.load / range_of_load
+    range_of_displacement = float(np.ptp(measured_loop.displacement))
+    range_of_load = float(np.ptp(measured_loop.load))
+    height = measured_loop.displacement / range_of_displacement + measured_loop.load / range_of_load
     # steps that the digits of U and of Q resolve
-    step_of_digits = loop.resolution[0] / range_of_displacement + loop.resolution[1] / range_of_load
-    return find_branches(loop.displacement, height, loop.time, step_of_digits, loop.source)
-
-
-def _share_of_opening(loop: MeasuredLoop, misfit: Misfit, cycles_passed: Array) -> float:
-    """The part of the rows' distances from a fit that is no scatter, over the mean opening of the
-    loop in U.
-    """
-    return misfit.systematic_rms / _mean_opening(loop, cycles_passed)
-
-
-def _mean_opening(loop: MeasuredLoop, cycles_passed: Array) -> float:
-    """Mean opening of the loop in U [length]: its area over the range of Q. `cycles_passed` (n,)
-    are the cycles that have passed at each row.
-    """
-    area = polygon_area(loop.displacement, loop.load, cycles_passed, 0.0, 0.0).value
-    return max(abs(area), 1e-300) / float(np.ptp(loop.load))
-
-
-def _differences_of_cycles_in_words(loop: MeasuredLoop) -> str:
-    """How the cycles of a measured loop differ, in words; "" where they do not."""
-    return differences_of_cycles_in_words(
-        loop.displacement, loop.load, loop.time, _noise_of_load(loop)
+    step_of_digits = (
+        measured_loop.resolution[0] / range_of_displacement
+        + measured_loop.resolution[1] / range_of_load
+    )
+    return find_branches(
+        measured_loop.displacement, height, measured_loop.time, step_of_digits, measured_loop.source
     )
 
 
-def _noise_of_load(loop: MeasuredLoop) -> float:
+def _share_of_opening(measured_loop: MeasuredLoop, misfit: Misfit, cycles_passed: Array) -> float:
+    """The part of the rows' distances from a fit that is no scatter, over the mean opening of the
+    loop in U.
+    """
+    return misfit.systematic_rms / _mean_opening(measured_loop, cycles_passed)
+
+
+def _mean_opening(measured_loop: MeasuredLoop, cycles_passed: Array) -> float:
+    """Mean opening of the loop in U [length]: its area over the range of Q. `cycles_passed` (n,)
+    are the cycles that have passed at each row.
+    """
+    area = polygon_area(
+        measured_loop.displacement, measured_loop.load, cycles_passed, 0.0, 0.0
+    ).value
+    return max(abs(area), 1e-300) / float(np.ptp(measured_loop.load))
+
+
+def _differences_of_cycles_in_words(measured_loop: MeasuredLoop) -> str:
+    """How the cycles of a measured loop differ, in words; "" where they do not."""
+    return differences_of_cycles_in_words(
+        measured_loop.displacement,
+        measured_loop.load,
+        measured_loop.time,
+        _noise_of_load(measured_loop),
+    )
+
+
+def _noise_of_load(measured_loop: MeasuredLoop) -> float:
     """Standard deviation of the noise of Q: that of neighbouring rows, at least that of its
     digits.
     """
-    return max(row_noise(loop.load), loop.resolution[1] / math.sqrt(12))
+    return max(row_noise(measured_loop.load), measured_loop.resolution[1] / math.sqrt(12))
 
 
 def _fit_with_sentence_on_widening(fit: FittedLoop, share_of_opening: float) -> FittedLoop:
@@ -647,7 +659,7 @@ def _fit_with_sentence_on_widening(fit: FittedLoop, share_of_opening: float) -> 
     )
 
 
-def _drift_of_cycle(loop: MeasuredLoop) -> float:
+def _drift_of_cycle(measured_loop: MeasuredLoop) -> float:
     """Drift of U of a measured loop in a cycle, over the range of U. It is 0 unless it is too large
     for the drift of a gauge: more than 3 %, plus what noise gives.
 
@@ -655,15 +667,23 @@ def _drift_of_cycle(loop: MeasuredLoop) -> float:
     """
     # branch of each row by Q, and cycles that have passed; resolution[1]: step of the digits of Q
     branches = find_branches(
-        loop.displacement, loop.load, loop.time, loop.resolution[1], loop.source
+        measured_loop.displacement,
+        measured_loop.load,
+        measured_loop.time,
+        measured_loop.resolution[1],
+        measured_loop.source,
     )
     # length per unit of time, None where too few rows have another a cycle later
-    drift_rate = drift_of_displacement(loop.displacement, loop.load, loop.time, branches)
+    drift_rate = drift_of_displacement(
+        measured_loop.displacement, measured_loop.load, measured_loop.time, branches
+    )
     if drift_rate is None:
         return 0.0
-    range_of_displacement = float(np.ptp(loop.displacement))
-    drift = drift_rate * float(np.ptp(loop.time)) / branches.n_cycles / range_of_displacement
-    drift_by_noise = 2 * row_noise(loop.displacement) / range_of_displacement
+    range_of_displacement = float(np.ptp(measured_loop.displacement))
+    drift = (
+        drift_rate * float(np.ptp(measured_loop.time)) / branches.n_cycles / range_of_displacement
+    )
+    drift_by_noise = 2 * row_noise(measured_loop.displacement) / range_of_displacement
     return drift if abs(drift) > _LARGEST_DRIFT + drift_by_noise else 0.0
 
 
@@ -726,14 +746,16 @@ def _fit_at_constant_load(
     )
 
 
-def _rows_without_drift(loop: MeasuredLoop, drift: float) -> MeasuredLoop:
+def _rows_without_drift(measured_loop: MeasuredLoop, drift: float) -> MeasuredLoop:
     """The rows of a measured loop with the linear drift of U taken out, so that U in the middle of
     the record's time stays as it is. `drift` is the change of U over the whole record [length].
 
     # notation: U relative tangential displacement
     """
-    share_of_time = (loop.time - loop.time[0]) / float(np.ptp(loop.time))
-    return replace(loop, displacement=loop.displacement - drift * (share_of_time - 0.5))
+    share_of_time = (measured_loop.time - measured_loop.time[0]) / float(np.ptp(measured_loop.time))
+    return replace(
+        measured_loop, displacement=measured_loop.displacement - drift * (share_of_time - 0.5)
+    )
 
 
 def _sentences_on_rows(candidate: _Candidate, fit: MasingFit) -> list[str]:
@@ -807,7 +829,7 @@ def _share_by_place(row_loads: Array, fit: MasingFit, load_of_cycle: Array) -> A
 
 
 def _fit_where_load_varies(
-    loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
+    measured_loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
 ) -> FittedLoop:
     """Fit the coefficient of friction f to a measured loop whose scene has a varying normal load P
     and two branches of Q in a cycle: theory's loop between the turning points of Q is fitted to
@@ -817,12 +839,16 @@ def _fit_where_load_varies(
     """
     # branch of each row, and the turning points of Q
     branches = find_branches(
-        loop.displacement, loop.load, loop.time, loop.resolution[1], loop.source
+        measured_loop.displacement,
+        measured_loop.load,
+        measured_loop.time,
+        measured_loop.resolution[1],
+        measured_loop.source,
     )
-    rows = LoopRows(loop.displacement, loop.load, branches, rig_compliance)
+    rows = LoopRows(measured_loop.displacement, measured_loop.load, branches, rig_compliance)
     loops_of_theory = _loops_of_theory(scene)
     # error of theory: 1e-5 of f
-    loop_fit = fit_loop(rows, loops_of_theory, loop.resolution, _RELATIVE_ERROR_OF_THEORY)
+    loop_fit = fit_loop(rows, loops_of_theory, measured_loop.resolution, _RELATIVE_ERROR_OF_THEORY)
     # Q of the scene through a cycle; factor of the file's Q over it
     load_of_cycle = cycle_loads(scene)[1]
     load_scale = (loop_fit.highest_load - loop_fit.lowest_load) / float(np.ptp(load_of_cycle))

@@ -289,14 +289,14 @@ def score_loop(
 
 
 # ------------------------------------------------------------------------------- the measured loop
-def _row_of_measured_loop(loop: MeasuredLoop, fit: FittedLoop) -> tuple[LoopRow, str]:
+def _row_of_measured_loop(measured_loop: MeasuredLoop, fit: FittedLoop) -> tuple[LoopRow, str]:
     """The measured loop of Q over U as a row of the table of loops (area W with its uncertainty,
     slope dU/dQ; no coefficient of friction and no distance from itself), and a sentence on how W
     was computed.
 
     Parameters
     ----------
-    loop
+    measured_loop
         U and Q of the n measured rows
     fit
         the loop fitted to them: `cycles_passed` (n,), cycles that have passed at each row;
@@ -308,7 +308,11 @@ def _row_of_measured_loop(loop: MeasuredLoop, fit: FittedLoop) -> tuple[LoopRow,
     # only a loop of Masing's rule, at constant P, has an area of its own
     if fit.masing_loop is None or fit.masing_fit is None:
         loop_area = polygon_area(
-            loop.displacement, loop.load, fit.cycles_passed, fit.displacement_noise, fit.load_noise
+            measured_loop.displacement,
+            measured_loop.load,
+            fit.cycles_passed,
+            fit.displacement_noise,
+            fit.load_noise,
         )
         method_words = "the area of the polygon of the rows"
     else:
@@ -324,7 +328,8 @@ def _row_of_measured_loop(loop: MeasuredLoop, fit: FittedLoop) -> tuple[LoopRow,
         area=loop_area.value,
         area_uncertainty=loop_area.uncertainty,
         slope=_slope_of_line(
-            loop.displacement, np.interp(fit.share_of_cycle, SHARES_OF_CYCLE, load_of_cycle)
+            measured_loop.displacement,
+            np.interp(fit.share_of_cycle, SHARES_OF_CYCLE, load_of_cycle),
         ),
         distance=math.nan,
         by_distance=loop_area.error_by_distance,
@@ -359,7 +364,7 @@ class _ComputedLoops(NamedTuple):
 
 
 def _partial_loops(
-    loop: MeasuredLoop,
+    measured_loop: MeasuredLoop,
     fit: FittedLoop,
     scene: Scene,
     rig_compliance: float | None,
@@ -398,7 +403,10 @@ def _partial_loops(
         loops += [
             # _LoopOfScene: name, f at the loads of the rows, U at those of the scene
             _loop_with_rig(
-                loop, fit, _LoopOfScene(name_of_loop, trial_friction, displacement), rig_compliance
+                measured_loop,
+                fit,
+                _LoopOfScene(name_of_loop, trial_friction, displacement),
+                rig_compliance,
             )
             for name_of_loop, displacement in displacements.items()
         ]
@@ -416,7 +424,10 @@ class _LoopOfScene(NamedTuple):
 
 
 def _loop_with_rig(
-    loop: MeasuredLoop, fit: FittedLoop, computed_loop: _LoopOfScene, rig_compliance: float | None
+    measured_loop: MeasuredLoop,
+    fit: FittedLoop,
+    computed_loop: _LoopOfScene,
+    rig_compliance: float | None,
 ) -> _ComputedLoop:
     """A computed loop with the rig added, U = r U_computed + C Q + U0, with the compliance C and
     the origin U0 such that it lies nearest to the rows; with its area W, slope dU/dQ and distance
@@ -424,7 +435,7 @@ def _loop_with_rig(
 
     Parameters
     ----------
-    loop
+    measured_loop
         the measured rows
     fit
         places of the rows on the cycle, and r, the file's Q over the scene's
@@ -439,13 +450,20 @@ def _loop_with_rig(
     load = fit.load_scale * load_of_scene
     # C and U0 by least squares over the rows
     _, compliance, origin = fit_rig(
-        loop, computed_loop.displacement, fit.share_of_cycle, load, fit.load_scale, rig_compliance
+        measured_loop,
+        computed_loop.displacement,
+        fit.share_of_cycle,
+        load,
+        fit.load_scale,
+        rig_compliance,
     )
     displacement_with_rig = fit.load_scale * computed_loop.displacement + compliance * load + origin
     # the rig is elastic: it adds nothing to the area
     mean_load = (load_of_scene[1:] + load_of_scene[:-1]) / 2
     area = fit.load_scale**2 * float(np.sum(mean_load * np.diff(computed_loop.displacement)))
-    slope, distance = _slope_and_distance(loop, fit.share_of_cycle, displacement_with_rig, load)
+    slope, distance = _slope_and_distance(
+        measured_loop, fit.share_of_cycle, displacement_with_rig, load
+    )
     # name, f, W and its uncertainty, slope, distance
     table_row = LoopRow(computed_loop.name, computed_loop.friction, area, 0.0, slope, distance)
     # offset: the file's Q is r times the scene's plus this
@@ -453,7 +471,11 @@ def _loop_with_rig(
 
 
 def _sliding_loops(
-    loop: MeasuredLoop, fit: FittedLoop, fitted_loop: MasingLoop, scene: Scene, against: Against
+    measured_loop: MeasuredLoop,
+    fit: FittedLoop,
+    fitted_loop: MasingLoop,
+    scene: Scene,
+    against: Against,
 ) -> _ComputedLoops:
     """The loops beside a measured one that slides as a whole: the fitted one (`fitted_loop`), and
     the one that theory has with the scene's f and the same range of U, where it slides too. Finite
@@ -466,7 +488,7 @@ def _sliding_loops(
     loop_of_scene = fitted_loop.gross_loop_with_friction(scene.friction.coefficient)
     if loop_of_scene is not None:
         sliding_loops[f"theory, {WITH_SCENE_FRICTION}"] = loop_of_scene
-    middle_load = float(loop.load.max() + loop.load.min()) / 2
+    middle_load = float(measured_loop.load.max() + measured_loop.load.min()) / 2
     loops = []
     for name, sliding_loop in sliding_loops.items():
         # from the middle of the loop, at shares of the cycle from 0 to 1
@@ -474,12 +496,12 @@ def _sliding_loops(
         # the origin of U is arbitrary: the mean of the computed U becomes that of the measured one
         displacement_at_rows = np.interp(fit.share_of_cycle, SHARES_OF_CYCLE, computed_displacement)
         computed_displacement = computed_displacement + float(
-            np.mean(loop.displacement - displacement_at_rows)
+            np.mean(measured_loop.displacement - displacement_at_rows)
         )
         # dU/dQ of the computed loop [1/stress], and its root mean square distance along U from the
         # means of the measured rows [length]
         slope, distance = _slope_and_distance(
-            loop, fit.share_of_cycle, computed_displacement, load_from_middle
+            measured_loop, fit.share_of_cycle, computed_displacement, load_from_middle
         )
         table_row = LoopRow(
             name,
@@ -501,14 +523,17 @@ def _sliding_loops(
 
 
 def _slope_and_distance(
-    loop: MeasuredLoop, share_of_cycle: Array, computed_displacement: Array, computed_load: Array
+    measured_loop: MeasuredLoop,
+    share_of_cycle: Array,
+    computed_displacement: Array,
+    computed_load: Array,
 ) -> tuple[float, float]:
     """Slope dU/dQ of a computed loop, and the root mean square of its distances from the means of
     the rows, along U.
 
     Parameters
     ----------
-    loop
+    measured_loop
         the measured rows
     share_of_cycle
         (n_rows,) share of the cycle that is over at each row
@@ -521,7 +546,7 @@ def _slope_and_distance(
     slope = _slope_of_line(
         displacement_at_rows, np.interp(share_of_cycle, SHARES_OF_CYCLE, computed_load)
     )
-    _, distances = means_of_parts(share_of_cycle, loop.displacement - displacement_at_rows)
+    _, distances = means_of_parts(share_of_cycle, measured_loop.displacement - displacement_at_rows)
     return slope, math.sqrt(float(np.mean(distances**2)))
 
 
