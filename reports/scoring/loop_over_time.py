@@ -385,8 +385,8 @@ def _required_alignment(measured_loop: MeasuredLoop, scene: Scene) -> _Alignment
         raise InputError(
             f"{measured_loop.source}: its Q follows that of {scene.name} to"
             f" {100 * alignment.misfit:.0f} % of its amplitude only (limit"
-            f" {100 * _LARGEST_MISFIT:.0f} %): give a column time, whole cycles, and a scene with this"
-            " form of Q"
+            f" {100 * _LARGEST_MISFIT:.0f} %): give a column time, whole cycles, and a scene with"
+            " this form of Q"
         )
     if n_cycles < _FEWEST_CYCLES:
         raise InputError(

@@ -141,8 +141,8 @@ def fit_steady_rows(
     if drift:
         raise InputError(
             f"{measured_loop.source}: its rows are of no steady loop: U moves on by"
-            f" {100 * drift:+.2g} % of its range in each cycle, so the contact slides on or the gauge"
-            " does; give the rows of cycles that are alike"
+            f" {100 * drift:+.2g} % of its range in each cycle, so the contact slides on or the"
+            " gauge does; give the rows of cycles that are alike"
         )
     range_of_load = float(np.ptp(cycle_loads(scene)[1]))
     # of theory: U over half the change of Q since a turning point, from which loops are built
