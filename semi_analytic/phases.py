@@ -41,7 +41,7 @@ def phase_in_radians(phase_degrees: ArrayLike | None, phase_radians: ArrayLike |
 
 def accepts_phase(function: Callable[Arguments, Result]) -> Callable[Arguments, Result]:
     """Decorator: the function also takes `phase`, the old name of `phase_radians`, for one release,
-    with a DeprecationWarning.
+    with a DeprecationWarning. InputError where both names are given.
     """
 
     @wraps(function)

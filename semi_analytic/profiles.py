@@ -808,8 +808,9 @@ def law_of_table(modulus: float, profile: Tabulated) -> ContactLaw:
     Raises
     ------
     InputError
-        For rows under which the contact would split, with the row and what to do; later for a load
-        that needs a wider table.
+        For rows under which the contact would split, with the row and what to do.
+    ProfileDataError
+        Later, by the returned law, for a load that needs a wider table.
 
     Examples
     --------
@@ -1325,8 +1326,9 @@ def law_of_function(modulus: float, profile: CallableProfile) -> ContactLaw:
     Raises
     ------
     InputError
-        For a profile under which the contact would split; later for a load that needs a wider
-        contact than `extent`.
+        For a profile under which the contact would split.
+    ProfileDataError
+        Later, by the returned law, for a load that needs a wider contact than `extent`.
 
     Examples
     --------

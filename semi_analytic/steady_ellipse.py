@@ -425,7 +425,8 @@ def _work_density_of_phases(
     ellipses: Ellipses, contact: Contact, x: Array, node_stride: int
 ) -> Array:
     """Friction work per area W(x) in each phase of slip of m load ellipses, times pi E*/(2 f^2),
-    (3, m), at one |x| for each: the integral of p w'/f arccosh(|x|/c) over the time.
+    (3, m), at one |x| for each: the integral of p w'/f arccosh(|x|/c) over the time, an angle
+    [rad] of the ellipse.
 
     w = +-Q - f P grows in slip, and (A/pi) w' arccosh(|x|/c) is the slip rate at x; c is the
     half-width of stick, A = 2/E*. The phases are E-G (reverse slip), I-J and J-M (forward slip).

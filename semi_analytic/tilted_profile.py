@@ -234,8 +234,10 @@ class ConvexProfile(abc.ABC):
         Raises
         ------
         InputError
-            Where the tilt exceeds the slope |h'| of a side everywhere, where the sides do not rise
-            enough to carry the load, and for a contact that reaches beyond the profile.
+            Where the tilt exceeds the slope |h'| of a side everywhere, and where the sides do not
+            rise enough to carry the load.
+        ProfileDataError
+            For a contact that reaches beyond the profile.
         """
         load_product, tilt = np.broadcast_arrays(
             np.asarray(load_product, dtype=float), np.asarray(tilt, dtype=float)
