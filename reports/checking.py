@@ -768,8 +768,8 @@ def bulk_and_tilt(scene: Scene) -> BulkAndTilt | None:
     if not scene.load.has_bulk_or_tilt:
         return None
     # Bulk strain at samples of the path; shift of the contact's middle over its half-width.
-    strain, largest_shift = _strain_and_shift(scene)
-    largest_strain = float(np.max(np.abs(strain)))
+    strain_at_samples, largest_shift = _strain_and_shift(scene)
+    largest_strain = float(np.max(np.abs(strain_at_samples)))
     # `value`: shift of the stick zone over the half-width; `strain`: amplitude of the bulk strain;
     # `limit`: the largest amplitude that is moderate, so that both ends of the contact slip one
     # way.
@@ -780,10 +780,11 @@ def bulk_and_tilt(scene: Scene) -> BulkAndTilt | None:
     # amplitude of the strain over the largest moderate one: None where the strain is constant,
     # infinite where Q is, for then no strain is moderate
     share_of_limit = None
-    if stick_shift.strain:
+    strain_amplitude = stick_shift.strain
+    if strain_amplitude:
         share_of_limit = np.inf
         if stick_shift.limit:
-            share_of_limit = stick_shift.strain / stick_shift.limit
+            share_of_limit = strain_amplitude / stick_shift.limit
     eccentricity = stick_shift.value if np.isfinite(stick_shift.value) else None
     return BulkAndTilt(largest_strain, eccentricity, share_of_limit, largest_shift)
 

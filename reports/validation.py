@@ -107,8 +107,8 @@ class AgainstMeasurement:
             percent_per_unit * self.error, percent_per_unit * self.uncertainty
         )
         parts_of_uncertainty = [
-            f"{name} {significant(percent_per_unit * uncertainty, 2)} %"
-            for name, uncertainty in (
+            f"{name} {significant(percent_per_unit * part, 2)} %"
+            for name, part in (
                 ("numerical", self.u_numerical),
                 ("inputs", self.u_inputs),
                 ("measurement", self.u_measurement),

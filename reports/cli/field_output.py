@@ -66,20 +66,20 @@ def fields(job: Job) -> Answer:
 
     An `Answer` holds the exit code, lines and tables for the terminal, and the content for --json.
     """
-    from reports.field_output import files
+    from reports.field_output import files as field_files
 
     scene = job.scene
     stages = job.stages
     options = replace(job.options, at=words_of_at(job.options))
     job = replace(job, options=options)
-    files.require_series(options.every, options.frames)  # InputError for values out of range
+    field_files.require_series(options.every, options.frames)  # InputError for values out of range
     criteria = _criteria(options)  # fatigue measures with their constants; None for none
     require_times(options.at, "--at", scene)
     if options.pictures and options.at:
         require_drawing(stages)
     load_engines(stages)
     # InputError, naming the command, for a solution without meshed bodies
-    solution = files.with_bodies(solve_finite_elements(job), "fields")
+    solution = field_files.with_bodies(solve_finite_elements(job), "fields")
     # which instants are written and drawn
     request = _request(job, solution, criteria)
     # content of fields.json; instants to draw, with displacement and stress of both bodies
@@ -131,15 +131,15 @@ def _request(job: Job, solution: FiniteElementSolution, criteria: Criteria | Non
     --frames) and those of --at, each once, in order of time; those of --at are drawn. `criteria`
     are the fatigue measures that the options ask for, or None.
     """
-    from reports.field_output import files
+    from reports.field_output import files as field_files
 
     options = job.options
-    instants_of_at_option = files.instants_of(options.at, solution, "--at")
+    instants_of_at_option = field_files.instants_of(options.at, solution, "--at")
     instants_of_series: Sequence[Instant] = ()
     notes: list[str] = []
     if _has_series(options):
         # notes: sentences on the choice of instants
-        instants_of_series, notes = files.series_of(solution, options.every, options.frames)
+        instants_of_series, notes = field_files.series_of(solution, options.every, options.frames)
     # an instant that is in both has the label that --at gives it
     instant_at_time = {instant.time: instant for instant in instants_of_series}
     instant_at_time |= {instant.time: instant for instant in instants_of_at_option}
@@ -176,7 +176,7 @@ def _write_files(
     `request` holds the instants, the times of those to draw, notes on their choice, and criteria:
     fatigue measures with their constants, or None.
     """
-    from reports.field_output import files
+    from reports.field_output import files as field_files
     from reports.folder import results_folder
 
     # a temporary folder, whose files move to the job's folder at the end; earlier files of these
@@ -191,7 +191,7 @@ def _write_files(
                 largest_measures = _write_fatigue(solution, request.criteria, folder)
             file_names.append("fields/fatigue.csv")
             fatigue_content = {"fatigue": largest_measures}
-        content = files.record(
+        content = field_files.record(
             solution,
             command=job.options.command("fields", job.source, job.folder),
             instants=written.values_of_instants,
@@ -213,7 +213,7 @@ def _write_bodies(
 
     `request` holds the instants, and the times of those to draw.
     """
-    from reports.field_output import files
+    from reports.field_output import files as field_files
 
     values_of_instants: list[dict[str, Any]] = []
     drawn_snapshots: list[tuple[Instant, Snapshot]] = []
@@ -222,15 +222,15 @@ def _write_bodies(
         """The snapshots, one by one, as they are written: few fit into memory at once. The values
         that fields.json states of each are collected, and the snapshots to draw are kept.
         """
-        snapshots = files.snapshots_of(solution, request.instants)
+        snapshots = field_files.snapshots_of(solution, request.instants)
         for instant, snapshot in zip(request.instants, snapshots, strict=True):
-            values_of_instants.append(files.stated(instant, snapshot))
+            values_of_instants.append(field_files.stated(instant, snapshot))
             if instant.time in request.times_drawn:
                 drawn_snapshots.append((instant, snapshot))
             yield snapshot
 
     with job.stages.stage("files for ParaView", "instants") as show_progress:
-        vtu_names = files.write_fields(
+        vtu_names = field_files.write_fields(
             solution, noted_snapshots(), folder, show_progress, len(request.instants)
         )
     file_names = [f"fields/{name}" for name in vtu_names]
@@ -451,20 +451,20 @@ def _draw(
         import numpy as np
 
         from reports.comparison.dimensionless import scales_of_reference
-        from reports.field_output import pictures
+        from reports.field_output import pictures as drawing
 
         folder.mkdir()
         contact_edge = float(np.nanmax(solution.contact_edges))  # outermost of all instants
         half_width = scales_of_reference(solution).half_width  # at the reference load
-        figure = pictures.mesh(solution.bodies, half_width, contact_edge, with_boundaries=True)
+        figure = drawing.mesh(solution.bodies, half_width, contact_edge, with_boundaries=True)
         names = [_write_picture(figure, folder)]
         # all figures have the same scales of stress and displacement
-        scales_of_figures = pictures.scales_of([snapshot for _, snapshot in instants_and_snapshots])
+        scales_of_figures = drawing.scales_of([snapshot for _, snapshot in instants_and_snapshots])
         n_figures = 1 + len(instants_and_snapshots)
         for picture_number, (instant, snapshot) in enumerate(instants_and_snapshots):
             show_progress(picture_number + 1, n_figures, f"time {snapshot.time:.6g}")
             name = f"von_mises_{picture_number:03d}"
-            figure = pictures.stress(
+            figure = drawing.stress(
                 solution, [snapshot], [instant], scales_of_figures, name, pixels=1000
             )
             names.append(_write_picture(figure, folder))

@@ -226,11 +226,12 @@ def _score_loop(
     """
     stages = Stages(options.quiet)  # progress on stderr, and the seconds of each stage
     with stages.stage("loading"):
-        from reports.scoring import loop_page, loops
+        from reports.scoring import loop_page
+        from reports.scoring.loops import read_loop, score_loop
     with stages.stage("reading"):
-        measured_loop = loops.read_loop(path, mapping, scene)
+        measured_loop = read_loop(path, mapping, scene)
     with stages.stage("fitting"):
-        loop_score = loops.score_loop(
+        loop_score = score_loop(
             measured_loop, scene, rig_compliance=options.rig_compliance, against=options.against
         )
     sentences, content_on_uncertainty = _validation_of_loop(loop_score, scene, mapping, stages)
@@ -420,32 +421,32 @@ def _difference_answer(difference: Difference) -> Answer:
     )
 
 
-def _difference_parts(difference: Difference) -> Iterator[Part]:
+def _difference_parts(difference_of_runs: Difference) -> Iterator[Part]:
     """What the terminal shows of the difference of two runs A and B: a table of the values that are
-    not identical, how many are identical, and which differ by more than their tolerance. A row has
-    a value of A and of B (`a`, `b`), their difference, and the verdict.
+    not identical, how many are identical, and which differ by more than their tolerance. A row of
+    `difference_of_runs` has a value of A and of B (`a`, `b`), their difference, and the verdict.
     """
     from reports.comparison.findings import SAME
 
     listed_rows = []
-    for row in difference.rows:
+    for row in difference_of_runs.rows:
         is_identical = row.verdict == SAME and (row.difference == 0 or row.a == row.b)
         if not is_identical:
             listed_rows.append(_cells(row))
-    title = f"{difference.scene}: A = {difference.a}, B = {difference.b}"
+    title = f"{difference_of_runs.scene}: A = {difference_of_runs.a}, B = {difference_of_runs.b}"
     heads = ("value", "A", "B", "B − A", "tolerance", "verdict")
     yield Sheet(title, heads, listed_rows, (1, 2, 3, 4)) if listed_rows else title
-    if n_identical := len(difference.rows) - len(listed_rows):
+    if n_identical := len(difference_of_runs.rows) - len(listed_rows):
         yield (
             f"{n_identical} values are the same to the last digit and not listed (--json has them)"
         )
-    yield from difference.notes
-    different_keys = [row.key for row in difference.rows if row.verdict != SAME]
+    yield from difference_of_runs.notes
+    different_keys = [row.key for row in difference_of_runs.rows if row.verdict != SAME]
     if different_keys:
         names = ", ".join(different_keys)
-        yield f"{len(difference.rows)} values, {len(different_keys)} differ: {names}"
+        yield f"{len(difference_of_runs.rows)} values, {len(different_keys)} differ: {names}"
     else:
-        yield f"all {len(difference.rows)} values are the same within tolerance"
+        yield f"all {len(difference_of_runs.rows)} values are the same within tolerance"
 
 
 def _cells(row: ValueRow) -> tuple[str, ...]:

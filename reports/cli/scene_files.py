@@ -531,11 +531,11 @@ def _columns_of_loop(scene: Scene, options: Options) -> dict[str, tuple[tuple[st
         if options.mapping is not None:
             raise InputError("--mapping: it says how a loop is read; name the loop by --loop")
         return {}
-    from reports.scoring import loops
+    from reports.scoring.loops import read_loop, require_loop
     from reports.scoring.mapping import load_mapping
 
-    loops.require_loop(scene)
-    measured_loop = loops.read_loop(options.loop, load_mapping(options.mapping), scene)
+    require_loop(scene)
+    measured_loop = read_loop(options.loop, load_mapping(options.mapping), scene)
     return {str(options.loop): measured_loop.read_as}
 
 

@@ -607,7 +607,7 @@ def write(rig_motion: RigMotion, out: str | Path, command: str, remarks: Sequenc
     # a temporary folder, whose files move to `out` at the end; pages of an earlier run are removed
     with results_folder(out, stale_prefixes=("report.html", "figures/")) as folder:
         write_tables(plates, folder)
-        page = template("rig.html").render(
+        page_text = template("rig.html").render(
             title=rig_motion.scene.title or rig_motion.scene.name,
             scene=rig_motion.scene,
             sentence=_sentence(rig_motion),
@@ -622,5 +622,5 @@ def write(rig_motion: RigMotion, out: str | Path, command: str, remarks: Sequenc
             script=page_script,
             script_hash=script_hash,
         )
-        (folder / "report.html").write_text(page, encoding="utf-8")
+        (folder / "report.html").write_text(page_text, encoding="utf-8")
     return Path(out) / "report.html"

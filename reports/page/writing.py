@@ -138,8 +138,8 @@ def write(
         third_content = _write_third(comparison, report.third, folder) if report.third else None
         # values at the instants of the page's slider, and the CSV of the figures
         script_data = _data_of_slider(CycleView(comparison)) | {"tables": _tables(tables)}
-        page = render(report, drawings, command, seconds or {}, script_data, third_content)
-        (folder / "report.html").write_text(page, encoding="utf-8")
+        page_text = render(report, drawings, command, seconds or {}, script_data, third_content)
+        (folder / "report.html").write_text(page_text, encoding="utf-8")
         if log:
             _write_log(comparison, log, folder)
     return Path(out) / "report.html"

@@ -33,13 +33,13 @@ def make_map(name: str, options: Options) -> Answer:
     folder, `pages` stands for pages alone without computing, `remake` for all points again. Returns
     exit code 0, a table for the terminal, and the content of the JSON output.
     """
-    from reports.studies.maps import pages
     from reports.studies.maps.families import KINDS, kind_named
+    from reports.studies.maps.pages import require_free, stored_maps, write
 
     folder = options.out or Path("out/maps")
     # KINDS: the kinds of bodies by name
     kinds = list(KINDS.values()) if name == "all" else [kind_named(name)]
-    pages.require_free(folder)  # InputError if a file of another program would be replaced
+    require_free(folder)  # InputError if a file of another program would be replaced
     if not options.pages:
         folder.mkdir(parents=True, exist_ok=True)
         stages = Stages(options.quiet)
@@ -47,8 +47,8 @@ def make_map(name: str, options: Options) -> Answer:
             _complete_tables(kind, folder, stages, remakes=options.remake)
 
     # figures and pages of all maps in the folder; of those asked for, kind, errors and heights
-    pages.write(folder)
-    shown_tables = [tables for tables in pages.stored_maps(folder) if tables.kind in kinds]
+    write(folder)
+    shown_tables = [tables for tables in stored_maps(folder) if tables.kind in kinds]
     return _answer_of_maps(shown_tables, str(folder / "README.md"))
 
 
@@ -279,7 +279,8 @@ def _shared_content(advice: Advice | KernelAdvice, method: str, sentence: str) -
     """The JSON content that both kinds of advice on a scene share. It states how the advice was
     found (`method`), whether half-plane theory is within the limit, the verdict in one word, the
     `sentence` of the advice, and the limit. For each quantity it has theory's value and the
-    relative change that the bodies make.
+    relative change that the bodies make. The limit is the largest size of the relative change of
+    the dissipation up to which theory may be used.
     """
     from reports.comparison.verdicts import Verdict
 

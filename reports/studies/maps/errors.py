@@ -141,13 +141,13 @@ def points_of(kind: Kind) -> list[tuple[Place, Way]]:
     theory corrected by elastic responses, at every height of bodies with flat faces. "elements" are
     finite elements of the bodies, at a few heights that check the others.
     """
-    points: list[tuple[Place, Way]] = []
+    places_and_ways: list[tuple[Place, Way]] = []
     for place in kind.places(kind.heights):
-        points.append((place, "kernels"))
+        places_and_ways.append((place, "kernels"))
         if not kind.is_curved:
-            points.append((place, "numbers"))
-    points += [(place, "elements") for place in kind.places(kind.checked_heights)]
-    return points
+            places_and_ways.append((place, "numbers"))
+    places_and_ways += [(place, "elements") for place in kind.places(kind.checked_heights)]
+    return places_and_ways
 
 
 def table_of(rows: Sequence[Row]) -> str:
@@ -218,14 +218,18 @@ def compute_missing_rows(kind: Kind, table: Path, report: ProgressReport) -> boo
     """
     rows = {(row.place, row.way): row for row in rows_in(table)}
     # all points (place, way) of the map, in the order of the table
-    points = points_of(kind)
-    missing_points = [point for point in points if point not in rows]
-    for number, (place, way) in enumerate(missing_points, start=1):
-        report(number, len(missing_points), f"{kind.title}, {way}")
+    places_and_ways = points_of(kind)
+    missing_places_and_ways = [
+        place_and_way for place_and_way in places_and_ways if place_and_way not in rows
+    ]
+    for number, (place, way) in enumerate(missing_places_and_ways, start=1):
+        report(number, len(missing_places_and_ways), f"{kind.title}, {way}")
         rows[place, way] = row_at_place(kind, place, way)
-        rows_so_far = [rows[point] for point in points if point in rows]
+        rows_so_far = [
+            rows[place_and_way] for place_and_way in places_and_ways if place_and_way in rows
+        ]
         replace_text(table, table_of(rows_so_far))
-    return bool(missing_points)
+    return bool(missing_places_and_ways)
 
 
 # ------------------------------------------------------------------------------------ least heights

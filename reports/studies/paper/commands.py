@@ -26,14 +26,14 @@ def paper(options: Options) -> Answer:
     stages = Stages(options.quiet)
     folder = usable_folder(options.out or default_folder("paper"))
     with stages.stage("loading"):
-        from reports.studies.paper import page
-    report = page.write(folder, stages, options.command("paper", "", folder))
+        from reports.studies.paper.page import tally, write
+    report = write(folder, stages, options.command("paper", "", folder))
 
     # exit codes 0 and 1
     code = EXIT_WITHIN if report.proven else EXIT_OUTSIDE
     content = {
         "passed": code == EXIT_WITHIN,
-        "verdicts": page.tally(report.statements),
+        "verdicts": tally(report.statements),
         "statements": [vars(statement) for statement in report.statements],
         "misprints": [vars(misprint) for misprint in report.misprints],
         "page": str(report.page),

@@ -865,23 +865,29 @@ def _figure_of_density(name: str, case: Case, peak: PeakBatch) -> Plate:
     density_by_phase = case.density_of_phases(x)
     density = sum_over_phases(density_by_phase)
     peak_fraction = float(peak.fraction)
-    peak_place = float(peak.place) / case.unit_length
-    peak_value = float(peak.value) * case.unit_length / case.unit_work
+    peak_x_over_a0 = float(peak.place) / case.unit_length
+    scaled_peak_value = float(peak.value) * case.unit_length / case.unit_work
     # _line(x, y, label, look), _text_at(x, y, text, shift)
     marks: list[Mark] = [
         _line(x, density, "whole cycle", "bold"),
         _line(x, density_by_phase["IJ"], "forward, I–J", "c1 dash"),
         _line(x, density_by_phase["JM"], "forward, J–M", "c4 dashdot"),
         _line(x, density_by_phase["EG"], "reverse, E–G", "c0 dot"),
-        *_edges_of_slip_zone(stick_edge, contact_edge, 1.12 * peak_value),
-        *_text_at(peak_place, peak_value, f"{peak_fraction:.1%} of the way", (0.0, 10.0), dot=True),
+        *_edges_of_slip_zone(stick_edge, contact_edge, 1.12 * scaled_peak_value),
+        *_text_at(
+            peak_x_over_a0,
+            scaled_peak_value,
+            f"{peak_fraction:.1%} of the way",
+            (0.0, 10.0),
+            dot=True,
+        ),
     ]
     x_axis = Axis(x_min, x_max, "x / a(P₀)")
-    y_axis = Axis(0.0, 1.22 * peak_value, "W(x) · a(P₀) / (A f² P₀²)")
+    y_axis = Axis(0.0, 1.22 * scaled_peak_value, "W(x) · a(P₀) / (A f² P₀²)")
     panel = _panel(name, x_axis, y_axis, marks, "Pointwise dissipation over x", (640.0, 400.0))
     table = {"x / a(P0)": x, "W a(P0)/(A f^2 P0^2)": density}
     table |= {f"in {phase}": density_by_phase[phase] for phase in ("IJ", "JM", "EG")}
-    return _plate(name, [panel], table, fraction=peak_fraction, place=peak_place)
+    return _plate(name, [panel], table, fraction=peak_fraction, place=peak_x_over_a0)
 
 
 def _edges_of_slip_zone(stick_edge: float, contact_edge: float, height: float) -> Iterator[Mark]:

@@ -136,7 +136,7 @@ def write_page(store: Store) -> Path:
     heads, rows = table_in_words(table[:_MOST_ROWS], study.axes, study.scene)
     figures = draw_figures(table, study.axes, study.scene)
     page_script, script_hash = script()
-    page = template("sweep.html").render(
+    page_text = template("sweep.html").render(
         title=study.title or f"Sweep of {scene_title}",
         purpose=study.purpose,
         scene=scene_title,
@@ -152,7 +152,7 @@ def write_page(store: Store) -> Path:
         more=max(0, len(table) - _MOST_ROWS),
     )
     store.write_table(table)
-    store.write_text(store.folder / "sweep.html", page)
+    store.write_text(store.folder / "sweep.html", page_text)
     return store.folder / "sweep.html"
 
 

@@ -206,8 +206,8 @@ def label_of(name: str, scene: Scene) -> tuple[str, str]:
 
     The prefix of `name` says whose value it is: "fe." of the finite elements, "exact." of
     half-plane theory; "error." is finite elements/theory − 1. A name without prefix is the key of a
-    metric, which compares both (`METRICS`). `QUANTITIES` has the words of each quantity, its unit
-    in brackets behind them.
+    metric, which compares both (`METRICS`). `QUANTITIES` has the words of each quantity, its
+    dimension, such as "stress", in brackets behind them.
 
     >>> from scenes import load_scene
     >>> [
@@ -217,9 +217,10 @@ def label_of(name: str, scene: Scene) -> tuple[str, str]:
     ['MPa', 'N·mm/mm', '%', '% of a_ref']
     """
     if name in METRICS:
+        # `unit` of a metric: of what the per cent are, such as "of a_ref"
         return METRICS[name].label, f"% {METRICS[name].unit}"
     prefix, _, quantity = name.partition(".")
-    quantity_in_words, _, unit = QUANTITIES[quantity].words.removesuffix("]").rpartition(" [")
+    quantity_in_words, _, dimension = QUANTITIES[quantity].words.removesuffix("]").rpartition(" [")
     if prefix == "error":
         return f"{quantity_in_words}, finite elements/theory − 1", "%"
     _, unit_of_length, unit_of_stress = units(scene)
@@ -231,7 +232,7 @@ def label_of(name: str, scene: Scene) -> tuple[str, str]:
         "energy / area": f"{unit_of_energy}²",
     }
     # _ENGINES: words of "fe" and "exact"
-    return f"{quantity_in_words}, {_ENGINES[prefix]}", unit_by_dimension[unit]
+    return f"{quantity_in_words}, {_ENGINES[prefix]}", unit_by_dimension[dimension]
 
 
 def check_figures(figures: Sequence[str], engines: Sequence[str], uncertainty: str) -> None:
