@@ -485,7 +485,7 @@ def _energy_of(followed_rig: _FollowedRig) -> _Energy:
     part_by_tilt_and_strain = _part_by_tilt_and_strain(followed_rig, change_by_bodies)
     # in the steady cycle, index 1 of a path that repeats it
     work_of_tilt_and_strain = part_by_tilt_and_strain.work(_INDEX_OF_STEADY_CYCLE)
-    work = (
+    total_work = (
         followed_rig.fine_path.work(followed_rig.last_cycle)
         + work_of_tilt_and_strain.value
         + change_by_bodies.work_of_next_order
@@ -495,9 +495,9 @@ def _energy_of(followed_rig: _FollowedRig) -> _Energy:
     errors = _errors_of_steps(
         followed_rig.fine_path, followed_rig.coarse_path, followed_rig.steady_from
     )
-    if work > 0:
+    if total_work > 0:
         error_of_bodies = work_of_tilt_and_strain.uncertainty + change_by_bodies.work_uncertainty
-        errors["dissipation"] = errors.get("dissipation", 0.0) + error_of_bodies / work
+        errors["dissipation"] = errors.get("dissipation", 0.0) + error_of_bodies / total_work
     if part_by_tilt_and_strain.left_out:  # the reason, if that work is not known
         errors["dissipation"] = math.nan
 
@@ -508,7 +508,7 @@ def _energy_of(followed_rig: _FollowedRig) -> _Energy:
         loop_work, loop_error = _loop_work_and_error(followed_rig)
         if loop_error is not None:
             errors["loop_work"] = loop_error
-    return _Energy(work, loop_work, part_by_tilt_and_strain, errors)
+    return _Energy(total_work, loop_work, part_by_tilt_and_strain, errors)
 
 
 def _loop_work_and_error(followed_rig: _FollowedRig) -> tuple[float, float | None]:
@@ -572,12 +572,15 @@ class _ChangeByBodies(NamedTuple):
         if rig.scene.bodies.half_planes or _reason_without_next_order(driven_path, cycle_rows):
             return cls()
         # The same loads three times: half-planes; bodies with all terms; bodies with curvatures
-        # alone. followed_path: P, Q and friction memory at each row, and the table of flat punches.
-        followed_path = driven_path.followed_path
-        normal_and_tangential_loads = (followed_path.normal_load, followed_path.tangential_load)
+        # alone. followed_path_of_rig: P, Q and friction memory at each row, table of flat punches.
+        followed_path_of_rig = driven_path.followed_path
+        normal_and_tangential_loads = (
+            followed_path_of_rig.normal_load,
+            followed_path_of_rig.tangential_load,
+        )
         table_and_loads = (
-            followed_path.table,
-            followed_path.friction,
+            followed_path_of_rig.table,
+            followed_path_of_rig.friction,
             *normal_and_tangential_loads,
         )
         path_of_half_planes = PathSeries(
@@ -882,18 +885,18 @@ def _errors_of_steps(
         coarse_rows = slice(
             coarse_path.end_rows[steady_from], coarse_path.end_rows[steady_from + 1] + 1
         )
-    work = fine_path.work(fine_rows)
-    if work > 0:
-        errors["dissipation"] = abs(coarse_path.work(coarse_rows) / work - 1)
-    tangential_load = fine_path.followed_path.tangential_load
-    largest_tangential_load = float(np.max(np.abs(tangential_load)))
+    work_by_fine_steps = fine_path.work(fine_rows)
+    if work_by_fine_steps > 0:
+        errors["dissipation"] = abs(coarse_path.work(coarse_rows) / work_by_fine_steps - 1)
+    load_by_fine_steps = fine_path.followed_path.tangential_load
+    largest_tangential_load = float(np.max(np.abs(load_by_fine_steps)))
     if largest_tangential_load > 0:
         # At the instants that both paths have.
         _, rows_in_fine_path, rows_in_coarse_path = np.intersect1d(
             fine_path.time, coarse_path.time, return_indices=True
         )
         load_difference = (
-            tangential_load[rows_in_fine_path]
+            load_by_fine_steps[rows_in_fine_path]
             - coarse_path.followed_path.tangential_load[rows_in_coarse_path]
         )
         errors["tangential_load"] = float(np.max(np.abs(load_difference))) / largest_tangential_load
@@ -1009,7 +1012,7 @@ def _note_of_next_order(rig: RiggedScene, driven_path: DrivenPath, last_cycle: s
     # Largest pressure and half-width with the next order, then without it.
     peak_pressures = []
     half_widths = []
-    for effects in (rig.effects, effects_without_next_order):
+    for effects_taken in (rig.effects, effects_without_next_order):
         # `follow`: edges of contact and friction memory at both rows; PathSeries: half-widths and
         # PointFields: pressure that follow from them.
         followed_rows = follow(
@@ -1017,9 +1020,9 @@ def _note_of_next_order(rig: RiggedScene, driven_path: DrivenPath, last_cycle: s
             any_friction,
             normal_load,
             without_tangential_load,
-            curvatures_of(effects),
+            curvatures_of(effects_taken),
         )
-        path_of_two_rows = PathSeries(followed_rows, rig.contact, rig.modulus, effects)
+        path_of_two_rows = PathSeries(followed_rows, rig.contact, rig.modulus, effects_taken)
         half_width = float(path_of_two_rows.half_width[1])
         # _SAMPLED_PLACES: 200.
         places = np.linspace(0.0, half_width, _SAMPLED_PLACES)

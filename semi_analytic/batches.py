@@ -402,11 +402,12 @@ def _second_maximum(
     least_fall = np.maximum(_LEAST_FALL_SHARE * peaks.density, 2 * peaks.error)
     # By ascending W: the last one of an ellipse stays.
     maximum_numbers = local_maxima.numbers_by_ascending_density()
-    ellipse_number = local_maxima.ellipse_number[maximum_numbers]
+    ellipse_of_maximum = local_maxima.ellipse_number[maximum_numbers]
     density_of_maximum = local_maxima.vertex.density[maximum_numbers]
-    is_not_largest = maximum_numbers != peaks.maximum_number[ellipse_number]
+    is_not_largest = maximum_numbers != peaks.maximum_number[ellipse_of_maximum]
     is_distinct = (
-        least_density_in_range[maximum_numbers] < density_of_maximum - least_fall[ellipse_number]
+        least_density_in_range[maximum_numbers]
+        < density_of_maximum - least_fall[ellipse_of_maximum]
     )
     second_numbers = maximum_numbers[is_not_largest & is_distinct]
     second_density[local_maxima.ellipse_number[second_numbers]] = local_maxima.vertex.density[
@@ -538,8 +539,10 @@ def _sample_points(ellipses: Ellipses, contact: SymmetricContact) -> Array:
     # the middle one of five, which are closer together at both ends
     fractions = _FRACTIONS_OF_INTERVAL[_MIDDLE_FRACTION]
     if len(contact.corner_loads) <= _FEW_CORNERS:
-        corner_loads = np.clip(contact.corner_loads[:, None], permanent_stick_load, largest_load)
-        kink_loads = np.concatenate([kink_loads, corner_loads])
+        clipped_corner_loads = np.clip(
+            contact.corner_loads[:, None], permanent_stick_load, largest_load
+        )
+        kink_loads = np.concatenate([kink_loads, clipped_corner_loads])
         fractions = _FRACTIONS_OF_INTERVAL
     places_between_half_widths = (
         half_widths[:-1] + np.diff(half_widths, axis=0) * fractions[:, None, None]
@@ -575,11 +578,17 @@ def _loads_at_formula_changes(ellipses: Ellipses, contact: SymmetricContact) -> 
         np.cos(ellipses.slip_start - ellipses.slip_angle),
     )
     event_loads = [ellipses.load_at_cosine(cosine) for cosine in event_cosines]
-    corner_loads = np.clip(
+    clipped_corner_loads = np.clip(
         contact.corner_loads[:, None], ellipses.permanent_stick_load, largest_load
     )
     loads = np.stack(
-        [ellipses.permanent_stick_load, least_load, *event_loads, *corner_loads, largest_load]
+        [
+            ellipses.permanent_stick_load,
+            least_load,
+            *event_loads,
+            *clipped_corner_loads,
+            largest_load,
+        ]
     )
     return np.clip(loads, ellipses.permanent_stick_load, largest_load)
 
@@ -1021,9 +1030,11 @@ def _works_of_members(members: Members) -> Array:
         works_and_error[:] = _works_on_table(ellipses, members.modulus * height_unit)
     else:
         for group in members.shape_groups():
-            # forward, reverse and error in units of the shape; `group.members`: numbers of members
+            # forward, reverse and error in units of the shape
             works_in_units = dissipation_and_error(group.ellipses, group.contact)
-            works_and_error[:, group.members] = works_in_units * group.load_unit * group.load_unit
+            works_and_error[:, group.member_numbers] = (
+                works_in_units * group.load_unit * group.load_unit
+            )
     forward_of_ellipses, reverse_of_ellipses, work_error = works_and_error
     # A mirrored ellipse has Q -> -Q: its forward slip is the reverse slip of the member.
     forward_work = np.where(members.is_mirrored, reverse_of_ellipses, forward_of_ellipses)
@@ -1056,7 +1067,7 @@ def _works_with_effects(curvatures_per_load: Curvatures, members: Members) -> Ar
     # views: they are changed below
     work, forward_work, reverse_work, work_error, permanent_stick_load = rows_of_results
     for group in members.shape_groups():
-        member_numbers = group.members
+        member_numbers = group.member_numbers
         change_by_curvatures = _change_by_curvatures(curvatures_per_load, members, group)
         # what the rule misses of the exact work on half-planes; four times that is allowed for the
         # change
@@ -1105,7 +1116,7 @@ def _change_by_curvatures(
     length^2)].
     """
     # columns (k, 1), also where one unit serves all
-    column_of_ones = np.ones((len(group.members), 1))
+    column_of_ones = np.ones((len(group.member_numbers), 1))
     squared_length_units = np.reshape(np.square(group.length_unit), (-1, 1)) * column_of_ones
     scaled_loads = _loads_in_units(members, group)
     # Of profiles that vary the contact has E* = 1 in its own units, of one profile its own E*.
@@ -1122,7 +1133,7 @@ def _change_by_curvatures(
         scaled_loads, columns_of_curvatures, group.contact, contact_modulus
     )
     # Works of ellipses are times pi E*/2, without 1/f^2.
-    work_unit = np.square(group.load_unit / members.loads.friction[group.members])
+    work_unit = np.square(group.load_unit / members.loads.friction[group.member_numbers])
     return _ChangeOfWorks(
         forward_work=work_unit * (works_of_bodies.forward_work - works_of_half_planes.forward_work),
         reverse_work=work_unit * (works_of_bodies.reverse_work - works_of_half_planes.reverse_work),
@@ -1139,8 +1150,10 @@ def _loads_in_units(members: Members, group: ShapeGroup) -> EllipseOfLoads:
 
     `members` has the loads of all members as given, the group the numbers of its own.
     """
-    loads_of_group = LoadArrays(*(load_array[group.members, None] for load_array in members.loads))
-    load_units = np.reshape(group.load_unit, (-1, 1)) * np.ones((len(group.members), 1))
+    loads_of_group = LoadArrays(
+        *(load_array[group.member_numbers, None] for load_array in members.loads)
+    )
+    load_units = np.reshape(group.load_unit, (-1, 1)) * np.ones((len(group.member_numbers), 1))
     return EllipseOfLoads(
         mean_normal=loads_of_group.mean_normal,
         normal_amplitude=loads_of_group.normal_amplitude,
@@ -1245,7 +1258,7 @@ def _maxima_of_members(members: Members) -> Array:
         # W(x) pi E*/(2 f^2) has the unit load^2/length, both |x| that of length.
         maxima_in_units[:3] *= group.load_unit / group.length_unit * group.load_unit
         maxima_in_units[3:5] *= group.length_unit
-        maxima[:, group.members] = maxima_in_units
+        maxima[:, group.member_numbers] = maxima_in_units
     return maxima
 
 
@@ -1326,8 +1339,8 @@ class ShapeGroup(NamedTuple):
 
     Attributes
     ----------
-    members
-        (k,) their numbers
+    member_numbers
+        (k,) their numbers in the batch
     contact
         normal contact in units of length and load of each member, with E* = 1; of one profile for
         all members its contact in units of the scene
@@ -1337,7 +1350,7 @@ class ShapeGroup(NamedTuple):
         these units, (k,) each; 1 where one profile serves all members
     """
 
-    members: Indices
+    member_numbers: Indices
     contact: SymmetricContact
     ellipses: Ellipses
     load_unit: Array | float
@@ -1396,11 +1409,11 @@ class Members:
         ):
             # E* times the unit of height
             load_unit = self.modulus * height_unit
-            ellipses = self.ellipses.take(member_numbers).divided_by(load_unit)
+            scaled_ellipses = self.ellipses.take(member_numbers).divided_by(load_unit)
             yield ShapeGroup(
                 member_numbers,
                 _contact_in_own_units(self.kind, ratios),
-                ellipses,
+                scaled_ellipses,
                 load_unit,
                 length_unit,
             )

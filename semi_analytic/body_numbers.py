@@ -49,9 +49,9 @@ def checked_effects(effects: BodyEffects | None) -> BodyEffects | None:
         estimate = getattr(effects, field.name)
         if not isinstance(estimate, Estimate):
             continue
-        value = np.asarray(estimate.value)
-        is_real_number = value.ndim == 0 and np.issubdtype(value.dtype, np.number)
-        if not (is_real_number and abs(float(value.real)) <= LARGEST_NUMBER):
+        value_as_array = np.asarray(estimate.value)
+        is_real_number = value_as_array.ndim == 0 and np.issubdtype(value_as_array.dtype, np.number)
+        if not (is_real_number and abs(float(value_as_array.real)) <= LARGEST_NUMBER):
             raise InputError(
                 f"effects.{field.name}: a finite number is needed, not {estimate.value!r}"
             )

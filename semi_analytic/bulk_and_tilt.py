@@ -897,9 +897,9 @@ def followed_path(scene: Scene) -> LoadPath:
         For a path with bulk stress or tilt that has no single curve, a profile that bends down
         somewhere, a contact that leaves the profile.
     """
-    path = scene.load.path()
-    if not path.has_bulk_or_tilt:
-        return path
+    scene_path = scene.load.path()
+    if not scene_path.has_bulk_or_tilt:
+        return scene_path
     # None where more than one memory curve is needed.
     curve = one_curve(scene)
     # Where bulk strain alone shears, the curve is not one of Q: its `tangential_fraction` is 0.

@@ -965,7 +965,7 @@ class PathSeries:
 
         # stick_edge_s, inner_zone_s: coordinates s of the stick edge and of both ends of an inner
         # slip zone in the table of punches.
-        half_width = float(self.half_width[row])
+        contact_half_width = float(self.half_width[row])
         half_widths_at_zone_ends = followed_path.table.half_width(
             [followed_path.stick_edge_s[row], *followed_path.inner_zone_s[row]]
         )
@@ -973,7 +973,7 @@ class PathSeries:
         # direction: that of slip at the edge of contact, 0 where it sticks: then the stick zone of
         # the memory curve reaches that edge.
         stick_half_width = (
-            half_widths_at_zone_ends[0] if followed_path.direction[row] else half_width
+            half_widths_at_zone_ends[0] if followed_path.direction[row] else contact_half_width
         )
 
         # Sign of q where it exceeds f p: slip has that direction.
@@ -981,7 +981,7 @@ class PathSeries:
         return inner_slip(
             shear_and_limit,
             direction_of_extra_slip,
-            half_width,
+            contact_half_width,
             half_widths_at_zone_ends,
             stick_half_width,
             self.modulus,
@@ -1950,9 +1950,9 @@ def _states(point_fields: PointFields, distance: Array, row_numbers: Indices) ->
         states[index] = np.where(
             extra_slip.is_slipping, state_of_extra_slip, states_without_inner_zone[index]
         )
-    half_width = path_with_bodies.half_width[row_numbers, None]
+    contact_half_width = path_with_bodies.half_width[row_numbers, None]
     is_pressed = followed_path.normal_load[row_numbers, None] > 0
-    is_in_contact = is_between_edges(half_width * signs_of_sides, distance) & is_pressed
+    is_in_contact = is_between_edges(contact_half_width * signs_of_sides, distance) & is_pressed
     return np.where(is_in_contact, states, np.int8(OPEN))
 
 
@@ -2254,8 +2254,11 @@ def work_uncertainty_by_bodies(
         # Both kinds change the work in one direction: nothing cancels.
         # LEAST_UNCERTAIN_FRACTION: 3e-5.
         return abs(change_by_bodies) * max(uncertain_fractions.values()) + LEAST_UNCERTAIN_FRACTION
-    followed_path = path_with_bodies.followed_path
-    normal_and_tangential_loads = (followed_path.normal_load, followed_path.tangential_load)
+    followed_path_of_bodies = path_with_bodies.followed_path
+    normal_and_tangential_loads = (
+        followed_path_of_bodies.normal_load,
+        followed_path_of_bodies.tangential_load,
+    )
     uncertainty = LEAST_UNCERTAIN_FRACTION
 
     # What the bodies change beyond the sum of the changes by each kind alone.
@@ -2265,8 +2268,8 @@ def work_uncertainty_by_bodies(
     for kind_of_curvature in CURVATURES:
         curvatures_of_kind = curvatures_of(with_one_group_alone(effects, kind_of_curvature))
         path_by_kind = follow(
-            followed_path.table,
-            followed_path.friction,
+            followed_path_of_bodies.table,
+            followed_path_of_bodies.friction,
             *normal_and_tangential_loads,
             curvatures_of_kind,
             path_of_half_planes.followed_path,
@@ -2377,8 +2380,9 @@ def _part_by_tilt_and_strain(paths: _Paths) -> TiltAndStrainPart:
     The uncertainty of that work includes what the curvatures of the bodies leave uncertain.
 
     Both are taken to the second order in tilt and strain. Where that does not hold, the work alone
-    is found by a numerical solution on grids, if the question asks for it. Where neither works, the
-    reason is returned instead of a number. For bodies without tilt and strain the part is empty.
+    is found by a numerical solution on grids, if the question asks for it. Where neither is
+    possible, the reason is returned instead of a number. For bodies without tilt and strain the
+    part is empty.
 
     Parameters
     ----------

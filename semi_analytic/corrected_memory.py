@@ -2010,14 +2010,14 @@ def _cut_at_end_of_slip(
     excess_below = coulomb_bound.excess_at_top(piece_below)
     if excess_below >= 0:
         return memory_piece.number_below
-    excess_at_top = coulomb_bound.excess_at_top(memory_piece)
-    if excess_at_top <= 0:
+    excess_of_piece = coulomb_bound.excess_at_top(memory_piece)
+    if excess_of_piece <= 0:
         return all_pieces.append_and_number(memory_piece) if piece_number is None else piece_number
     # F meets the bound within the piece: its inner part, up to there, sticks.
     crossing_s, loads_at_crossing = _crossing_of_bound(
         table,
         (piece_below, memory_piece),
-        (excess_below, excess_at_top),
+        (excess_below, excess_of_piece),
         coulomb_bound,
         force_roundoff,
     )
@@ -2065,14 +2065,14 @@ def _add_inner_slip_zone(
         sticking_pieces_outside.append(memory_piece)
         piece_number = memory_piece.number_below
         memory_piece = all_pieces[piece_number]
-    excess_at_top = coulomb_bound.excess_at_top(memory_piece)
-    if not piece_number or excess_at_top > 0:
+    excess_of_piece = coulomb_bound.excess_at_top(memory_piece)
+    if not piece_number or excess_of_piece > 0:
         edge_s = all_pieces[uppermost_number_before].top_s
         return uppermost_number_before, edge_s, edge_s
 
     # F meets the bound within this piece: there the zone ends outwards; it ends inwards further in.
     piece_below = all_pieces[memory_piece.number_below]
-    excesses_at_ends = (coulomb_bound.excess_at_top(piece_below), excess_at_top)
+    excesses_at_ends = (coulomb_bound.excess_at_top(piece_below), excess_of_piece)
     outer_end_s, loads_at_outer_end = _crossing_of_bound(
         table, (piece_below, memory_piece), excesses_at_ends, coulomb_bound, force_roundoff
     )

@@ -1151,10 +1151,12 @@ class _StepSolver:
             if memory_step.inner_zone_direction
             else memory_step.stick_edge_s
         )
-        half_width = float(self._table.half_width(stick_edge_s))
+        stick_half_width = float(self._table.half_width(stick_edge_s))
         least_half_width = 1e-9 * float(self._table.half_width(self._table.largest_s))
         return float(
-            self._compliance.actuator_compliance(max(half_width, least_half_width), normal_load)
+            self._compliance.actuator_compliance(
+                max(stick_half_width, least_half_width), normal_load
+            )
         )
 
     def _edge_s(self, normal_load: float, gap_curvature: float) -> float:

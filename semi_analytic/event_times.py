@@ -198,9 +198,9 @@ def _unlettered_events(history: History) -> Iterator[Event]:
     """
     state_names = {0: "full stick", 1: "forward slip", -1: "reverse slip"}
     spans_of_cycles = [(f"cycle {number}", cycle) for number, cycle in enumerate(history.cycles, 1)]
-    for part_of_path, spans in [("initial loading", history.loading), *spans_of_cycles]:
+    for part_of_path, spans_of_part in [("initial loading", history.loading), *spans_of_cycles]:
         span_before: Span | None = None
-        for span in spans:
+        for span in spans_of_part:
             if span_before is None:
                 event_name = f"{part_of_path} starts"
             elif span_before.direction != span.direction:
@@ -268,18 +268,26 @@ def _load_extremes(span: Span) -> Iterator[Event]:
     if is_plain_ellipse(segment):  # the cycle of an `EllipseLoad`
         searched_segment = replace(segment, start=segment.start - 0.1, end=segment.end + 0.1)
     for load_combination, load_name in ((NORMAL_LOAD, "P"), (TANGENTIAL_LOAD, "Q")):
-        for time in searched_segment.turning_points(load_combination):
-            if span.begin.time - _SAME_TIME_SHARE <= time < span.end.time - _SAME_TIME_SHARE:
+        for turning_time in searched_segment.turning_points(load_combination):
+            if (
+                span.begin.time - _SAME_TIME_SHARE
+                <= turning_time
+                < span.end.time - _SAME_TIME_SHARE
+            ):
                 # Changes of the load from the turning point to just after, and to just before it.
                 change_to_later_time = float(
-                    segment.change_of(load_combination, time + time_difference, time)
+                    segment.change_of(
+                        load_combination, turning_time + time_difference, turning_time
+                    )
                 )
                 change_to_earlier_time = float(
-                    segment.change_of(load_combination, time - time_difference, time)
+                    segment.change_of(
+                        load_combination, turning_time - time_difference, turning_time
+                    )
                 )
                 is_largest = change_to_later_time + change_to_earlier_time < 0
                 extreme_name = "largest" if is_largest else "least"
-                yield _event_at(span, time, f"{load_name} {extreme_name}")
+                yield _event_at(span, turning_time, f"{load_name} {extreme_name}")
 
 
 def _event_at(span: Span, time: float, name: str) -> Event:

@@ -701,7 +701,7 @@ class _NearIntegral:
         own point; 0 for a range without length. The integrand is smooth in s.
 
         K is the shear, slip or displacement at x by a unit tangential force on a flat punch. Gauss'
-        rule takes the more nodes the longer a range is. A rule for singular ends takes its place in
+        rule takes the more nodes the longer a range is. A rule for singular ends replaces it in
         rough ranges, close to a logarithm of the slip kernel.
 
         Parameters

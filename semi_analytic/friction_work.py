@@ -875,12 +875,12 @@ def _closeness_of_loads(parts: Records, corner_loads: Array) -> Array:
     largest_closeness = np.zeros(len(parts.step_number))
     stick_edge_load_at_begin = parts.load_at_begin - parts.slip_zone_load_at_begin
     stick_edge_load_at_end = parts.load_at_end - parts.slip_zone_load_at_end
-    for load_at_begin, load_at_end in (
+    for begin_load, end_load in (
         (parts.load_at_begin, parts.load_at_end),
         (stick_edge_load_at_begin, stick_edge_load_at_end),
     ):
-        least_load = np.minimum(load_at_begin, load_at_end)
-        largest_load = np.maximum(load_at_begin, load_at_end)
+        least_load = np.minimum(begin_load, end_load)
+        largest_load = np.maximum(begin_load, end_load)
         # 0 below the first corner
         corner_load_below = np.append(0.0, corner_loads)[
             np.searchsorted(corner_loads, (least_load + largest_load) / 2)
@@ -958,16 +958,12 @@ def _shares_at_cuts(records: Records, cut_loads: Array) -> Array:
     stick_edge_load_at_begin = records.load_at_begin - records.slip_zone_load_at_begin
     stick_edge_load_at_end = records.load_at_end - records.slip_zone_load_at_end
     shares_at_cuts = [np.zeros((len(records.step_number), 1))]
-    for load_at_begin, load_at_end in (
+    for begin_load, end_load in (
         (records.load_at_begin, records.load_at_end),
         (stick_edge_load_at_begin, stick_edge_load_at_end),
     ):
-        change_of_load = np.where(
-            load_at_end != load_at_begin, load_at_end - load_at_begin, np.inf
-        )[:, None]
-        shares_at_cuts.append(
-            np.clip((cut_loads - load_at_begin[:, None]) / change_of_load, 0.0, 1.0)
-        )
+        change_of_load = np.where(end_load != begin_load, end_load - begin_load, np.inf)[:, None]
+        shares_at_cuts.append(np.clip((cut_loads - begin_load[:, None]) / change_of_load, 0.0, 1.0))
     ascending_shares = np.concatenate(shares_at_cuts, axis=1)
     ascending_shares.sort(axis=1)
     return ascending_shares
