@@ -500,17 +500,18 @@ def _monotonic_parts(
     least_duration = _EDGE_TOLERANCE_SHARE * (end - start)
     monotonic_parts = []
     for segment in segments:
-        part_begin = max(segment.start, start)
-        part_end = min(segment.end, end)
+        # what lies between `start` and `end`
+        segment_begin = max(segment.start, start)
+        segment_end = min(segment.end, end)
         turning_times = [
             time
             for time in sorted(segment.turning_points(NORMAL_LOAD))
-            if part_begin < time < part_end
+            if segment_begin < time < segment_end
         ]
-        if part_end - part_begin > least_duration:
+        if segment_end - segment_begin > least_duration:
             monotonic_parts += [
                 (segment, begin_time, end_time)
-                for begin_time, end_time in pairwise([part_begin, *turning_times, part_end])
+                for begin_time, end_time in pairwise([segment_begin, *turning_times, segment_end])
             ]
     return monotonic_parts
 

@@ -1488,10 +1488,12 @@ class States:
         force_error = force_at_stick_edge + force_in_slip_zone - tangential_load
 
         # Each line that is needed is stored once.
-        line_number = np.zeros(len(step_number), dtype=np.intp)
+        number_among_new_lines = np.zeros(len(step_number), dtype=np.intp)
         n_lines_before = len(self._lines)
         if self.stores_curves:
-            records_with_instants, line_number = np.unique(record_number, return_inverse=True)
+            records_with_instants, number_among_new_lines = np.unique(
+                record_number, return_inverse=True
+            )
             self._lines += [block.lines[record] for record in records_with_instants.tolist()]
         self._columns.append(
             _StateColumns(
@@ -1499,7 +1501,7 @@ class States:
                 tangential_load,
                 slip_zone_load,
                 direction,
-                line_number + n_lines_before,
+                number_among_new_lines + n_lines_before,
                 force_error,
             )
         )

@@ -268,17 +268,15 @@ def sliding_limit(
     0.5
     """
     # a f^2 - 2 b f = Q1^2 - Q0^2, whose larger root is the limit: a and b
-    squared_coefficient = (mean_normal_load - normal_amplitude) * (
-        mean_normal_load + normal_amplitude
-    )
-    half_linear_coefficient = np.abs(
+    quadratic_factor = (mean_normal_load - normal_amplitude) * (mean_normal_load + normal_amplitude)
+    half_linear_factor = np.abs(
         mean_normal_load * mean_tangential_load
         - normal_amplitude * tangential_amplitude * np.cos(phase)
     )
     root_of_discriminant = np.sqrt(
         np.maximum(
-            half_linear_coefficient**2
-            + squared_coefficient
+            half_linear_factor**2
+            + quadratic_factor
             * (tangential_amplitude - mean_tangential_load)
             * (tangential_amplitude + mean_tangential_load),
             0.0,
@@ -287,8 +285,8 @@ def sliding_limit(
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(
             np.where(
-                squared_coefficient > 0,
-                (half_linear_coefficient + root_of_discriminant) / squared_coefficient,
+                quadratic_factor > 0,
+                (half_linear_factor + root_of_discriminant) / quadratic_factor,
                 np.inf,
             )
         )

@@ -326,6 +326,7 @@ class OppositeSlip(TiltedProfile):
         # the constant load P, then centre and half-width of the contact
         largest_load, contact_centre, contact_half_width = self._contact
         relative_x = (np.asarray(half_width, dtype=float) - contact_centre) / contact_half_width
+        # of the unloading at which the stick edge passes x
         lower_bound = np.zeros(relative_x.shape)
         upper_bound = np.full(relative_x.shape, self._largest_unloading)
         # functions of the unloading, edges over the contact half-width

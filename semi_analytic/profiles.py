@@ -1541,7 +1541,8 @@ def _abel_integral(
     begin, distance
         a = begin + distance: the distance from a corner keeps its digits [length]
     corners
-        places b of corners of the slope, at which the integral is split [length], descending
+        distances b from the middle to corners of the slope, descending: the integral is split there
+        [length]
     """
     half_width = begin + distance
     # cos(angle) = b/a; angle 0 for a corner outside of the contact

@@ -964,17 +964,18 @@ def _dissipation_of_group(
     # _DEEP_SLIP_SHARE: 0.002
     has_deep_slip = slip_zone_share > _DEEP_SLIP_SHARE
     uses_table = np.zeros(len(slip_zone_share), dtype=bool)
-    # loads at which the edge of contact is at a corner of the profile, and the function ln a(P)
-    corner_loads = contact.corner_loads
+    # loads at which integrals over loads are cut, first those of the corners of the profile, and
+    # the function ln a(P)
+    cut_loads = contact.corner_loads
     log_half_width = _log_half_width_of(contact)
     # _SHALLOW_SLIP_SHARE: 1e-6; _ELLIPSES_WITHOUT_TABLE: 8
     log_table = None
     if len(ellipses.mean_load) > _ELLIPSES_WITHOUT_TABLE and np.any(
         slip_zone_share > _SHALLOW_SLIP_SHARE
     ):
-        # polynomials of ln a, each between two of the `series_ends`
+        # polynomials of ln a; integrals are cut at the ends of each, `series_ends`
         log_table = _cached_log_half_width(contact, first_octave, last_octave + 1)
-        corner_loads = log_table.series_ends
+        cut_loads = log_table.series_ends
         log_half_width = log_table
         uses_table = (slip_zone_share > _SHALLOW_SLIP_SHARE) & ~has_deep_slip
     uses_contact = ~has_deep_slip & ~uses_table
@@ -997,7 +998,7 @@ def _dissipation_of_group(
     # no kernel: integrals of ln a over the loads
     if np.any(has_deep_slip):
         works_and_error[:, has_deep_slip] = _work_over_loads(
-            ellipses.take(has_deep_slip), corner_loads, log_half_width
+            ellipses.take(has_deep_slip), cut_loads, log_half_width
         )
     return works_and_error
 
@@ -1418,23 +1419,23 @@ def _log_weight_and_stick_edge_load(
     amplitude_of_stick_load: Array,
     amplitude_of_slip_zone_load: Array,
     angle_at_no_slip: Array,
-    squared_half_sine: Array,
+    squared_sine_of_half: Array,
     cosine: Array,
     sine: Array,
 ) -> tuple[Array, Array]:
     """Weight of ln a per rad in the friction work W pi E*/(2 f^2), and the load, along the course
     of P_c in reverse slip (E-G) or later forward slip (J-M).
 
-        P_c = P_T + `amplitude_of_stick_load` `squared_half_sine`
+        P_c = P_T + `amplitude_of_stick_load` `squared_sine_of_half`
         P - P_c = `amplitude_of_slip_zone_load`/2 (1 - cos(angle - `angle_at_no_slip`))
 
     The weight is w P_c' - w' (P - P_c), over f, from W by parts; w = +-Q - f P counts from its
     largest value. P_T (`permanent_stick_load`) is the load at the edge of the permanent stick zone,
-    a the contact half-width. The angle counts back from the end of the phase. `squared_half_sine`
-    is sin^2(angle/2); `cosine` and `sine` are of the angle. The two amplitudes are v, u in reverse
-    slip and u, v in forward slip, those of (Q -+ f P)/f.
+    a the contact half-width. The angle counts back from the end of the phase.
+    `squared_sine_of_half` is sin^2(angle/2); `cosine` and `sine` are of the angle. The two
+    amplitudes are v, u in reverse slip and u, v in forward slip, those of (Q -+ f P)/f.
     """
-    load_above_permanent_stick = amplitude_of_stick_load * squared_half_sine
+    load_above_permanent_stick = amplitude_of_stick_load * squared_sine_of_half
     cosine_from_no_slip = np.cos(angle_at_no_slip) * cosine + np.sin(angle_at_no_slip) * sine
     slip_zone_load = amplitude_of_slip_zone_load / 2 * (1 - cosine_from_no_slip)
     weight = amplitude_of_stick_load * sine * (load_above_permanent_stick - slip_zone_load)

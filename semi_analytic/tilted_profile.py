@@ -1267,7 +1267,7 @@ class NestedIntervals:
         return np.where(loads <= self.largest_load * (1 + 1e-9), loads, np.inf)
 
     def _half_width_with_end_at(self, x: Array, side: Array) -> Array:
-        """Half-length c of the contact that has an end at x, (n,) [length]: the right end where
+        """Half-width c of the contact that has an end at x, (n,) [length]: the right end where
         `side` is +1, the left one where it is -1. Its centre is x - side c.
 
         x is an end where the mean slope h' over the contact plus the tilt alpha_0 + kappa P is 0. P
@@ -1282,7 +1282,8 @@ class NestedIntervals:
         c = largest_c / 2
         for _ in range(_MOST_NEWTON_STEPS):  # 120
             # Of a trial contact: mean of h', A times the load that it carries, int h'' d theta and
-            # int h'' cos(theta) d theta, theta the angle of x = m + c cos(theta).
+            # int h'' cos(theta) d theta, theta the angle of a point at c cos(theta) from its
+            # centre.
             balance = self.profile.balance(x - side * c, c)
             # mean slope plus tilt, times side: positive while c is too small
             slope_excess = side * (balance.mean_slope + self.tilt_without_load)
