@@ -821,7 +821,7 @@ def _uncertainty_of_value(metric: Metric, comparison: Comparison) -> float | Non
 def uncertainty_of_edge(metric: Metric, comparison: Comparison) -> float:
     """Uncertainty that a result itself states of a contact or stick edge at the instant of the
     metric, the larger of left and right, over the reference half-width. 0 for metrics of no edge,
-    and where none is stated. An edge without an estimate, NaN, leaves that of the other one; NaN
+    and where none is stated. Where one edge has no estimate, NaN, that of the other one counts; NaN
     where neither has one.
 
     `metric.key` is "contact_edge" or "stick_edge" for an edge; `metric.time` is its worst instant.

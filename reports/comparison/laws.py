@@ -90,8 +90,8 @@ def certificates(solution: ContactSolution) -> tuple[Certificate, ...]:
     From its fields: no tension, |q| <= f p ("cone"; left out where the solution has no shear), slip
     along the shear, loads as in the scene. From its record: the residuals that the engine reports.
     For an external result a law is left out if the fields were derived from it; loads are checked
-    if it states P or Q. A certificate holds the violation of one law at every instant, the largest,
-    its instant, and the largest admitted one.
+    if its file has P or Q. A certificate holds the violation of one law at every instant, the
+    largest, its instant, and the largest admitted one.
 
     The largest admitted violation is 1e-9; for loads 1e-7, for printed digits of an external result
     1e-3, and for straight load steps of theory corrected by responses of finite bodies 1e-6. A
@@ -107,7 +107,7 @@ def certificates(solution: ContactSolution) -> tuple[Certificate, ...]:
         violations_in_fields["slip"] = _violation_in_slip(solution)
     if not derived_fields >= {"normal_load", "tangential_load"}:
         violations_in_fields["loads"] = _difference_of_loads(solution)
-    # limits: 1e-9 for double precision, 1e-3 for printed digits, 1e-6 for straight steps
+    # 1e-9 for double precision, 1e-3 for printed digits, 1e-6 for straight load steps
     admitted_violation = _LIMIT_OF_DOUBLES
     if derived_fields:
         admitted_violation = _LIMIT_OF_PRINTED_DIGITS

@@ -900,11 +900,11 @@ def stick_edge(pair: Pair) -> MetricValue:
     """Outward shift of the worse edge of the stick zone over a_ref, the half-width at the reference
     load. It is that at the worst of the judged instants at which both solutions have a stick zone.
 
-    Left out is an instant at which full stick comes or goes one instant earlier in one of them, and
-    one at which the reference has several stick zones: finite elements state the ends of the main
-    one, theory on grids those of all. The note counts these, and the instants at which the two
+    Not compared is an instant at which full stick comes or goes one instant earlier in one of them,
+    and one at which the reference has several stick zones: finite elements state the ends of the
+    main one, theory on grids those of all. The note counts these, and the instants at which the two
     differ in full stick, partial slip or full slip. NaN, which fails, where they differ and no
-    instant is left; no value where both always slip fully.
+    instant remains; no value where both always slip fully.
     Judged are instants in contact with a normal load of at least a tenth of the reference load
     (`pair.is_judged`, (k,)).
     """

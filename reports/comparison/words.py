@@ -862,7 +862,8 @@ def sentences_on_missing_values(comparison: JudgedPair) -> str:
     labels_without_values = []
     labels_with_one_value = []
     # a row: texts by key; a dash where there is no number; "short": label with unit in brackets
-    for row in first_table(comparison)[1]:
+    _, rows = first_table(comparison)
+    for row in rows:
         reason = f" ({row['note']})" if row["note"] else ""
         label_with_reason = row["short"].partition(" [")[0] + reason
         if is_empty_row(row):

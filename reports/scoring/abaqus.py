@@ -249,7 +249,7 @@ def _rows_of_nodes(
             f"{path}: the nodes of {blocks[0].region} have no places: report COORD with COORD1"
             " beside CPRESS"
         )
-    # the last coordinates of each node stand for all its frames
+    # the last coordinates of each node are taken for all its frames
     coordinates = all_values[all_values.columns.intersection(["x", "y"])].groupby(level=0).last()
     rows_with_pressure = all_values.drop(columns=coordinates.columns).dropna(subset="pressure")
     rows = rows_with_pressure.dropna(axis=1).join(coordinates)

@@ -86,7 +86,7 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
     findings_of_fit = list(_findings_of_fit(judgement, attribution, has_trace=has_trace))
     # SHEAR_SIGN: the cause that the shear has the wrong sign
     sign_findings = [finding for finding in findings_of_fit if finding.fault == SHEAR_SIGN.key]
-    # shear of the wrong sign hides creep in stick: look again with the right one
+    # shear of the wrong sign hides creep in stick: look again with its sign turned
     if sign_findings and not has_trace:
         hidden_trace_findings = list(find_elastic_slip(discrepancy, shear_sign=-1.0))
         if hidden_trace_findings:

@@ -382,10 +382,11 @@ def _history_by_loads(
     where the loads come from. `loads` are P and Q of the instants, (n_steps,) each.
     """
     path = scene.load.path()
+    normal_load, tangential_load = loads
     largest_normal_load = float(np.max(path.at(_sample_times(path, 1))[0]))
-    if np.max(loads[0]) <= _LARGEST_MISFIT_OF_LOADS * largest_normal_load:
+    if np.max(normal_load) <= _LARGEST_MISFIT_OF_LOADS * largest_normal_load:
         raise InputError(
-            f"{surface.source}: its largest P is {np.max(loads[0]):.4g} (from {origin_of_loads})"
+            f"{surface.source}: its largest P is {np.max(normal_load):.4g} (from {origin_of_loads})"
             f" and the scene's {largest_normal_load:.4g}: too little to tell its instants by; see"
             " to thickness and factors of the mapping, or state the times"
         )
@@ -398,11 +399,12 @@ def _history_by_loads(
         instant = int(np.flatnonzero(relative_distances > largest_misfit)[0])
         raise InputError(
             f"{surface.source}: its history is not the scene's: at instant {instant + 1} P ="
-            f" {loads[0][instant]:.6g} and Q = {loads[1][instant]:.6g} (from {origin_of_loads}),"
+            f" {normal_load[instant]:.6g} and Q = {tangential_load[instant]:.6g} (from"
+            f" {origin_of_loads}),"
             f" and the nearest that the scene's path has, in order, is P ="
             f" {normal_load_of_path[instant]:.6g} and Q ="
             f" {tangential_load_of_path[instant]:.6g} at time {time[instant]:.6g}"
-            f"{_hint_on_constant_ratio(loads[0], normal_load_of_path, largest_normal_load)}"
+            f"{_hint_on_constant_ratio(normal_load, normal_load_of_path, largest_normal_load)}"
         )
     notes = [
         f"its instants were matched to the load path by {origin_of_loads}; the farthest is"

@@ -235,7 +235,8 @@ class _Search:
         `parameters`, (2, 7).
 
         A turning point is where the height U/(range of U) + Q/(range of Q) is largest or least; the
-        misfit is the height of the loop minus that of the rows.
+        misfit is the height of the loop minus that of the rows. Q alone does not show where a loop
+        turns: it stays constant while the contact slides as a whole.
 
         # notation: Q tangential load, U relative tangential displacement
         """
@@ -1153,7 +1154,7 @@ def _error_by_digits(rows: MeasuredRows, memory_curve: MemoryCurve, sigma: RowNo
     # notation: f coefficient of friction, P normal load, Q tangential load, R range of Q, U
     #           relative tangential displacement
     """
-    step_of_load = rows.resolution[1]
+    _, step_of_load = rows.resolution
     # noise beyond the step's own variance, of more than 0.4 of the step, changes digits
     if (
         sigma.of_load**2 - step_of_load**2 / 12

@@ -67,7 +67,8 @@ def fit_over_time(
     # where the rows lie on the scene's cycle. Their Q is `load_scale` times the scene's plus
     # `offset`, at the same P: so f is `load_scale` times the scene's.
     alignment = _required_alignment(measured_loop, scene)
-    search = _Search(measured_loop, scene, cycle_loads(scene)[1], rig_compliance)
+    _, load_of_cycle = cycle_loads(scene)  # Q of the scene
+    search = _Search(measured_loop, scene, load_of_cycle, rig_compliance)
     # the least f of the scene: below it the contact slides as a whole at the scene's loads
     sliding_friction = friction_at_gross_sliding(scene)
     trials = search.trial_fits(sliding_friction, alignment)
@@ -87,6 +88,7 @@ def fit_over_time(
         math.hypot(distance, *errors_beside_scatter) for distance in distances_to_ends
     )
     n_cycles = float(measured_loop.time[-1] / alignment.period)
+    _, step_of_load = measured_loop.resolution  # steps that the digits of U and of Q resolve
     return FittedLoop(
         scene=scene,
         friction=friction_of_file,
@@ -103,7 +105,7 @@ def fit_over_time(
         load_scale=alignment.load_scale,
         offset=alignment.offset,
         displacement_noise=best_fit.displacement_noise,
-        load_noise=max(noise_of_load, measured_loop.resolution[1] / math.sqrt(12)),
+        load_noise=max(noise_of_load, step_of_load / math.sqrt(12)),
         sentences=_sentences_on_alignment(alignment, n_cycles),
     )
 
@@ -374,7 +376,7 @@ def _required_alignment(measured_loop: MeasuredLoop, scene: Scene) -> _Alignment
 
     # notation: Q tangential load
     """
-    load_of_cycle = cycle_loads(scene)[1]
+    _, load_of_cycle = cycle_loads(scene)
     # Where Q goes straight between its turning points, rows of one cycle also fit half of a cycle
     # that is twice as large. So trial periods of which the rows cover 0.9 and more come first.
     alignment = _best_alignment(measured_loop, load_of_cycle, _FEWEST_CYCLES)

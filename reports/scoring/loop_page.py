@@ -166,7 +166,7 @@ def _figure_of_loop(score: LoopScore, means: _Means, caption_numbers: dict[str, 
 
     # notation: Q tangential load, U relative tangential displacement
     """
-    unit_of_length = units(score.scene)[1]
+    _, unit_of_length, _ = units(score.scene)
     unit_of_load = load_unit(score.scene)
     best_fit = score.loops[1]
     slope = best_fit.slope
@@ -226,8 +226,7 @@ def _figure_of_residuals(
 
     # notation: U relative tangential displacement
     """
-    # units: of the scene's force, length, stress
-    unit_of_length = units(score.scene)[1]
+    _, unit_of_length, _ = units(score.scene)
     # key, axes with their limits, marks, title, width and height in pixels
     panel = Panel(
         "loop-rest",

@@ -284,8 +284,8 @@ def _factor_by_heading(
     """
     is_load = factor_name == "load"
     has_thickness = _states_thickness(mapping, factor_name)
-    # units(scene)[1]: the scene's unit of length
-    unit_of_scene = load_unit(scene) if is_load else units(scene)[1]
+    _, unit_of_length, _ = units(scene)
+    unit_of_scene = load_unit(scene) if is_load else unit_of_length
     # unit: word in the heading, factor to the scene's unit, whether it is per length, what is
     # wrong with it (`fault`), and a phrase on it (`remark`)
     unit = unit_of_column(table, table.names.index(name), factor_name, scene.units)

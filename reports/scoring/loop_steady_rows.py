@@ -144,7 +144,8 @@ def fit_steady_rows(
             f" {100 * drift:+.2g} % of its range in each cycle, so the contact slides on or the"
             " gauge does; give the rows of cycles that are alike"
         )
-    range_of_load = float(np.ptp(cycle_loads(scene)[1]))
+    _, load_of_cycle = cycle_loads(scene)  # Q
+    range_of_load = float(np.ptp(load_of_cycle))
     # of theory: U over half the change of Q since a turning point, from which loops are built
     curve = memory_curve(scene, friction_at_gross_sliding(scene) / range_of_load)
     # the rows without a run-in, their best loop, and tests of their steadiness
@@ -597,12 +598,10 @@ def _branches_by_height(measured_loop: MeasuredLoop) -> Branches:
     range_of_load = float(np.ptp(measured_loop.load))
     height = measured_loop.displacement / range_of_displacement + measured_loop.load / range_of_load
     # steps that the digits of U and of Q resolve
-    step_of_digits = (
-        measured_loop.resolution[0] / range_of_displacement
-        + measured_loop.resolution[1] / range_of_load
-    )
+    step_of_displacement, step_of_load = measured_loop.resolution
+    step_of_height = step_of_displacement / range_of_displacement + step_of_load / range_of_load
     return find_branches(
-        measured_loop.displacement, height, measured_loop.time, step_of_digits, measured_loop.source
+        measured_loop.displacement, height, measured_loop.time, step_of_height, measured_loop.source
     )
 
 
@@ -665,12 +664,13 @@ def _drift_of_cycle(measured_loop: MeasuredLoop) -> float:
 
     # notation: Q tangential load, U relative tangential displacement
     """
-    # branch of each row by Q, and cycles that have passed; resolution[1]: step of the digits of Q
+    # branch of each row by Q, and cycles that have passed
+    _, step_of_load = measured_loop.resolution  # steps that the digits of U and of Q resolve
     branches = find_branches(
         measured_loop.displacement,
         measured_loop.load,
         measured_loop.time,
-        measured_loop.resolution[1],
+        step_of_load,
         measured_loop.source,
     )
     # length per unit of time, None where too few rows have another a cycle later
@@ -714,7 +714,7 @@ def _fit_at_constant_load(
     # parameters of the loop with their errors, and the interval of f
     masing_fit = fit_with_interval(candidate.best_loop, error_of_theory)
     # Q of the scene through a cycle; factor of the file's Q over it
-    load_of_cycle = cycle_loads(scene)[1]
+    _, load_of_cycle = cycle_loads(scene)
     load_scale = (masing_fit.highest_load - masing_fit.lowest_load) / float(np.ptp(load_of_cycle))
     sentences = [
         *_sentences_on_rows(candidate, masing_fit),
@@ -799,9 +799,9 @@ def _sentence_on_slide(fit: MasingFit, scene: Scene) -> str:
     # notation: f coefficient of friction, P normal load, Q tangential load
     """
     half_range = (fit.highest_load - fit.lowest_load) / 2
-    # units(scene)[1]: unit of length
+    _, unit_of_length, _ = units(scene)
     return (
-        f"The contact slides as a whole by {fit.slide:.3g} {units(scene)[1]} at each end of the"
+        f"The contact slides as a whole by {fit.slide:.3g} {unit_of_length} at each end of the"
         f" loop: f is Q/P there, with Q = {half_range:.6g} from the middle"
     )
 
@@ -838,11 +838,12 @@ def _fit_where_load_varies(
     # notation: Q tangential load, U relative tangential displacement
     """
     # branch of each row, and the turning points of Q
+    _, step_of_load = measured_loop.resolution  # steps that the digits of U and of Q resolve
     branches = find_branches(
         measured_loop.displacement,
         measured_loop.load,
         measured_loop.time,
-        measured_loop.resolution[1],
+        step_of_load,
         measured_loop.source,
     )
     rows = LoopRows(measured_loop.displacement, measured_loop.load, branches, rig_compliance)
@@ -850,7 +851,7 @@ def _fit_where_load_varies(
     # error of theory: 1e-5 of f
     loop_fit = fit_loop(rows, loops_of_theory, measured_loop.resolution, _RELATIVE_ERROR_OF_THEORY)
     # Q of the scene through a cycle; factor of the file's Q over it
-    load_of_cycle = cycle_loads(scene)[1]
+    _, load_of_cycle = cycle_loads(scene)
     load_scale = (loop_fit.highest_load - loop_fit.lowest_load) / float(np.ptp(load_of_cycle))
     sentences = [
         (

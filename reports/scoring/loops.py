@@ -321,7 +321,8 @@ def _row_of_measured_loop(measured_loop: MeasuredLoop, fit: FittedLoop) -> tuple
         )
         method_words = "the area of the best fit, with what the rows enclose beside it,"
     # Q of the scene at shares of a cycle from 0 to 1 (SHARES_OF_CYCLE), scaled
-    load_of_cycle = fit.load_scale * cycle_loads(fit.scene)[1]
+    _, load_of_scene = cycle_loads(fit.scene)
+    load_of_cycle = fit.load_scale * load_of_scene
     table_row = LoopRow(
         name="measured",
         friction=None,
@@ -446,7 +447,7 @@ def _loop_with_rig(
     #           tangential displacement
     """
     # Q of the scene through a cycle
-    load_of_scene = cycle_loads(fit.scene)[1]
+    _, load_of_scene = cycle_loads(fit.scene)
     load = fit.load_scale * load_of_scene
     # C and U0 by least squares over the rows
     _, compliance, origin = fit_rig(

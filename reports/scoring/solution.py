@@ -712,7 +712,7 @@ def _slipping_points(
     known, it must also move with the shear, by more than a thousandth of the largest movement since
     the instant before; without friction, movement alone counts. No point slips at an instant at
     which the fastest is slower than 2 % of the largest speed of all. The first instant has no
-    movement before it: there the limit alone decides.
+    movement before it: there the Coulomb limit alone decides.
 
     Parameters
     ----------
