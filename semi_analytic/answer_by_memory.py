@@ -1308,8 +1308,8 @@ def _values_over_time(request: Request, snapshot: Snapshot) -> dict[str, Array]:
     # U over A/pi, U the tangential displacement, and normal approach: NaN unless asked for
     displacement_over_compliance = np.full(len(request.time), np.nan)
     approach = displacement_over_compliance
-    # the integral of ln(2 L/a) over the memory curve (tangential force carried up to each load), L
-    # the length of the datum; the point x has no effect
+    # the integral of ln(2 L/a) over the memory curve (tangential force carried up to each load).
+    # a(P) is the contact half-width, L the datum length; the point x has no effect.
     if request.wants("tangential_displacement"):
         displacement_over_compliance = KernelIntegrals(
             contact, np.zeros(1), "shift"
@@ -1590,8 +1590,8 @@ def _errors_of_fields(
         "slip", path_answer.largest_slip_zone_share
     )
     if request.wants("tangential_displacement"):
-        # from the integrals of ln(2 L/a) over loads and over the memory curve, L the length of the
-        # datum
+        # from the integrals of ln(2 L/a) over loads and over the memory curve: a(P) is
+        # the contact half-width, L the datum length
         errors["tangential_displacement"] = error_of_displacement(
             path_answer.snapshot.friction,
             request.contact.approach_integral(answer_fields.over_time["normal_load"]),

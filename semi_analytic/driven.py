@@ -848,7 +848,8 @@ class _StepSolver:
         self._memory = memory
         self._compliance = compliance
         self._table = memory.table
-        # Trials of a step have one P, and where N_Q is 0 one edge of contact.
+        # Trials of a step have one P. Where the gap has no curvature per Q, N_Q = 0, they have one
+        # edge of contact, too.
         # _CACHED_EDGES: 8.
         self._cached_edge_s = lru_cache(maxsize=_CACHED_EDGES)(memory.table.edge_s_of_load)
         # Of each piece of memory curve, by its number, integrals up to its top. First those over
@@ -1079,9 +1080,10 @@ class _StepSolver:
 
         The pieces of the new memory curve are stored.
         """
-        contact = self.contact_under_loads(normal_load, tangential_load)
-        step = self._memory.step(state, contact)
-        return _Trial(tangential_load, step, self._displacement_without_slide(contact, step))
+        contact_row = self.contact_under_loads(normal_load, tangential_load)
+        memory_step = self._memory.step(state, contact_row)
+        displacement = self._displacement_without_slide(contact_row, memory_step)
+        return _Trial(tangential_load, memory_step, displacement)
 
     def _displacement_without_slide(self, contact_row: Row, memory_step: MemoryStep) -> float:
         """Displacement U + Q/k_s of the actuator at the end of a step [length]: U of contact and

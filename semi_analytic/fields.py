@@ -464,7 +464,7 @@ class ArcIntegrals:
         time = begins[:, None] + panel_length * (1 + CHEBYSHEV_NODES) / 2
         load = np.maximum(self._segment.loads(time)[0], 0.0)
         force_rate = self._segment.rate_of(TANGENTIAL_LOAD, time) * panel_length
-        # what the kernels take for a(P)
+        # what the kernels take for the contact half-width a(P)
         advance = self._contact.edge_advance(load)
         coefficients = np.empty((len(far_panel), CHEBYSHEV_DEGREE + 1))
         # Two million nodes at once bound the storage.
@@ -762,7 +762,8 @@ class _NearIntegral:
         sqrt(|P - P_t|) along the load path, and dz/ds = sqrt(|z^2 - e^2|).
         """
         z, dz_ds = _z_and_dz_ds(s, squared_e, self.acts_beyond_e)
-        # P; what the kernels take for a(P); P - P_x, of size |z^2 - e^2|, negative for the slip.
+        # P; what the kernels take for a(P), the contact half-width; P - P_x, of size |z^2 - e^2|,
+        # negative for the slip.
         load = np.maximum(self.turning_point.load + self.turning_point.sign * z * z, 0.0)
         advance = self.contact.edge_advance(load)
         load_above_edge = dz_ds * dz_ds if self.kernel != "slip" else -dz_ds * dz_ds
@@ -1100,7 +1101,7 @@ class KernelIntegrals:
             s_length = np.arcsinh(v_at_lower_load[pairs] / e)[:, None]
             v = e[:, None] * np.sinh(s_length * gauss_nodes)
             dv_ds = e[:, None] * np.cosh(s_length * gauss_nodes)
-            # P_x - eta, and what the slip kernel takes for a(eta)
+            # P_x - eta, and what the slip kernel takes for a(eta), the contact half-width
             load_below_edge = np.square(v) + np.square(e_of_pairs[pairs])[:, None]
             advance = contact.edge_advance(end_load[pairs][:, None] - np.square(v))
             arccosh_ratio = contact.arccosh_ratio(

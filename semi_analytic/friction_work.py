@@ -208,7 +208,9 @@ def _work_over_spans(
         number of integrals: one, or one for each point
     integrals_along
         integrates f w' Lam (of W) or f w' p arccosh(|x|/c) (of W(x)) over the ranges of given spans
-        by a given quadrature rule; w = +-Q - f P grows in slip
+        by a given quadrature rule. w = +-Q - f P grows in slip, p is the pressure, c the stick
+        half-width. Lam is the integral of ln(a/c) over the loads from the stick edge to P, a the
+        contact half-width
 
     Returns
     -------
@@ -686,7 +688,8 @@ def _roundoff_of_loop(contact: Contact, spans: Sequence[Span], largest_load: flo
     the datum of U, `largest_load` is the largest P. A span is the time of one direction of slip, or
     of full stick.
     """
-    # `approach_integral`: the integral of ln(2 L/a) over the loads up to P, L length of the datum
+    # `approach_integral`: the integral of ln(2 L/a) over the loads up to P. L is the datum
+    # length, a(P) the contact half-width.
     displacement_size = 2 * abs(float(contact.approach_integral(largest_load)))
     total_change_of_force = 0.0
     for span in spans:
