@@ -1331,8 +1331,8 @@ class _PathInIncrements:
         """Times at the ends of the increments of one segment of the load path, (n,) ascending:
         evenly spaced ones, turning points of the loads, and wanted instants.
 
-        An even time next to a wanted instant is left out, as is a wanted instant next to a turning
-        point. From first touch the contact grows in equal steps.
+        An evenly spaced time next to a wanted instant is left out, as is a wanted instant next to a
+        turning point. From first touch the contact grows in equal steps.
 
         Parameters
         ----------

@@ -401,9 +401,9 @@ def _slip_spans(
     piece of the memory curve through which the stick edge moves.
 
     The memory curve M(eta) is the tangential force of the flat punches up to the load eta. In slip
-    of direction s it is erased from above, down to the stick edge P_c. There s M(P_c) - f P_c is
-    the level s Q - f P of the loads, which grows. The edge has passed a piece when the level has
-    grown to that of the piece's lower end.
+    of direction s it is erased from above, down to the load P_c at the stick edge. There s M(P_c) -
+    f P_c is the level s Q - f P of the loads, which grows. The edge has passed a piece when the
+    level has grown to that of the piece's lower end.
 
     Parameters
     ----------
@@ -426,7 +426,7 @@ def _slip_spans(
         segment.change_of(s_q_minus_f_p, end_instant.time, begin_instant.time)
     )
     # _STICK_EDGE_ROUNDOFF_SHARE: 2e-15 of f P
-    force_roundoff = _STICK_EDGE_ROUNDOFF_SHARE * friction * end_instant.normal_load
+    level_roundoff_by_loads = _STICK_EDGE_ROUNDOFF_SHARE * friction * end_instant.normal_load
     span_begin = begin_instant
     # A piece at the Coulomb limit slips already: the stick edge begins below it.
     if sticking_piece is not None and is_at_coulomb_limit(sticking_piece, direction, friction):
@@ -435,7 +435,7 @@ def _slip_spans(
         if is_at_coulomb_limit(sticking_piece, direction, friction):
             # A piece at the limit is passed at once. If only round-off would take the stick edge
             # through it, the edge stays at its upper end.
-            if level_growth_in_part <= force_roundoff:
+            if level_growth_in_part <= level_roundoff_by_loads:
                 # a piece of no length, with slope dM/d eta = -s f
                 sticking_piece = Piece(
                     sticking_piece, sticking_piece.top_load, begin_instant, -direction * friction
@@ -458,7 +458,8 @@ def _slip_spans(
         # would jump through it.
         # _SAME_INSTANT_SHARE: 1e-14
         level_roundoff = (
-            _SAME_INSTANT_SHARE * (abs(level_at_bottom) + abs(level_at_begin)) + force_roundoff
+            _SAME_INSTANT_SHARE * (abs(level_at_bottom) + abs(level_at_begin))
+            + level_roundoff_by_loads
         )
         if level_growth_in_part <= level_growth_to_bottom + level_roundoff:
             break

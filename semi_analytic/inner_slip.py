@@ -241,7 +241,7 @@ def inner_slip(
     The memory curve is the tangential force carried up to each load. Where slip in one direction
     ends while the curvature of the faces still changes, points at the edge of contact stick first;
     points further in slip on. The extra slip is a superposition of flat punches, of about 100
-    half-widths at first. The half-widths are refined around the ends of its zone four times, or
+    half-widths at first. The half-widths are refined around the edges of its zone four times, or
     until the search for the zone fails.
 
     Parameters

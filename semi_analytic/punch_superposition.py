@@ -658,9 +658,9 @@ class PunchSuperposition:
 
         A part begins at P_c, or at the load P_b of its corner if that is larger. It ends at P, or
         at the load of the next corner. a(eta), the contact half-width under the load eta, is a
-        smooth function of sqrt(eta - P_b), and Gauss' rule in that root holds. P_c is the load at
-        the stick edge. Close to no load a goes as any power of eta: there a rule for singular ends
-        is used.
+        smooth function of sqrt(eta - P_b), and Gauss' rule in that root is accurate. P_c is the
+        load at the stick edge. Close to no load a goes as any power of eta: there a rule for
+        singular ends is used.
 
         Parameters
         ----------
@@ -945,12 +945,14 @@ class PunchSuperposition:
         # A primitive takes some kilobytes a point: above 4096 different points they are taken in
         # chunks. Points that come back at many instants count once.
         if len(unique_x) > _POINTS_OF_PRIMITIVE:
-            points, advances, numbers = np.broadcast_arrays(x, advance, number_in_unique_x)
+            points, advances, numbers_in_unique_x = np.broadcast_arrays(
+                x, advance, number_in_unique_x
+            )
             integral = np.zeros(points.shape)
             error = np.zeros(points.shape)
             for first_number in range(0, len(unique_x), _POINTS_OF_PRIMITIVE):
-                is_in_chunk = (numbers >= first_number) & (
-                    numbers < first_number + _POINTS_OF_PRIMITIVE
+                is_in_chunk = (numbers_in_unique_x >= first_number) & (
+                    numbers_in_unique_x < first_number + _POINTS_OF_PRIMITIVE
                 )
                 integral[is_in_chunk], error[is_in_chunk] = self._integral_and_error(
                     kind, load_power, points[is_in_chunk], advances[is_in_chunk]

@@ -88,7 +88,7 @@ def solve(
         takes the curvatures that follow the loads and both compliances of the bodies. Tilt
         and bulk strain of the bodies are in the dissipation of a parabola's cycles, to the
         second order, or left out; a note says which, and how large they are. Numbers that are
-        all 0 give the half-plane answer
+        all 0 give the solution of half-planes
 
     Returns
     -------

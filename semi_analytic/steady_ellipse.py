@@ -635,9 +635,8 @@ def _legendre_interval_rule(n_nodes: int, n_crowded_ends: int) -> IntervalRule:
     as signed distances from an end, weights, and error checks.
 
     The error checks are the last three Legendre coefficients of the integrand, which are small
-    where it is resolved.
-    A change of variable makes square roots smooth and crowds the nodes: t^2 to the lower end
-    (`n_crowded_ends` = 1), 3 t^2 - 2 t^3 to both (2), none (0).
+    where it is resolved. A change of variable makes square roots smooth and crowds the nodes: t^2
+    to the lower end (`n_crowded_ends` = 1), 3 t^2 - 2 t^3 to both (2), none (0).
     """
     # nodes and weights (n_nodes,) on [0, 1]
     nodes, weights = gauss_rule(n_nodes)

@@ -532,8 +532,8 @@ def _contact_edges_at(scene: Scene, times: Array) -> Array:
 def _rows_with_tractions(
     solution: ContactSolution, times: Array
 ) -> dict[float, tuple[ContactSolution, int]]:
-    """By time: a half-plane solution and the number (row) of the instant in it, for
-    those `times` at which its tractions are known well enough.
+    """By time: a half-plane solution and the number (row) of the instant in it, for those
+    `times` at which its tractions are known well enough.
 
     They are if the solution has 60 points in the contact then, or if there is no contact. Times
     agree within 1e-9 of themselves. Empty where pressure or shear is NaN anywhere in the solution.
@@ -597,8 +597,8 @@ _coarse_ratio_by_solution: WeakKeyDictionary[ContactSolution, RatioOnGrids] = We
 def _ratio_on_coarse_grids(
     solution: ContactSolution, path_loads: PathLoads, tilted_contact: TiltedProfile
 ) -> RatioOnGrids | None:
-    """q/(f p) at the n instants and k points of a half-plane solution, by grids of half
-    as many cells and increments, followed for as many cycles.
+    """q/(f p) at the n instants and k points of a half-plane solution, by grids of half as many
+    cells and increments, followed for as many cycles.
 
     None where the solution is not from grids. NaN where an increment of the coarse grids does not
     converge. The path is followed once; later calls take the cached ratio.

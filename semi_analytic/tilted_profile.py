@@ -619,12 +619,13 @@ class PiecewiseParabola(ConvexProfile):
         ]
         half_width = np.where(c > 0, c, 1.0)[..., None]
         distance_to_knot = self.knots - x[..., None]
-        # s_+ and s_- as sum and difference of two products of half angles, both times one factor
-        sine_of_point = r / half_width * (1 + knot_angles.cosine)
-        sine_of_knot = knot_angles.sine * (1 + distance_from_centre[..., None] / half_width)
+        # sin(theta_x/2) cos(theta_b/2) and cos(theta_x/2) sin(theta_b/2), both times one factor:
+        # s_+ is their sum, s_- their difference
+        point_product = r / half_width * (1 + knot_angles.cosine)
+        knot_product = knot_angles.sine * (1 + distance_from_centre[..., None] / half_width)
         with np.errstate(divide="ignore", invalid="ignore"):
             logarithm = np.log(
-                np.abs((sine_of_point + sine_of_knot) / (sine_of_point - sine_of_knot))
+                np.abs((point_product + knot_product) / (point_product - knot_product))
             )
         # Knots whose term vanishes, or is not finite.
         is_zero_term = (distance_to_knot == 0) | (knot_angles.sine == 0) | ~np.isfinite(logarithm)
