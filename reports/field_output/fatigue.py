@@ -418,8 +418,8 @@ def _crossland_measures(stress: Array) -> tuple[Array, Array]:
     # _N_STEPS_TO_CENTRE: 1000
     for step in range(_N_STEPS_TO_CENTRE):
         farthest_instants = np.argmax(np.sum((path - centre) ** 2, axis=-1), axis=0)
-        farthest_points = path[farthest_instants, np.arange(path.shape[1])]
-        centre = centre + (farthest_points - centre) / (step + 2)
+        farthest_deviators = path[farthest_instants, np.arange(path.shape[1])]
+        centre = centre + (farthest_deviators - centre) / (step + 2)
     radius = np.sqrt(np.sum((path - centre) ** 2, axis=-1).max(axis=0))
     return radius, mean_stress.max(axis=0)
 

@@ -818,24 +818,24 @@ def _end_of_zone(
         whether a parabola through 6 to 12 points is tried too. Its zero counts where it lies within
         0.4 spacings of points from that of the line
     """
-    last_point = int(points_of_zone[0] if direction < 0 else points_of_zone[-1])
-    next_point = last_point + direction
-    point_before = last_point - direction
-    if not 0 <= next_point < len(x):
-        return float(x[last_point])
-    distance_to_next = abs(float(x[next_point] - x[last_point]))
-    # a traction that does not fall outwards has no line to 0: the end is half-way to the next point
+    outermost_point = int(points_of_zone[0] if direction < 0 else points_of_zone[-1])
+    point_beyond = outermost_point + direction
+    point_inside = outermost_point - direction
+    if not 0 <= point_beyond < len(x):
+        return float(x[outermost_point])
+    distance_to_point_beyond = abs(float(x[point_beyond] - x[outermost_point]))
+    # a traction that does not fall outwards has no line to 0: the end is half-way to `point_beyond`
     if (
-        not 0 <= point_before < len(x)
-        or squared_traction[point_before] <= squared_traction[last_point]
+        not 0 <= point_inside < len(x)
+        or squared_traction[point_inside] <= squared_traction[outermost_point]
     ):
-        return float(x[last_point]) + direction * distance_to_next / 2
-    # straight line through the squared traction at the last two points of the zone
-    spacing = abs(float(x[last_point] - x[point_before]))
-    fall_of_last_spacing = squared_traction[point_before] - squared_traction[last_point]
-    spacings_to_zero = float(squared_traction[last_point] / fall_of_last_spacing)
-    distance_to_zero = min(spacings_to_zero * spacing, distance_to_next)
-    zero_of_line = float(x[last_point]) + direction * distance_to_zero
+        return float(x[outermost_point]) + direction * distance_to_point_beyond / 2
+    # straight line through the squared traction at the two outermost points of the zone
+    spacing = abs(float(x[outermost_point] - x[point_inside]))
+    fall_of_outermost_spacing = squared_traction[point_inside] - squared_traction[outermost_point]
+    spacings_to_zero = float(squared_traction[outermost_point] / fall_of_outermost_spacing)
+    distance_to_zero = min(spacings_to_zero * spacing, distance_to_point_beyond)
+    zero_of_line = float(x[outermost_point]) + direction * distance_to_zero
 
     # parabola through points farther in, behind the outermost three: no deeper than 5 % of the zone
     largest_depth = _LARGEST_DEPTH_SHARE * abs(x[points_of_zone[-1]] - x[points_of_zone[0]])
@@ -844,10 +844,10 @@ def _end_of_zone(
         n_fitted = (
             min(_MOST_FITTED_POINTS, len(points_of_zone) // 2 - _N_POINTS_LEFT_OUT) // divisor
         )
-        fitted_points = last_point - direction * (_N_POINTS_LEFT_OUT + np.arange(n_fitted))
+        fitted_points = outermost_point - direction * (_N_POINTS_LEFT_OUT + np.arange(n_fitted))
         if n_fitted < _FEWEST_FITTED_POINTS:
             continue
-        if abs(x[last_point] - x[fitted_points[-1]]) > largest_depth:
+        if abs(x[outermost_point] - x[fitted_points[-1]]) > largest_depth:
             continue
         # distances inward from the outermost of the fitted points, in spacings
         x_of_first_fitted = x[fitted_points[0]]
