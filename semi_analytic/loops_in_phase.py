@@ -343,6 +343,7 @@ def strokes_in_phase(scene: Scene) -> tuple[Stroke, Stroke] | None:
     compliance = 2 / composite_modulus(scene.material)
     load_samples = cycle_samples(scene)
     normal_load, tangential_load = load_samples[:2]
+    # of the forward stroke; the reverse one goes back
     loads_at_begin = load_samples[:, np.argmin(tangential_load)]
     loads_at_end = load_samples[:, np.argmax(tangential_load)]
     # (4,), below which a change of each of them is round-off

@@ -147,15 +147,15 @@ class Ellipses:
         #           angle in I-J, from 0 to pi - D; P_c load at the stick edge
         """
         tangent_of_half = np.tan(self.slip_angle / 2)
-        squared_tangent = tangent_of_half * tangent_of_half
+        squared_tangent_of_half = tangent_of_half * tangent_of_half
         slip_zone_load_at_phase_ends = (
             np.maximum(self.forward_amplitude, self.reverse_amplitude)
-            * squared_tangent
-            / (1 + squared_tangent)
+            * squared_tangent_of_half
+            / (1 + squared_tangent_of_half)
         )
         # of sin(s): 1 if pi/2 lies in I-J, else sin(D)
         largest_sine = np.where(
-            tangent_of_half > 1, 2 * tangent_of_half / (1 + squared_tangent), 1.0
+            tangent_of_half > 1, 2 * tangent_of_half / (1 + squared_tangent_of_half), 1.0
         )
         return np.maximum(
             slip_zone_load_at_phase_ends,
@@ -218,15 +218,15 @@ def ellipses_of(
     shear_over_friction = tangential_amplitude / friction
     # cos and sin of the phase from the tangent of half of it; the mirrored loop, Q -> -Q, goes
     # round the other way: phase + pi.
-    half_tangent = np.tan(phase / 2)
-    scaled_shear = shear_over_friction / (1 + half_tangent * half_tangent)
+    tangent_of_half = np.tan(phase / 2)
+    scaled_shear = shear_over_friction / (1 + tangent_of_half * tangent_of_half)
     shear_cosine = (
-        np.where(half_tangent < 0, -1.0, 1.0)
+        np.where(tangent_of_half < 0, -1.0, 1.0)
         * scaled_shear
-        * (1 - half_tangent)
-        * (1 + half_tangent)
+        * (1 - tangent_of_half)
+        * (1 + tangent_of_half)
     )
-    shear_sine = 2 * scaled_shear * np.abs(half_tangent)
+    shear_sine = 2 * scaled_shear * np.abs(tangent_of_half)
     u = np.hypot(shear_cosine - amplitude, shear_sine)
     v = np.hypot(shear_cosine + amplitude, shear_sine)
     nonzero_u = np.where(u > 0, u, 1.0)
@@ -1366,18 +1366,18 @@ def log_weight_and_load(name: str, ellipses: Ellipses, angle: Array) -> tuple[Ar
     of the phase. One tangent of half of it stands for sine and cosine, since numpy has it in vector
     code.
     """
-    tangent = np.tan(angle / 2)
-    squared_tangent = tangent * tangent
-    squared_cosine = 1 / (1 + squared_tangent)
-    cosine = (1 - squared_tangent) * squared_cosine
-    sine = 2 * tangent * squared_cosine
+    tangent_of_half = np.tan(angle / 2)
+    squared_tangent_of_half = tangent_of_half * tangent_of_half
+    squared_cosine_of_half = 1 / (1 + squared_tangent_of_half)
+    cosine = (1 - squared_tangent_of_half) * squared_cosine_of_half
+    sine = 2 * tangent_of_half * squared_cosine_of_half
     if name == "P_c, E-G":
         return _log_weight_and_stick_edge_load(
             ellipses,
             ellipses.reverse_amplitude,
             ellipses.forward_amplitude,
             ellipses.slip_angle,
-            squared_tangent * squared_cosine,
+            squared_tangent_of_half * squared_cosine_of_half,
             cosine,
             sine,
         )
@@ -1387,14 +1387,14 @@ def log_weight_and_load(name: str, ellipses: Ellipses, angle: Array) -> tuple[Ar
             ellipses.forward_amplitude,
             ellipses.reverse_amplitude,
             -ellipses.slip_angle,
-            squared_tangent * squared_cosine,
+            squared_tangent_of_half * squared_cosine_of_half,
             cosine,
             sine,
         )
     # P0 + P1 cos(angle), as a sum of positive terms
     load = (
         ellipses.mean_load - ellipses.load_amplitude
-    ) + 2 * ellipses.load_amplitude * squared_cosine
+    ) + 2 * ellipses.load_amplitude * squared_cosine_of_half
     if name == "P_c, I-J":
         # cosine and sine of the angle from t_E
         cosine_from_start = ellipses.cosine_of_start * cosine + ellipses.sine_of_start * sine

@@ -508,7 +508,7 @@ def _solutions_with_tractions(
         # At most 20 instants in one solution.
         n_blocks = math.ceil(len(missing_times) / _INSTANTS_AT_ONCE)
         for times_at_once in np.array_split(missing_times, n_blocks):
-            # They follow from the loads alone, before the scene is solved.
+            # The edges follow from the loads alone, before the scene is solved.
             contact_edges = _contact_edges_at(scene, times_at_once)
             order_by_length = np.argsort(contact_edges[:, 1] - contact_edges[:, 0])
             places = _places_for_tractions(contact_edges[order_by_length])
