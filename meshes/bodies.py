@@ -369,8 +369,9 @@ def surface_points(grading: SurfaceGrading) -> Array:
         grading.outer,
         max(round((grading.outer - grading.inner) / grading.edge_size), 1) + 1,
     )
-    points = np.concatenate([middle_points, growing_points])[:-1]
-    points = np.concatenate([points, outer_points])
+    # the last of the inner points is the first of the outer ones
+    inner_points = np.concatenate([middle_points, growing_points])
+    points = np.concatenate([inner_points[:-1], outer_points])
     points_towards_tip = points[1] / 2.0 ** np.arange(grading.halvings, 0, -1)
     return np.concatenate([points[:1], points_towards_tip, points[1:]])
 

@@ -722,8 +722,9 @@ def _noise_variance(x: Array, h: Array) -> float:
         return 0.0
     # Weights of a divided difference: 1 over the product of the distances to the three other
     # places, in units of the distance from the first to the fourth.
-    places = places[is_distinct] / (places[is_distinct, -1] - places[is_distinct, 0])[:, None]
-    distances = places[:, :, None] - places[:, None, :] + np.eye(4)
+    span_of_four = places[is_distinct, -1] - places[is_distinct, 0]
+    scaled_places = places[is_distinct] / span_of_four[:, None]
+    distances = scaled_places[:, :, None] - scaled_places[:, None, :] + np.eye(4)
     weights = 1 / np.prod(distances, axis=2)
     third_differences = np.sum(weights * heights[is_distinct], axis=1)
     variance_of_each_four = third_differences**2 / np.sum(weights**2, axis=1)

@@ -859,7 +859,9 @@ class HarmonicSegment(LoadSegment):
         from the moment.
         """
         coefficients = (np.array(combination) @ self._fourier_coefficients)[1:]
-        amplitudes_and_lags = tuple((abs(c), -cmath.phase(c)) for c in coefficients.tolist())
+        amplitudes_and_lags = tuple(
+            (abs(coefficient), -cmath.phase(coefficient)) for coefficient in coefficients.tolist()
+        )
         mean = combination[0] * self.mean[0] + combination[1] * self.mean[1]
         return HarmonicSegment(self.start, self.end, (0.0, mean), (), amplitudes_and_lags)
 

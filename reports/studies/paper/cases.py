@@ -611,8 +611,8 @@ def _sweep(case: Case, largest_ratio: float = 6.0, n_ratios: int = 33) -> Sweep:
     # limit itself round-off would decide whether the contact slides.
     # FRICTIONS: 1, 0.8, 0.6 and 0.4
     friction_coefficients = np.array(FRICTIONS)
-    ratio = sliding_limit(friction_coefficients)[:, None] * (1 + 1e-9)
-    ratio = ratio * (largest_ratio / ratio) ** (np.linspace(0, 1, n_ratios) ** 2)
+    least_ratio = sliding_limit(friction_coefficients)[:, None] * (1 + 1e-9)
+    ratio = least_ratio * (largest_ratio / least_ratio) ** (np.linspace(0, 1, n_ratios) ** 2)
 
     # P0 is `ratio` times P1: the radius falls as P0 grows, so that a(P0) stays
     profile = case.scene.profile.model_dump()

@@ -541,9 +541,10 @@ class _SlipFromIToJ:
             load_at_y = self.formulas.stick_edge_load("IJ", time)  # P_Y
             # dQ/dP from the multiplier (dQ/dP)/f - 1
             slope = self.case.friction * (self.formulas.multiplier_c("IJ", time) + 1)
+            slope_as_read = slope
             if load_unit:
-                slope = slope * load_at_y / load_unit
-            multiplier = slope / self.case.friction - 1
+                slope_as_read = slope * load_at_y / load_unit
+            multiplier = slope_as_read / self.case.friction - 1
             load_rate = self.formulas.stick_edge_load_rate("IJ", time)  # dP_Y/dt
             arccosh_ratio = self.formulas.arccosh_ratio(self.x, load_at_y)  # arccosh(x/c)
             return multiplier * self.factor * load_rate * arccosh_ratio

@@ -706,7 +706,10 @@ def forgotten_loading(case: Case) -> VerdictAndNumbers:
     being "confirmed" or "contradicted".
     """
     # P and Q at the vertices
-    vertices = tuple((p * case.unit_load, q * case.unit_load) for p, q in ((1.0, 0.5), (2.0, -0.5)))
+    vertices = tuple(
+        (normal_load * case.unit_load, tangential_load * case.unit_load)
+        for normal_load, tangential_load in ((1.0, 0.5), (2.0, -0.5))
+    )
     changed_cases = [
         case.with_load(initial_loading=initial_loading)
         for initial_loading in ("straight", vertices)
