@@ -252,13 +252,13 @@ def _hint_on_rows_to_leave_out(
             2 * largest_sliding_normal_load, _LARGEST_NOISE_SHARE / 50 * largest_normal_load
         )
         unit_of_second_digit = 10.0 ** (np.floor(np.log10(exact_least_normal_load)) - 1)
-        least_normal_load = (
+        suggested_least_load = (
             float(np.floor(exact_least_normal_load / unit_of_second_digit) + 1)
             * unit_of_second_digit
         )
         return (
             f"{row_in_words}. Rows of so little load are noise where it is: write"
-            f" load.least_normal_load = {least_normal_load:.6g}"
+            f" load.least_normal_load = {suggested_least_load:.6g}"
         )
 
     # A sentence on the keys that leave out rows that slide; "" where none helps.

@@ -345,11 +345,13 @@ def _simulated_noise(
     along x, and at random reversed in x and in sign. `fit_record` has the indices of the fitted
     rows, and the standard deviation of their noise.
     """
-    noise = random.standard_normal(len(fit_record.used_rows()))
+    standard_noise = random.standard_normal(len(fit_record.used_rows()))
     if pattern is None:
-        return noise
+        return standard_noise
     moved_pattern = np.roll(pattern, random.integers(len(pattern)))[:: random.choice([-1, 1])]
-    return np.asarray(noise + random.choice([-1.0, 1.0]) * moved_pattern / fit_record.noise)
+    return np.asarray(
+        standard_noise + random.choice([-1.0, 1.0]) * moved_pattern / fit_record.noise
+    )
 
 
 def _values_under_fit(scene: Scene, work_method: _WorkMethod) -> NDArray[np.float64]:
@@ -526,11 +528,11 @@ def fit_warnings(scene: Scene, half_width: float) -> list[str]:
     return warnings
 
 
-def _uncertainty_in_words(scene: Scene, uncertainty: FitUncertainty) -> str:
+def _uncertainty_in_words(scene: Scene, fit_values: FitUncertainty) -> str:
     """A sentence on dissipation, half-width and peak pressure with their 95 % uncertainty by the
     noise of the rows.
 
-    `uncertainty` holds these values, each with its uncertainty (no dissipation for long records),
+    `fit_values` holds these values, each with its uncertainty (no dissipation for long records),
     and the numbers of simulated measurements and of those that cannot carry the load.
     """
     _, unit_of_length, unit_of_stress = units(scene)
@@ -542,14 +544,14 @@ def _uncertainty_in_words(scene: Scene, uncertainty: FitUncertainty) -> str:
         return f"{spread.value:.6g} ± {100 * spread.uncertainty / spread.value:.2g} %"
 
     work_in_words = (
-        f"W = {with_per_cent(uncertainty.dissipation)}, " if uncertainty.dissipation else ""
+        f"W = {with_per_cent(fit_values.dissipation)}, " if fit_values.dissipation else ""
     )
-    failures_in_words = f", {uncertainty.failed} of them unfit" if uncertainty.failed else ""
+    failures_in_words = f", {fit_values.failed} of them unfit" if fit_values.failed else ""
     return (
         f"The noise of the rows leaves open (95 %): {work_in_words}a ="
-        f" {with_per_cent(uncertainty.half_width)} {unit_of_length}, p0 ="
-        f" {with_per_cent(uncertainty.peak_pressure)} {unit_of_stress}. That is by"
-        f" {uncertainty.resamples}"
+        f" {with_per_cent(fit_values.half_width)} {unit_of_length}, p0 ="
+        f" {with_per_cent(fit_values.peak_pressure)} {unit_of_stress}. That is by"
+        f" {fit_values.resamples}"
         f" other measurements with this noise{failures_in_words}."
     )
 

@@ -110,8 +110,8 @@ def record_parts(scene: Scene) -> tuple[RecordPart, ...]:
     if not isinstance(load_record, TimeSeriesLoad) or load_record.repeats or load_record.is_driven:
         return ()
     # Numbers, from 0, of the first row used and of the one after the last.
-    first_row, row_beyond = load_record.row_bounds()
-    rows = load_record.rows.values[first_row:row_beyond]
+    first_used_row, row_beyond = load_record.row_bounds()
+    rows = load_record.rows.values[first_used_row:row_beyond]
     if len(rows) > _MOST_ROWS_LOOKED_THROUGH:
         return ()
 
@@ -128,7 +128,9 @@ def record_parts(scene: Scene) -> tuple[RecordPart, ...]:
     # RecordPart: kind, numbers of the first and the last row, words
     ordered_parts = sorted(parts, key=lambda part: (part.first_row, part.last_row))
     return tuple(
-        RecordPart(part.kind, part.first_row + first_row, part.last_row + first_row, part.words)
+        RecordPart(
+            part.kind, part.first_row + first_used_row, part.last_row + first_used_row, part.words
+        )
         for part in ordered_parts
     )
 

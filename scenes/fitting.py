@@ -271,13 +271,13 @@ def _levelled_trace(x: Array, h: Array, request: FitRequest) -> _Trace:
         what is fitted, `kind`, and what is stated: `tilt` (slope of the trace), `centre` (x of the
         middle), and `first_guess` (middle and half-length of the flat); None where it is not stated
     """
-    tilt = request.tilt or 0.0
-    levelled_heights = h - tilt * (x - x[0])
+    removed_tilt = request.tilt or 0.0
+    levelled_heights = h - removed_tilt * (x - x[0])
     known_middle = request.centre
     may_be_tilted = request.tilt is None and known_middle is None and request.first_guess is None
     if may_be_tilted and _is_tilted_as_a_whole(x, h, request.kind):
-        tilt = float(np.polyfit(x - x[0], h, 1)[0])
-        levelled_heights = h - tilt * (x - x[0])
+        removed_tilt = float(np.polyfit(x - x[0], h, 1)[0])
+        levelled_heights = h - removed_tilt * (x - x[0])
 
     # The middle: 0 for points that are the right half of a profile.
     if known_middle is None and _is_half_a_profile(x, levelled_heights):
@@ -295,7 +295,9 @@ def _levelled_trace(x: Array, h: Array, request: FitRequest) -> _Trace:
     elif tilt_is_fitted and known_middle is None and not x[0] < first_middle < x[-1]:
         # The tilt is so large that the parabola is lowest beyond the points.
         first_middle = float(x[0] + x[-1]) / 2
-    return _Trace(levelled_heights, tilt, known_middle, is_one_sided, tilt_is_fitted, first_middle)
+    return _Trace(
+        levelled_heights, removed_tilt, known_middle, is_one_sided, tilt_is_fitted, first_middle
+    )
 
 
 def _check_rows_of_fit(
@@ -630,7 +632,7 @@ def _is_half_a_profile(x: Array, h: Array) -> bool:
 
 
 def fitted_again(
-    profile: Any, noise: Array | None = None, smoothing: float = 1.0
+    profile: Any, standard_noise: Array | None = None, smoothing: float = 1.0
 ) -> dict[str, Any] | None:
     """Repeat the fit of a fitted profile, to its measured points or to simulated ones, to see how
     uncertain the fit is: the keys of the new profile; None where no convex profile fits.
@@ -641,7 +643,7 @@ def fitted_again(
         a profile of a scene that was fitted: `height` is its gap h(x), and `fitted` the record of
         the fit: measured rows, centre, offset (h at the centre), tilt, `noise` (standard deviation
         of h); `centre_fitted` and `tilt_fitted`: whether these two were fitted, not stated
-    noise
+    standard_noise
         (n,) random heights of standard deviation 1, one for each fitted point. Times the standard
         deviation `fitted.noise` they are added to the first fit; None: the measured points
     smoothing
@@ -652,8 +654,8 @@ def fitted_again(
     x, h = record.rows.values[record.used_rows()].T
     # With the fitted middle at 0 no noise can make points of both sides look like one half.
     x = x - record.centre
-    if noise is not None:
-        h = record.offset + profile.height(x) + record.noise * noise
+    if standard_noise is not None:
+        h = record.offset + profile.height(x) + record.noise * standard_noise
         # A stated tilt is removed again before the fit, so it has to be in the points.
         if not record.tilt_fitted:
             h = h + record.tilt * x

@@ -204,12 +204,14 @@ def _with_inputs(report: Report, mapping: Mapping, stages: Stages) -> Report:
         return report
     with stages.stage("uncertainty of the inputs"):
         # what the uncertain inputs do to values of theory; `effects`: compliances of finite bodies
-        inputs = input_effects(comparison.scene, comparison.effects)
-    report = replace(report, inputs=inputs, is_measured=mapping.measured.is_stated)
+        effects_of_inputs = input_effects(comparison.scene, comparison.effects)
+    report = replace(report, inputs=effects_of_inputs, is_measured=mapping.measured.is_stated)
     # fields derived from others: an external result has some, a solution of this program has none
     if not names_of_derived_fields(comparison.result):
         return report
-    return replace(report, validation=result_against_theory(comparison, inputs, mapping.measured))
+    return replace(
+        report, validation=result_against_theory(comparison, effects_of_inputs, mapping.measured)
+    )
 
 
 def _score_loop(
@@ -264,15 +266,17 @@ def _validation_of_loop(
     from reports.input_words import content as input_content
     from reports.inputs import input_effects
 
-    inputs = None
+    effects_of_inputs = None
     if scene.inputs:
         with stages.stage("uncertainty of the inputs"):
-            inputs = input_effects(scene)
-    loop_validation = validation.loop_area_against_models(loop_score, inputs, mapping.measured)
+            effects_of_inputs = input_effects(scene)
+    loop_validation = validation.loop_area_against_models(
+        loop_score, effects_of_inputs, mapping.measured
+    )
     sentences = validation.sentences(loop_validation, is_measured=True)
     return sentences, {
         "validation": [entry.content() for entry in loop_validation],
-        "inputs": input_content(inputs, scene),
+        "inputs": input_content(effects_of_inputs, scene),
     }
 
 

@@ -1053,10 +1053,10 @@ def _answer_of_rig(job: Job, refusals: EngineRefusals, no_comparison: str) -> An
     """
     if refusals.refusal_of_theory:
         solution = solve_finite_elements(job)
-        command = "fe"
+        command_name = "fe"
     else:
         solution = _solve_rig(job)
-        command = "exact"
+        command_name = "exact"
     inputs = _effects_of_inputs(job)  # what the uncertainties of the inputs do to the values
     answer = _answer_of_one_engine(job, solution, no_comparison, inputs)
     # finite elements beside theory, and what JSON states of them
@@ -1084,7 +1084,7 @@ def _answer_of_rig(job: Job, refusals: EngineRefusals, no_comparison: str) -> An
         code=answer.code if content_of_elements.get("admissible", True) else EXIT_OUTSIDE,
         parts=_parts_of_rig(answer, solution_of_elements, page),
         content=json_content,
-        command=command,
+        command=command_name,
     )
 
 

@@ -345,30 +345,30 @@ def outline(scene: Scene, name: str, half_width: float) -> Array:
     shape = getattr(scene.bodies, name)
     facing_shape = getattr(scene.bodies, "upper" if name == "lower" else "lower")
     outward_sign = 1.0 if name == "lower" else -1.0
-    face_half_width = shape.face_half_width
+    drawn_half_width = shape.face_half_width
     body_height = getattr(shape, "height", 0.0)
     if isinstance(shape, HalfPlane):
-        face_half_width = _HALF_WIDTHS_OF_BODY_SHOWN * facing_shape.face_half_width
+        drawn_half_width = _HALF_WIDTHS_OF_BODY_SHOWN * facing_shape.face_half_width
         if isinstance(facing_shape, HalfPlane):
-            face_half_width = _HALF_WIDTHS_OF_CONTACT_SHOWN * half_width
-        body_height = 0.5 * face_half_width
+            drawn_half_width = _HALF_WIDTHS_OF_CONTACT_SHOWN * half_width
+        body_height = 0.5 * drawn_half_width
     # Finer towards the ends, where an arc is steep.
-    x = face_half_width * np.sin(np.linspace(-np.pi / 2, np.pi / 2, _FACE_POINTS))
+    x = drawn_half_width * np.sin(np.linspace(-np.pi / 2, np.pi / 2, _FACE_POINTS))
     # `depth`: of the face below the plane of first contact, into the body [length]
     face = np.column_stack([x, -outward_sign * face_of(shape, scene.profile).depth(x)])
     if isinstance(shape, Cylinder):
         return face
     # x and depth of the corners beside and below the face
-    right_side = [(face_half_width, body_height)]
+    right_side = [(drawn_half_width, body_height)]
     if isinstance(shape, TShape | ShoulderedPad):
         # at the depth of the step the width changes: below a flange, or at a shoulder
         half_width_below_step = shape.step.half_width
         right_side = [
-            (face_half_width, shape.step.depth),
+            (drawn_half_width, shape.step.depth),
             (half_width_below_step, shape.step.depth),
             (half_width_below_step, body_height),
         ]
-    left_side = [(-corner_x, depth) for corner_x, depth in reversed(right_side)]
+    left_side = [(-corner_x, corner_depth) for corner_x, corner_depth in reversed(right_side)]
     return np.vstack([face, np.array(right_side + left_side) * [1.0, -outward_sign]])
 
 

@@ -66,16 +66,16 @@ def budget_bars(budget: ErrorBudget) -> Plate | None:
     budgets_of_first_table = [
         budget_of_metric for budget_of_metric in budget.budgets if budget_of_metric.metric.headline
     ]
-    budgets = budgets_with_tolerance or budgets_of_first_table
-    if not budgets:
+    drawn_budgets = budgets_with_tolerance or budgets_of_first_table
+    if not drawn_budgets:
         return None
 
     is_judged = bool(budgets_with_tolerance)
-    rest_name = "unexplained" if budgets[0].are_half_planes else "idealisation"
-    term_names = [term.name for term in budgets[0].terms]
+    rest_name = "unexplained" if drawn_budgets[0].are_half_planes else "idealisation"
+    term_names = [term.name for term in drawn_budgets[0].terms]
     block_names = [*term_names, rest_name]
     # lengths of the blocks of each bar, in tolerances or per cent
-    stacks = [_stack_of(budget_of_metric, is_judged) for budget_of_metric in budgets]
+    stacks = [_stack_of(budget_of_metric, is_judged) for budget_of_metric in drawn_budgets]
     # legend of the sources of error that have a block in some bar
     is_drawn = np.any([stack.lengths != 0 for stack in stacks], axis=0)
     keys = [
@@ -83,7 +83,7 @@ def budget_bars(budget: ErrorBudget) -> Plate | None:
         for index, name in enumerate(block_names)
         if is_drawn[index]
     ]
-    numbers_by_column = _budget_table(budgets, term_names, rest_name)
+    numbers_by_column = _budget_table(drawn_budgets, term_names, rest_name)
     panel = _panel_of_bars(stacks, block_names, is_judged)
     return figure_with_texts(
         "budget", [panel], numbers_by_column, keys, n_columns=1, judged=is_judged

@@ -76,7 +76,9 @@ class CycleView:
             EngineView("f", self.result_cycle, engine_in_words(comparison.result.engine)),
         )
         # entries of a legend: class of the line, name of the engine
-        self.keys = [Key(f"{engine.line_css} p", engine.name) for engine in self.engines]
+        self.keys = [
+            Key(f"{engine_view.line_css} p", engine_view.name) for engine_view in self.engines
+        ]
         # at most six instants, such as those of the largest P and Q, from the first on the rows of
         # a table of loads
         self.chosen_events = events(

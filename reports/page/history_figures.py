@@ -327,12 +327,12 @@ def slip_histories(view: CycleView) -> Plate:
     slip_of_reference, slip_of_result = (
         engine.cycle.slip[:, points] - engine.cycle.slip[0, points] for engine in view.engines
     )
-    slip = _SlipSinceStart(points, labels, slip_of_reference, slip_of_result)
+    slip_since_start = _SlipSinceStart(points, labels, slip_of_reference, slip_of_result)
     keys = [Key(f"point-{column}", label) for column, label in enumerate(labels)]
     return figure_with_texts(
         "slip_history",
-        [_panel_of_slip(view, slip)],
-        _table_of_slip(view, slip),
+        [_panel_of_slip(view, slip_since_start)],
+        _table_of_slip(view, slip_since_start),
         keys,
         n_columns=1,
         stretch=view.part_of_path,

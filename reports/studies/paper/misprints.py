@@ -962,8 +962,8 @@ def _integral_over_face(case: Case) -> VerdictAndNumbers:
         for begin, end in pairwise(corners)
     )
     # twice: W(x) is even, and the integral is over x > 0
-    dissipation = 2 * sum(parts_of_work) * case.unit_work
-    error_of_integral = _relative_error(dissipation, case.steady_cycle.dissipation)
+    dissipation_by_integral = 2 * sum(parts_of_work) * case.unit_work
+    error_of_integral = _relative_error(dissipation_by_integral, case.steady_cycle.dissipation)
 
     # AGREEMENT_TOLERANCE: 1e-9
     powers_hold = (

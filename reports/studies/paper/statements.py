@@ -61,7 +61,7 @@ def judge_statements(paper: Paper) -> dict[str, VerdictAndNumbers]:
 def statements_on_tractions(case: Case) -> dict[str, VerdictAndNumbers]:
     """Check what the paper states of the shear traction in the first cycle, against half-plane
     theory. This concerns its equations (5) in full stick, (6) in forward and (7) in reverse slip,
-    the rest at event E (end of forward slip), and the tractions that the cycle leaves.
+    full stick just after event E (end of forward slip), and the tractions that the cycle leaves.
 
     `case` is the paper's ellipse of loads on one profile. Returns name of a statement ->
     (verdict, numbers).
@@ -594,11 +594,11 @@ def one_way_slip(case: Case) -> VerdictAndNumbers:
         lower_bound = float(x[last_index])
         upper_bound = float(x[last_index + 1])
     end_of_reverse_work = (lower_bound + upper_bound) / 2
-    largest_half_width = max(case.half_width_at("E"), case.half_width_at("G"))
+    largest_half_width_in_reverse_slip = max(case.half_width_at("E"), case.half_width_at("G"))
     # confirmed if the place rounds to the printed 0.88 at 2 decimals, refined if within 2 % of it
     return verdict_of_number(end_of_reverse_work, 0.88, 2), {
         "edge": end_of_reverse_work,
-        "largest a in E-G": largest_half_width,
+        "largest a in E-G": largest_half_width_in_reverse_slip,
     }
 
 
@@ -1003,9 +1003,9 @@ def _flat_over_hertz(paper: Paper) -> dict[str, VerdictAndNumbers]:
         """W over A f^2 P0^2, the unit of work."""
         return case.steady_cycle.dissipation / case.unit_work
 
-    def scaled_peak(case: Case, peak: semi_analytic.PeakBatch) -> float:
+    def scaled_peak(case: Case, peak_of_cycle: semi_analytic.PeakBatch) -> float:
         """Peak of W(x) over A f^2 P0^2/a0."""
-        return float(peak.value) * case.unit_length / case.unit_work
+        return float(peak_of_cycle.value) * case.unit_length / case.unit_work
 
     quotient_of_works = scaled_work(paper.rounded_case) / scaled_work(paper.hertz_case)
     quotient_of_peaks = scaled_peak(paper.rounded_case, rounded_peak) / scaled_peak(

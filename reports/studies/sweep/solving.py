@@ -965,16 +965,20 @@ def _uncertainty_by_budget(
     # 1.0: CPU seconds of the run, which do not matter here
     budgets = error_budget(comparison, refinements, 1.0).budgets
     budget_by_key = {budget.metric.key: budget for budget in budgets}
-    values: Values = {}
+    errors_and_uncertainties: Values = {}
     # of a budget, `rest_of_error` is the idealisation error; `terms` are the numerical errors
     for name in evaluation.values:
         budget = budget_by_key.get(name)
-        values[f"{name}.idealisation"] = None if budget is None else budget.rest_of_error
-        values[f"{name}.uncertainty"] = None if budget is None else budget.uncertainty
+        errors_and_uncertainties[f"{name}.idealisation"] = (
+            None if budget is None else budget.rest_of_error
+        )
+        errors_and_uncertainties[f"{name}.uncertainty"] = (
+            None if budget is None else budget.uncertainty
+        )
         if budget is None or budget.uncertainty is None:
             error_terms = budget.terms if budget else ()
             reasons = [
                 f"{term.name}: {term.how_measured}" for term in error_terms if not term.is_measured
             ]
             notes[f"{name}.uncertainty"] = "; ".join(reasons) or "the budget has no such metric"
-    return values
+    return errors_and_uncertainties

@@ -442,9 +442,12 @@ def _approach(scene: Scene, settings: DeckSettings, scales: Scales, load: float)
             return settings.far_radius * scales.half_width
         return body.least_depth
 
-    least_depth = min(depth(scene.bodies.lower), depth(scene.bodies.upper))
+    depth_of_shallower_body = min(depth(scene.bodies.lower), depth(scene.bodies.upper))
     return float(
-        2 * load * np.log1p(4 * least_depth / scales.half_width) / (np.pi * scales.modulus)
+        2
+        * load
+        * np.log1p(4 * depth_of_shallower_body / scales.half_width)
+        / (np.pi * scales.modulus)
     )
 
 
@@ -479,7 +482,8 @@ def _body(
 
     # name of a boundary -> both nodes of each facet on it, (2, k)
     nodes_by_boundary = {
-        boundary: mesh.mesh.facets[:, facets] for boundary, facets in mesh.mesh.boundaries.items()
+        boundary: mesh.mesh.facets[:, facet_indices]
+        for boundary, facet_indices in mesh.mesh.boundaries.items()
     }
     # the left and the right end of a block that bulk stress pulls; both are the boundary "sides"
     pulled_ends: tuple[Indices, ...] = ()
@@ -701,8 +705,8 @@ def _constraints(deck: Deck, body: DeckBody) -> Iterator[list[tuple[int, int, fl
     has_strain = deck.strain(int(is_upper)) is not None
     can_tilt = is_upper and (deck.tilt is not None or deck.moment is not None)
 
-    for direction, nodes in sorted(body.held.items()):
-        for node in nodes.tolist():
+    for direction, held_nodes in sorted(body.held.items()):
+        for node in held_nodes.tolist():
             x, y = body.nodes[node - body.first_node].tolist()
             terms = [(node, direction, 1.0)]
             if is_upper:
