@@ -147,8 +147,8 @@ def extremes(answer: ContactSolution, names: Sequence[str] = SEARCHED_VALUES) ->
 
 
 def _extremes(solution: ContactSolution, names: tuple[str, ...]) -> Extremes:
-    """Largest values of half-plane theory through the last cycle of a solution; `names`
-    are those of "slip", "dissipation_density" and "edge_tension" to search for.
+    """Largest values of half-plane theory through the last cycle of a solution; `names` are those
+    of "slip", "dissipation_density" and "edge_tension" to search for.
 
     Where one memory curve is the whole friction history, the maxima are searched for over x and
     time. For other scenes they are the largest at the default points and instants. A memory curve

@@ -1633,12 +1633,12 @@ def _panels_of_points(
     begin_v, end_v = (
         _integration_variable(
             kind,
-            end_advances[nonempty_ranges],
+            boundary_advances[nonempty_ranges],
             distance_beyond_flat[point_number],
             advance_at_v0,
             scale,
         )
-        for end_advances in (ranges.begin, ranges.end)
+        for boundary_advances in (ranges.begin, ranges.end)
     )
     return Panels(point_number, x[point_number], advance_at_v0, scale, begin_v, end_v)
 

@@ -78,9 +78,9 @@ def fretting_map(
     Returns
     -------
     FrettingMap
-        At constant P a stroke is one step and leaves no step error; else a cycle has about 200
-        steps. The dissipation leaves out tilt, bulk strain and the next order of the bodies'
-        compliance.
+        At constant P each stroke of the actuator, from one turning point to the next, is one step
+        and leaves no step error; else a cycle has about 200 steps. The dissipation leaves out tilt,
+        bulk strain and the next order of the bodies' compliance.
 
     Raises
     ------
