@@ -728,8 +728,9 @@ def _without_tilt_and_strain(effects: BodyEffects) -> BodyEffects:
 
 def _size_of_odd_part(effects: BodyEffects, scene: Scene, half_width: float) -> float:
     """Rough size of the relative change of the dissipation by tilt and bulk strain of finite
-    bodies, c_1 (strain/f)^2 + c_2 strain tilt + c_3 (tilt f)^2 with the friction coefficient f:
-    they count in their second order alone.
+    bodies, c_1 (strain/f)^2 + c_2 strain tilt + c_3 (tilt f)^2 with the friction coefficient f.
+    They count in their second order alone: with both signs turned the dissipation is the same, by
+    symmetry.
 
     Parameters
     ----------

@@ -1411,8 +1411,8 @@ class _RowReader:
             # Empty cells at the end of a line are none.
             row = text if separator is None else text.rstrip(f"{separator} ")
             n_separators = len(row.split()) - 1 if separator is None else row.count(separator)
-            has_right_cell_count = fewest_separators <= n_separators <= most_separators
-            if not has_right_cell_count or (has_decimal_comma and "." in row):
+            has_possible_cell_count = fewest_separators <= n_separators <= most_separators
+            if not has_possible_cell_count or (has_decimal_comma and "." in row):
                 raise ValueError
             yield row.replace(",", ".") if has_decimal_comma else row
 

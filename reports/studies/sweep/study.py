@@ -415,17 +415,17 @@ def _point(
     here. `coordinates` has a value for each column of the axes.
     """
     # put the values into the scene's tables, and settings aside
-    settings: dict[str, dict[str, Any]] = {"mesh": {}, "solver": {}}
+    changed_settings: dict[str, dict[str, Any]] = {"mesh": {}, "solver": {}}
     for key, value in _values_by_key(study, coordinates).items():
         first_word, _, setting_name = key.partition(".")
-        if first_word in settings:
-            settings[first_word][setting_name] = value
+        if first_word in changed_settings:
+            changed_settings[first_word][setting_name] = value
         else:
             _set_value(scene_content, key, value)
 
     # check the scene and the settings: those of the preset, with changes
     scene = checked(Scene, scene_content, of_file=True)
-    mesh, solver = _settings(study.preset, settings)
+    mesh, solver = _settings(study.preset, changed_settings)
     question = Question(
         scene,
         mesh,
