@@ -517,10 +517,10 @@ def _marks_of_loads(frame: Frame, scene: Scene, outlines: dict[str, Array]) -> I
     outlines
         (n, 2) outline of each body, by "lower" and "upper" [length]
     """
-    load_record = scene.load
+    stated_load = scene.load
     y_of_top = float(frame.y.pixels_of(outlines["upper"][:, 1].max())) - 8  # [pixels, downwards]
     y_of_contact = float(frame.y.pixels_of(0.0))
-    line_of_action = load_record.line_of_action
+    line_of_action = stated_load.line_of_action
     x_of_action = frame.x.pixels_of(line_of_action.x if line_of_action else 0.0)
     # within the drawing; the caption says where the line of action is
     x_of_arrow = float(np.clip(x_of_action, 80.0, frame.width - 80.0))
@@ -537,13 +537,13 @@ def _marks_of_loads(frame: Frame, scene: Scene, outlines: dict[str, Array]) -> I
         yield Note(x_of_arrow + 63, y_of_top - 3, "Q", "load")
     # A positive tilt opens the gap at x > 0; a positive moment presses there, and so turns the
     # other way.
-    if load_record.tilt is not None:
+    if stated_load.tilt is not None:
         yield from _turning_arrow((x_of_arrow - 48.0, y_of_top - 17.0), 1.0, "α")
-    elif load_record.moment is not None:
+    elif stated_load.moment is not None:
         yield from _turning_arrow((x_of_arrow - 48.0, y_of_top - 17.0), -1.0, "M")
     for name, stress in (
-        ("lower", load_record.bulk_stress_lower),
-        ("upper", load_record.bulk_stress_upper),
+        ("lower", stated_load.bulk_stress_lower),
+        ("upper", stated_load.bulk_stress_upper),
     ):
         if stress is not None:
             yield from _bulk_arrows(frame, outlines[name])

@@ -96,21 +96,24 @@ class Quantity:
         )
 
 
-def _value_at_mean_load(solution: ContactSolution, series: np.ndarray, load_path: Load) -> float:
-    """Value of a quantity at one normal load of the last cycle: at the mean load P0 of an
-    elliptical `load_path`, else at the largest load. Linear between the loads of the instants.
+def _value_at_mean_load(solution: ContactSolution, series: np.ndarray, stated_load: Load) -> float:
+    """Value of a quantity at one normal load of the last cycle: at the mean load P0 where the loads
+    that the scene states (`stated_load`) are an ellipse, else at the largest load. Linear between
+    the loads of the instants.
 
     `series` (n,) has the quantity at all instants of the solution. Where an ellipse prescribes the
     approach in place of P, the largest load is taken too.
     """
     cycle_indices = solution.last_cycle  # instants of the last cycle
-    loads = solution.normal_load[cycle_indices]
-    load_of_value = float(np.max(loads))
-    if isinstance(load_path, EllipseLoad) and not load_path.states_approach:
-        load_of_value = load_path.mean_normal_load
-    ascending_indices = np.argsort(loads, kind="stable")
+    normal_loads = solution.normal_load[cycle_indices]
+    load_of_value = float(np.max(normal_loads))
+    if isinstance(stated_load, EllipseLoad) and not stated_load.states_approach:
+        load_of_value = stated_load.mean_normal_load
+    ascending_indices = np.argsort(normal_loads, kind="stable")
     return float(
-        np.interp(load_of_value, loads[ascending_indices], series[cycle_indices][ascending_indices])
+        np.interp(
+            load_of_value, normal_loads[ascending_indices], series[cycle_indices][ascending_indices]
+        )
     )
 
 
