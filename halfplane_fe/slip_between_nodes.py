@@ -41,8 +41,8 @@ class LargestSlip(NamedTuple):
     x
         the place [length]; NaN where nothing ever touches
     change_to_nodes
-        change of this range per distance of nodes towards the middle, the mean over the two nodes
-        inside of the place [length]
+        change of this range per distance of nodes towards the middle [length]: the mean over the
+        two nodes inside of the place, or from there to the place if that is more
     """
 
     value: float
@@ -139,8 +139,11 @@ def _largest_by_right_edge(
     inner_node = int(np.searchsorted(x, place, side="right")) - 1
     beyond_inner_node = max(inner_node - _NODES_INWARDS, 0)
     rows = (left_edge <= place) & (right_edge >= place)
-    change = _range(slip[rows, inner_node]) - _range(slip[rows, beyond_inner_node])
-    return LargestSlip(value, place, abs(change) / _NODES_INWARDS)
+    range_of_inner_node = _range(slip[rows, inner_node])
+    change_inwards = range_of_inner_node - _range(slip[rows, beyond_inner_node])
+    # Where the zone of slip is narrower than a distance of nodes, all slip is beyond the inner one.
+    change_to_nodes = max(abs(change_inwards) / _NODES_INWARDS, value - range_of_inner_node)
+    return LargestSlip(value, place, change_to_nodes)
 
 
 def _range(values: Array) -> float:

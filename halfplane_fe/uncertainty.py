@@ -132,13 +132,16 @@ RULES: dict[str, Rule] = {
 
 
 # The largest slip is that of straight lines between nodes, and from the last ones that touch to the
-# edge of contact (`slip_between_nodes`): slip next to the edge bends as the root of a distance
-# does. So a share of how it changes from node to node counts, times the root of their distance over
-# the half-width. Where that change is small by chance, the difference of two meshes counts, of an
-# error of the same order 1.5. Seeds 701 to 703 of benchmarks/covered.py values, and 701 of bodies,
-# coarse, 701 default.
-_SLIP_BY_NEIGHBOURS = 0.6
-SLIP_RULE = Rule(order=1.5, factor=0.8)
+# edge of contact (`slip_between_nodes`). Its error has two parts that are known from one mesh.
+# A share of it is left however wide the slip zone is: the distance of the nodes over the half-width
+# times
+_SLIP_BY_SPACING = 0.15
+# Where the zone is only n nodes wide, slip bends between them: n^-1.5 of its change from node to
+# node, times the following. The change is 1/n of the largest slip, about.
+_SLIP_BY_CHANGE = 3.0
+# Where both are small by chance, the difference of two meshes counts, of order 1.5. Fitted to seeds
+# 601 to 603 and 706 of benchmarks/covered.py values.
+SLIP_RULE = Rule(order=1.5, factor=0.15)
 # W over A f^2 P^2, P the largest load, below which the largest slip has no estimate: of a tabulated
 # profile in full stick but for 1e-12 of A f^2 P^2 the mesh saw a thousandth of the slip.
 _LEAST_WORK_OF_SLIP = 1e-8
@@ -529,8 +532,14 @@ def slip_uncertainty(
     # _LEAST_WORK_OF_SLIP: W below which next to nothing slips
     if values.largest_slip == 0 or scaled_work < _LEAST_WORK_OF_SLIP:
         return math.nan
-    # _SLIP_BY_NEIGHBOURS: fitted share
-    estimate = _SLIP_BY_NEIGHBOURS * math.sqrt(relative_spacing) * values.slip_to_next_nodes
+    # share of the slip that is gained from one node to the next: 1/n of a zone of n nodes
+    change = values.slip_to_next_nodes
+    share_of_change = change / values.largest_slip
+    # _SLIP_BY_SPACING, _SLIP_BY_CHANGE: fitted shares
+    estimate = (
+        _SLIP_BY_SPACING * relative_spacing * values.largest_slip
+        + _SLIP_BY_CHANGE * share_of_change**1.5 * change
+    )
     if coarse_values is None or not values.is_comparable(coarse_values):
         return math.nan if meshes.has_low_order else estimate
     difference = values.difference("largest_slip", coarse_values)
