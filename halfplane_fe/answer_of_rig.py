@@ -22,10 +22,10 @@ _MOST_EARLIER_SLIDES_NAMED = 2
 
 def scene_of_loads(scene: Scene, run: PathRun, load_unit: float) -> Scene:
     """The scene of a rig under load control in the place of displacement control: P and Q that the
-    finite elements found at the end of each increment, joined by straight lines.
+    finite elements found at the end of each increment, joined by straight lines from P = Q = 0.
 
-    The last load cycle of the run becomes the cycle, what is before it the initial loading. Where
-    no cycle was completed, all of the path is initial loading.
+    The last load cycle of the run becomes the cycle, which its first point closes. What is before
+    it is the initial loading. Where the last cycle was not completed, all of the path is.
 
     Parameters
     ----------
@@ -44,7 +44,8 @@ def scene_of_loads(scene: Scene, run: PathRun, load_unit: float) -> Scene:
     ]
     initial_loading = tuple(load_points[1:])
     cycle: tuple[tuple[float, float], ...] = ()
-    if run.nodal_work_by_cycle and run.cycle_starts:
+    is_completed = len(run.nodal_work_by_cycle) == len(run.cycle_starts)
+    if run.cycle_starts and is_completed:
         first_of_cycle = run.cycle_starts[-1]
         initial_loading = tuple(load_points[1 : first_of_cycle + 1])
         cycle = tuple(load_points[first_of_cycle + 1 : -1])

@@ -72,20 +72,22 @@ def straight_loading(
     initial_loading: InitialLoading, first_segment: LoadSegment, line_duration: float
 ) -> tuple[StraightSegment, ...]:
     """Initial loading of a load path: straight segments in the P-Q plane from P = Q = 0 through
-    given points to the loads at which the cycle starts.
+    given points to the loads at which the path after it starts. Movements of actuators may stand in
+    the place of P and Q.
 
     Parameters
     ----------
     initial_loading
-        (P, Q) points between [force per thickness], or "straight" for none
+        (P, Q) points between [force per thickness], or movements [length]; "straight" for none
     first_segment
-        of the cycle; the initial loading ends at its start time, with its loads there
+        of the cycle, or of a path that does not repeat; the initial loading ends at its start time,
+        with its loads there
     line_duration
         time that each straight segment takes
     """
     points_between = () if initial_loading == "straight" else initial_loading
-    cycle_start = tuple(float(load) for load in first_segment.loads(first_segment.start))
-    points = [(0.0, 0.0), *points_between, cycle_start]
+    end_point = tuple(float(load) for load in first_segment.loads(first_segment.start))
+    points = [(0.0, 0.0), *points_between, end_point]
     start_time = first_segment.start - (len(points) - 1) * line_duration
     times_and_loads = [(start_time + k * line_duration, *point) for k, point in enumerate(points)]
     return straight_segments(times_and_loads)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ import pytest
 import halfplane_fe
 import semi_analytic
 from halfplane_fe import FiniteElementSolution, SolverSettings
+from halfplane_fe.answer_of_rig import scene_of_loads
 from halfplane_fe.settings import Method
 from meshes import MeshSettings
 from reports.comparison.laws import certificates, expected_numbers
@@ -490,3 +492,23 @@ def test_half_planes_move_along_their_faces_as_johnson_states() -> None:
     at_depth = np.interp(depth, depths[order], moved)
     # Both bodies move alike, and the middle of the contact sticks.
     assert 2 * (moved[0] - at_depth) == pytest.approx(prescribed, rel=5e-4)
+
+
+def test_a_cycle_that_was_not_completed_is_no_cycle_of_the_loads_found() -> None:
+    """A revolution that failed in its second increment was taken for the cycle, and refused."""
+    states = [
+        SimpleNamespace(time=float(time), normal_load=90.0, tangential_load=tangential_load)
+        for time, tangential_load in enumerate((0.0, 10.0, 20.0, 10.0, 20.0))
+    ]
+    one_cycle = SimpleNamespace(
+        states=states[:4], cycle_starts=[1], nodal_work_by_cycle=[np.zeros(1)]
+    )
+    scene = load_scene(rig_names()[0])
+    load = scene_of_loads(scene, one_cycle, 1.0).load
+    assert (load.initial_loading, load.cycle) == (((90.0, 10.0),), ((90.0, 20.0),))
+    second_failed = SimpleNamespace(
+        states=states, cycle_starts=[1, 3], nodal_work_by_cycle=[np.zeros(1)]
+    )
+    load = scene_of_loads(scene, second_failed, 1.0).load
+    assert load.cycle == ()
+    assert [force for _, force in load.initial_loading] == [10.0, 20.0, 10.0, 20.0]

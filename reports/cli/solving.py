@@ -156,9 +156,9 @@ def _answer_of_interruption(
 
 
 def _answer_without_convergence(failure: ConvergenceError, job: Job) -> Answer:
-    """The answer of a command whose solver did not converge, with exit code 3: the steps solved
-    before, which are saved in the job's folder, in a table and for --json. A line on stderr has the
-    reason. Without a solved step nothing is saved.
+    """The answer of a command whose solver did not converge, with exit code 3. The steps solved
+    before are saved in the job's folder; without one nothing is. The table sums them up, and --json
+    has the reason and the name of the file. A line on stderr has the reason too.
 
     `failure` is the error, with its reason and the solution up to the last converged step, None
     without one.
@@ -174,7 +174,7 @@ def _answer_without_convergence(failure: ConvergenceError, job: Job) -> Answer:
         json_content["file"] = str(path)
         rows = summary_rows(failure.partial)
         parts = [
-            Sheet("Steps solved before it failed", ("quantity", "value"), rows),
+            Sheet("What was solved before it failed", ("quantity", "value"), rows),
             str(path),
         ]
     elif not job.options.json:

@@ -73,8 +73,8 @@ def _has_enough_points(values: Array) -> Mask:
 
 def without_spikes(values: Array) -> Array:
     """A field of values (n_instants, n_points) without its spikes, single values that are far
-    larger than all others: each is replaced by the mean of its neighbours in x that are no spikes,
-    by 0 where both are spikes.
+    larger than the others of the instant: each is replaced by the mean of its neighbours in x.
+    The same array where there is none, else a read-only copy.
     """
     is_spike = spike_mask(values)
     if not is_spike.any():
@@ -83,11 +83,9 @@ def without_spikes(values: Array) -> Array:
     # indices of the instant and the point of each spike
     for instant, point in np.argwhere(is_spike):
         neighbours = [
-            neighbour
-            for neighbour in (point - 1, point + 1)
-            if 0 <= neighbour < values.shape[1] and not is_spike[instant, neighbour]
+            neighbour for neighbour in (point - 1, point + 1) if 0 <= neighbour < values.shape[1]
         ]
-        smooth_values[instant, point] = np.mean(values[instant, neighbours]) if neighbours else 0.0
+        smooth_values[instant, point] = np.mean(values[instant, neighbours])
     return read_only_copy(smooth_values)
 
 

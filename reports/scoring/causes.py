@@ -258,12 +258,13 @@ def _start_sizes_of_coupling(discrepancy: Discrepancy) -> Sequence[float]:
 
 
 def _start_sizes_of_wrong_load(key: str) -> Callable[[Discrepancy], Sequence[float]]:
-    """The function that gives the start of a search for a wrong load `key`, such as a tilt left
-    out: the size 1, as for every fault without a size; none where the scene has no such load.
+    """The function that gives the start of a search for a fault of the loads, of the name `key`
+    such as "tilt_left_out": its size 1, as of every fault that has none. It gives none where the
+    loads of the scene that a result is compared with cannot have this fault.
     """
 
     def start_sizes(discrepancy: Discrepancy) -> Sequence[float]:
-        # wrong_loads: the loads of the scene with a fault each, by key
+        # wrong_loads: what each fault changes in the loads of the scene, by the fault's name
         with contextlib.suppress(InputError):
             return (1.0,) if key in wrong_loads(discrepancy.scene) else ()
         return ()

@@ -34,8 +34,8 @@ _PHASES = ("EG", "IJ", "JM")
 
 
 def prove_misprints(paper: Paper) -> dict[str, VerdictAndNumbers]:
-    """All misprints of the paper, tested by computing: key of a misprint -> whether it is proven
-    (None: by reading) and its numbers.
+    """All misprints of the paper, tested by computing where one can: key of a misprint -> whether
+    it is proven (None: it is found by reading) and its numbers.
 
     `paper` holds the paper's ellipse of loads on its two profiles, and the peaks of W(x), the
     dissipation per area, on each.
