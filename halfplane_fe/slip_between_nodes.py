@@ -42,7 +42,8 @@ class LargestSlip(NamedTuple):
         the place [length]; NaN where nothing ever touches
     change_to_nodes
         change of this range per distance of nodes towards the middle [length]: the mean over the
-        two nodes inside of the place, or from there to the place if that is more
+        two nodes inside of the place; from the first of them to the place if it slips less than
+        half as far
     """
 
     value: float
@@ -141,8 +142,11 @@ def _largest_by_right_edge(
     rows = (left_edge <= place) & (right_edge >= place)
     range_of_inner_node = _range(slip[rows, inner_node])
     change_inwards = range_of_inner_node - _range(slip[rows, beyond_inner_node])
-    # Where the zone of slip is narrower than a distance of nodes, all slip is beyond the inner one.
-    change_to_nodes = max(abs(change_inwards) / _NODES_INWARDS, value - range_of_inner_node)
+    change_to_nodes = abs(change_inwards) / _NODES_INWARDS
+    # Where most of the slip is beyond the inner node, the zone is narrower than the next distance.
+    change_outwards = value - range_of_inner_node
+    if change_outwards > range_of_inner_node:
+        change_to_nodes = max(change_to_nodes, change_outwards)
     return LargestSlip(value, place, change_to_nodes)
 
 
