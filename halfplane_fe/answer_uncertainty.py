@@ -107,11 +107,11 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
     coarse_dissipation = task.scales.dissipation / task.work_unit
 
     # rms of W over the places of edges between their nodes, over A f^2 P^2
-    edges_are_known = _edges_are_known(task, run)
-    edge_scatter = run.edge_excess_by_cycle[-1].rms / friction_unit if edges_are_known else None
+    edges_are_located = _edges_are_located(task, run)
+    edge_scatter = run.edge_excess_by_cycle[-1].rms / friction_unit if edges_are_located else None
 
     # The part of the mesh is found over A f^2 P^2, and added in the unit of the run.
-    step_uncertainty = _uncertainty_by_increments(task, run, edges_are_known=edges_are_known)
+    step_uncertainty = _uncertainty_by_increments(task, run, edges_are_located=edges_are_located)
     return step_uncertainty + friction_unit * uncertainty(
         dissipation / friction_unit,
         abs(dissipation - coarse_dissipation) / friction_unit,
@@ -122,14 +122,14 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
     )
 
 
-def _edges_are_known(task: Task, run: PathRun) -> bool:
-    """Whether the edges of contact and stick of the last cycle are located between the nodes, so
-    that what they add to the friction work, as they move from node to node, was subtracted.
+def _edges_are_located(task: Task, run: PathRun) -> bool:
+    """Whether the edges of contact and stick of the last cycle count as located between the nodes,
+    so that what they add to the friction work, as they move from node to node, was subtracted.
 
     Not so with linear elements or a penalty layer (`task.has_errors_of_low_order`), nor with bulk
-    stress, tilt, or a profile that is not its own mirror image (`unsymmetric`). Where no end of a
-    permanent stick zone could be located (`is_unplaced`), they are known of half-planes alone: slip
-    of other bodies ends node by node, and such an end may add work all the same.
+    stress, tilt, or a profile that is not its own mirror image (`unsymmetric`). Where no edge of a
+    permanent stick zone could be located (`is_unplaced`), this holds of half-planes alone: in other
+    bodies slip stops in one node after the other, and such an edge may add work all the same.
 
     `run.edge_excess_by_cycle` has, for each cycle that was completed, the work that edges add.
     """
@@ -139,7 +139,7 @@ def _edges_are_known(task: Task, run: PathRun) -> bool:
     return bool(not run.edge_excess_by_cycle[-1].is_unplaced or scene.bodies.half_planes)
 
 
-def _uncertainty_by_increments(task: Task, run: PathRun, *, edges_are_known: bool) -> float:
+def _uncertainty_by_increments(task: Task, run: PathRun, *, edges_are_located: bool) -> float:
     """Uncertainty of the friction work W of the last load cycle, or of a path that does not repeat,
     by its finite increments, scaled: a share of what bounds their errors, added up.
 
@@ -154,7 +154,7 @@ def _uncertainty_by_increments(task: Task, run: PathRun, *, edges_are_known: boo
         the scene with its bodies; `kinks_bound_step_error` in records of loads of like bodies
     run
         bounds of each increment by name, and index of the increment at which each cycle starts
-    edges_are_known
+    edges_are_located
         whether edges of contact and stick are located between the nodes
     """
     first_increment = run.cycle_starts[-1] if run.cycle_starts else 0
@@ -162,12 +162,12 @@ def _uncertainty_by_increments(task: Task, run: PathRun, *, edges_are_known: boo
     if task.kinks_bound_step_error:
         name_of_bound = "kink_work"
         share_of_bound = _BENT_IN_RECORDS
-    elif edges_are_known and bodies_are_alike(task.scene):
+    elif edges_are_located and bodies_are_alike(task.scene):
         name_of_bound = "kink_work"
         share_of_bound = _BENT
     else:
         name_of_bound = "step_error"
-        share_of_bound = _OF_BOUND if edges_are_known else 1.0
+        share_of_bound = _OF_BOUND if edges_are_located else 1.0
     bounds_of_cycle = run.values_of_increments(name_of_bound)[first_increment:]
     return float(share_of_bound * bounds_of_cycle.sum())
 

@@ -308,10 +308,15 @@ def _stiffness(system: System, elements: Indices) -> sparse.csr_matrix:
         corner_functions = np.stack(
             [linear_element.lbasis(points, i)[0] for i in range(corners.shape[1])]
         )
-        divergence, mass = _pressure_matrices(gradients, point_areas, corner_functions, lame)
+        coupling_block, pressure_block = _pressure_matrices(
+            gradients, point_areas, corner_functions, lame
+        )
         dofs = np.hstack([dofs, 2 * mesh.p.shape[1] + corners])
         element_matrices = np.block(
-            [[element_matrices, divergence.transpose(0, 2, 1)], [divergence, mass]]
+            [
+                [element_matrices, coupling_block.transpose(0, 2, 1)],
+                [coupling_block, pressure_block],
+            ]
         )
 
     # Entries of all elements are summed in a sparse matrix.
@@ -353,11 +358,13 @@ def _pressure_matrices(
     gradients: Array, point_areas: Array, corner_functions: Array, lame: SplitLame
 ) -> tuple[Array, Array]:
     """Blocks G B (n_elements, n_corners, 2 n) and -G^2 M/lambda_1 (n_elements, n_corners,
-    n_corners) of the element matrices that the mixed pressure r/G adds, for n nodes and n_corners
-    corners of each element. The pressure is linear between the corners.
+    n_corners) of the element matrices that the mixed pressure r adds, for n nodes and n_corners
+    corners of each element. The unknowns are r/G at the corners, between which r is linear: hence
+    the factors G and G^2.
 
-    # notation: B divergence, M mass matrix of r; lambda_1 the part of Lame's first constant that
-    # acts through r; G shear modulus
+    # notation: u displacement; r = lambda_1 div u; B matrix of div u, M mass matrix, both weighted
+    # with the functions of r; lambda_1 the part of Lame's first constant that acts through r; G
+    # shear modulus
 
     Parameters
     ----------
@@ -373,9 +380,11 @@ def _pressure_matrices(
     """
     shear_modulus = lame.shear_modulus
     weighted_functions = corner_functions * point_areas
-    divergence = shear_modulus * weighted_functions @ gradients.transpose(0, 2, 1)
-    mass = -(shear_modulus**2) / lame.lambda_of_pressure * weighted_functions @ corner_functions.T
-    return divergence, mass
+    coupling_block = shear_modulus * weighted_functions @ gradients.transpose(0, 2, 1)
+    pressure_block = (
+        -(shear_modulus**2) / lame.lambda_of_pressure * weighted_functions @ corner_functions.T
+    )
+    return coupling_block, pressure_block
 
 
 def _gradients_and_areas(

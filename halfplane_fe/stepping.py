@@ -394,17 +394,18 @@ def _lost_slip(
     increment does not count as it is solved. 0 of nodes that neither turn round nor are stopped.
 
     Nodes are stopped that stick in the solved increment though the rates of its start keep them
-    sliding: other nodes have changed their state within it, at an unknown instant.
+    sliding: others have changed between open, stick and slip within it, at an unknown instant.
 
     Parameters
     ----------
     start_state, increment
-        state before the increment, and the increment as it was solved
+        state of the interface (its instant, loads, slip and open, stick or slip of its nodes)
+        before the increment; and the increment as it was solved
     loads_at
         function of an instant: the scaled loads
     slip_by_loads
-        (n_loads, n) derivatives of the slip by the loads, while the nodes keep their states from
-        the start
+        (n_loads, n) derivatives of the slip by the loads, while the nodes stick or slide as at the
+        start
     has_turned
         (n,) nodes that slide at the start and would slide the other way at the end
     """
@@ -413,7 +414,9 @@ def _lost_slip(
     is_losing = has_turned | has_stopped
     if not is_losing.any():
         return np.zeros(len(is_losing))
-    uncounted_slip = _uncounted_slip(start_state, increment.state, loads_at, slip_by_loads)
+    end_state = increment.state  # of the interface
+    # of all nodes that slide at the start; lost is that of those which turn round or are stopped
+    uncounted_slip = _uncounted_slip(start_state, end_state, loads_at, slip_by_loads)
     return np.where(is_losing, uncounted_slip, 0.0)
 
 

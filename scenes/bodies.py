@@ -332,12 +332,12 @@ class Bodies(Frozen):
         ):
             if not isinstance(body, Pad | ShoulderedPad):
                 continue
-            if body.face_half_width > opposite_body.face_half_width:
+            opposite_width = 2 * opposite_body.face_half_width
+            if body.width > opposite_width:
                 raise ValueError(
                     f"the {name} body, a pad of width {body.width:g}, is wider than the"
-                    f" {opposite_body.kind} that it faces, of width"
-                    f" {2 * opposite_body.face_half_width:g}: make the pad narrower or the"
-                    f" {opposite_body.kind} wider"
+                    f" {opposite_body.kind} that it faces, of width {opposite_width:g}: make the"
+                    f" pad narrower or the {opposite_body.kind} wider"
                 )
         return self
 

@@ -80,16 +80,17 @@ def straight_loading(
     initial_loading
         (P, Q) points between [force per thickness], or movements [length]; "straight" for none
     first_segment
-        of the cycle, or of a path that does not repeat; the initial loading ends at its start time,
-        with its loads there
+        of the cycle, or of a path that does not repeat; the initial loading ends at its begin, with
+        its loads there
     line_duration
         time that each straight segment takes
     """
     points_between = () if initial_loading == "straight" else initial_loading
-    end_point = tuple(float(load) for load in first_segment.loads(first_segment.start))
-    points = [(0.0, 0.0), *points_between, end_point]
-    start_time = first_segment.start - (len(points) - 1) * line_duration
-    times_and_loads = [(start_time + k * line_duration, *point) for k, point in enumerate(points)]
+    end_time = first_segment.start
+    end_loads = tuple(float(load) for load in first_segment.loads(end_time))
+    points = [(0.0, 0.0), *points_between, end_loads]
+    begin_time = end_time - (len(points) - 1) * line_duration
+    times_and_loads = [(begin_time + k * line_duration, *point) for k, point in enumerate(points)]
     return straight_segments(times_and_loads)
 
 

@@ -527,12 +527,13 @@ def _integral_of_slope(slope: PiecewiseSeries) -> PiecewiseSeries:
     Both are Chebyshev series of the same degree on the same intervals. The term of the next degree
     is round-off.
     """
-    coefficients = (
+    # rise from the begin of its own interval on, then from that of the first interval on
+    rise_coefficients = (
         chebyshev.chebint(slope.coefficients, lbnd=-1)[:-1] * np.diff(slope.interval_ends) / 2
     )
-    rises = chebyshev.chebval(1.0, coefficients)  # over each interval
-    coefficients[0] += np.append(0.0, np.cumsum(rises)[:-1])
-    return PiecewiseSeries(slope.interval_ends, coefficients)
+    rise_over_intervals = chebyshev.chebval(1.0, rise_coefficients)
+    rise_coefficients[0] += np.append(0.0, np.cumsum(rise_over_intervals)[:-1])
+    return PiecewiseSeries(slope.interval_ends, rise_coefficients)
 
 
 # Intervals of x are halved so often from the extent towards 0: down to extent/10^16.

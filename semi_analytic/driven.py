@@ -1021,12 +1021,14 @@ class _StepSolver:
 
         The actuator moves by U + Q/k_s: U of contact and bodies, and the spring k_s of the rig.
         Without a slide this is `displacement_without_slide` of a trial, a step with a trial value
-        of Q.
+        of Q. The memory curve is the tangential force of the flat punches up to each half-width;
+        it is made of pieces. `self._memory` holds the pieces of all steps so far, and f.
 
         Parameters
         ----------
         state
-            friction memory at the begin of the step
+            what the contact remembers at the begin of the step: the uppermost piece of its memory
+            curve, and the last direction of slip
         end
             instant at the end of the step, with its P
         first_trial, limit_force
@@ -1040,7 +1042,8 @@ class _StepSolver:
             If no Q is found.
         """
         memory = self._memory
-        # a trial adds pieces of memory curve, which are discarded unless it is the last trial
+        # A trial adds pieces, which are discarded unless it is the last trial.
+        # `trial.memory_step`: what is remembered at the end of a trial, and its slip zones.
         n_pieces = len(memory.pieces)
         trial = first_trial
         lower_tangential_load, upper_tangential_load = sorted((trial.tangential_load, limit_force))

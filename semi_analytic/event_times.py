@@ -184,17 +184,18 @@ def event(scene: Scene, letter: str) -> Event:
 
 
 def _unlettered_events(history: History) -> Iterator[Event]:
-    """Events of a load path, without the letters of the paper: begins and ends of stick and slip,
-    extreme loads, the end of the path, and each passage of the stick edge from one piece of the
-    memory curve to the next.
+    """Events of a load path, without the letters A to M that the paper gives to those of an ellipse
+    of loads: begins and ends of stick and slip, extreme loads, the end of the path, and each
+    passage of the stick edge from one piece of the memory curve to the next.
 
-    A span is a time in full stick, or with slip in one direction, 1, -1 or 0. The memory curve is
-    M(eta), the tangential force of the flat punches up to the load eta. A growing slip zone erases
-    it from the edge of contact inwards. In a span the stick edge stays on one piece of the curve,
+    A span is a time in full stick, 0, or with slip in one direction, 1 or -1. The memory curve is
+    M(eta), the tangential force of the flat punches up to the load eta. A slip zone lies between
+    the stick edge, at the load P_c, and the edge of contact, at P. As it grows, the stick edge
+    moves inwards and erases M above P_c. In a span the stick edge stays on one piece of the curve,
     its `sticking_piece`.
 
-    A change between stick and slip comes twice, as the begin of a span and as the end of the span
-    before. `events` merges the two. It drops those whose name ends in " goes on".
+    The border of two spans comes twice, as the begin of a span and as the end of the span before.
+    `events` merges all events of one instant. It drops those whose name ends in " goes on".
     """
     state_names = {0: "full stick", 1: "forward slip", -1: "reverse slip"}
     spans_of_cycles = [(f"cycle {number}", cycle) for number, cycle in enumerate(history.cycles, 1)]

@@ -751,12 +751,13 @@ def _with_moved_datum(contact: Contact, largest_load: float) -> Contact:
     keeps digits where the logarithm hardly varies, as for a face that is nearly all flat.
     `largest_load` is the largest P.
     """
-    moved_contact = replace(contact, datum_length=float(contact.half_width(largest_load)) / 2)
-    if isinstance(moved_contact, TiltedProfile):
-        # U + kappa m_q, m_q the moment of the shear, kappa the tilt or bulk strain per load: its
-        # closed integral is that of all work.
-        return replace(moved_contact, kernel_quantity="conjugate_displacement")
-    return moved_contact
+    contact_with_datum = replace(contact, datum_length=float(contact.half_width(largest_load)) / 2)
+    if isinstance(contact_with_datum, TiltedProfile):
+        # The kernel becomes that of U + kappa m_q in place of U, m_q the moment of the shear: bulk
+        # strain does work too, so that W is minus the closed integral of (U + kappa m_q) dQ. kappa
+        # is the bulk strain per Q, and the tilt per P.
+        return replace(contact_with_datum, kernel_quantity="conjugate_displacement")
+    return contact_with_datum
 
 
 FunctionOfLoads = Callable[[Indices, Array, Array], Array]
@@ -1002,14 +1003,13 @@ def work_error(contact: Contact, records: Records) -> float:
     Raises
     ------
     NotFoundError
-        Where the error is not a number.
+        Where the error of the kernel is infinite or NaN.
     """
-    if contact.has_closed_form or not len(records.step_number):
+    n_records = len(records.step_number)
+    if contact.has_closed_form or not n_records:
         return 0.0
-    sampled_numbers = np.unique(
-        np.linspace(0, len(records.step_number) - 1, _SAMPLED_RECORDS).astype(int)
-    )
-    sampled_records = records.take(sampled_numbers)
+    sampled_indices = np.unique(np.linspace(0, n_records - 1, _SAMPLED_RECORDS).astype(int))
+    sampled_records = records.take(sampled_indices)
     # P and P - P_c at both ends of the sampled records
     load = np.append(sampled_records.load_at_begin, sampled_records.load_at_end)
     slip_zone_load = np.append(

@@ -635,9 +635,11 @@ class Grid:
         ArithmeticError
             Where all cells in contact slip, or the active set does not converge.
         """
-        block = _BlockOfCells.around(contact, grid_numbers, self.n_cells)
+        n_cells_of_grid = self.n_cells  # k
+        block = _BlockOfCells.around(contact, grid_numbers, n_cells_of_grid)
+        n_cells_of_block = block.n_cells  # m <= k
         # of the m cells of a block: G, and the tractions that displace all of them by 1
-        cell_stiffness = self._stiffness_of_cells(block.n_cells)
+        cell_stiffness = self._stiffness_of_cells(n_cells_of_block)
         # slip of the increment if there were neither shear nor U
         free_slip = block.values_of(displacement_without_shear - slip_at_begin)
 
@@ -656,8 +658,8 @@ class Grid:
             + (increment_slip - free_slip) @ cell_stiffness.traction_per_shift
         ) / cell_stiffness.total_per_shift
         # from the block to all k cells
-        shear = block.on_all_cells(shear_in_block, self.n_cells)
-        directions = block.on_all_cells(directions_in_block, self.n_cells)
+        shear = block.on_all_cells(shear_in_block, n_cells_of_grid)
+        directions = block.on_all_cells(directions_in_block, n_cells_of_grid)
         displacement_by_shear = shear @ self._compliance
         slip = (
             displacement_of_body[:, None]

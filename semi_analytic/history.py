@@ -548,6 +548,9 @@ def slip_directions(
     the load eta. The path goes from `begin_instant` to `end_instant` on one load segment, P
     falling. It is cut where P leaves a smooth piece of the curve; neighbouring parts of one
     direction are merged.
+
+    As P falls, the flat punches above P let go. The others carry Q = M(P) without slip; a larger Q
+    takes forward slip, a smaller one reverse slip.
     """
     segment = begin_instant.segment
     end_time = end_instant.time

@@ -761,35 +761,38 @@ def _curve_after_retracing(
     Parameters
     ----------
     curve
-        its uppermost straight line, which holds those below
+        the memory curve, held by its uppermost straight line; `curve_below` is all under that line
     begin_station, end_station
         P, Q and the share of the step that is over
     recorder
         takes a record for each line that P passes: the line, direction 0, stations at both ends
     """
-    begin_load, begin_force, begin_share = begin_station
-    end_load, _, end_share = end_station
+    begin_load, begin_force, step_share_at_begin = begin_station
+    end_load, _, step_share_at_end = end_station
     load_drop = begin_load - end_load
-    drop_below_line_top = load_drop  # from the upper end of `curve` to the new P
+    drop_below_line_top = load_drop  # from the upper end of the uppermost line to the new P
     station = begin_station
     while curve is not None and drop_below_line_top > 0 and station is not end_station:
-        # share of the line that lies above the new P; above 1 if P passes the whole line
-        share_of_line = drop_below_line_top / curve.load_length
+        # over the line's length: above 1 if P passes the whole line
+        removed_share_of_line = drop_below_line_top / curve.load_length
         drop_below_line_top -= curve.load_length
         if curve.curve_below is None or drop_below_line_top <= 0:
             next_station = end_station
         else:
+            # part of the fall of P that is over where P leaves this line
             share_of_drop = 1 - drop_below_line_top / load_drop
-            # Q of a station inside a step is not recorded.
+            # Q of a station inside a step is not recorded: Q at the begin holds its place.
             next_station = (
                 begin_load - share_of_drop * load_drop,
                 begin_force,
-                begin_share + share_of_drop * (end_share - begin_share),
+                step_share_at_begin + share_of_drop * (step_share_at_end - step_share_at_begin),
             )
         recorder.add(curve, 0, station, next_station)
         station = next_station
         curve = (
-            _without_upper_share(curve, share_of_line) if share_of_line < 1 else curve.curve_below
+            _without_upper_share(curve, removed_share_of_line)
+            if removed_share_of_line < 1
+            else curve.curve_below
         )
     if station is not end_station:
         recorder.add(curve, 0, station, end_station)
@@ -1575,11 +1578,11 @@ def _slip_zone_load_at(
 
 
 def _share_of_record(records: Records, record_number: Indices, share_of_step: Array) -> Array:
-    """The share of a record that is over at each of n instants, (n,), from the share of its step
-    that is over then.
+    """How much of a record is over at each of n instants, (n,), 0 at its begin and 1 at its end,
+    from how much of its load step is over then.
 
-    A record is a portion of a load step. A step has one record or more, each up to its
-    `step_share_at_end`.
+    A record is a portion of a load step. A step has one record or more. Each ends where the part
+    `step_share_at_end` of the step is over; the next one begins there.
 
     Parameters
     ----------
@@ -1589,12 +1592,13 @@ def _share_of_record(records: Records, record_number: Indices, share_of_step: Ar
         (n,) share of the step that is over
     """
     is_first_of_step = np.diff(records.step_number, prepend=-1) > 0
-    end_of_record_before = np.append(0.0, records.step_share_at_end[:-1])
-    share_at_begin = np.where(is_first_of_step, 0.0, end_of_record_before)[record_number]
-    share_of_step_in_record = np.maximum(
-        records.step_share_at_end[record_number] - share_at_begin, np.finfo(float).tiny
+    step_share_at_end_before = np.append(0.0, records.step_share_at_end[:-1])
+    step_share_at_begin = np.where(is_first_of_step, 0.0, step_share_at_end_before)[record_number]
+    # part of the step that the whole record makes up
+    record_length = np.maximum(
+        records.step_share_at_end[record_number] - step_share_at_begin, np.finfo(float).tiny
     )
-    return np.clip((share_of_step - share_at_begin) / share_of_step_in_record, 0.0, 1.0)
+    return np.clip((share_of_step - step_share_at_begin) / record_length, 0.0, 1.0)
 
 
 def _loads_at(rows: Array, step: Indices, share_of_step: Array) -> tuple[Array, Array]:

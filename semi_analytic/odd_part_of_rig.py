@@ -117,18 +117,20 @@ def loads_of_cycle(
 
 
 def _polygon_of_turning_points(normal_load: Array, tangential_load: Array) -> PolygonLoad:
-    """The cycle of P and Q (n,) at constant P as straight steps between the turning points of Q.
+    """The cycle of n rows of P and Q at constant P, as a polygon of straight lines in the P-Q plane
+    between the turning points of Q.
 
     It begins at the turning point with the largest Q. DeclinedError where Q does not turn round.
     """
-    # Steps in which Q changes, and whether the next such step goes the other way.
+    # Interval k is that from row k to row k + 1: those in which Q changes, and whether Q goes the
+    # other way in the next of them. The one after the last is the first.
     changes_of_tangential_load = np.diff(tangential_load)
-    steps_with_change = np.flatnonzero(changes_of_tangential_load)
-    next_steps_with_change = np.roll(steps_with_change, -1)
-    turns_back = np.sign(changes_of_tangential_load[steps_with_change]) != np.sign(
-        changes_of_tangential_load[next_steps_with_change]
+    intervals_with_change = np.flatnonzero(changes_of_tangential_load)
+    next_intervals_with_change = np.roll(intervals_with_change, -1)
+    turns_back = np.sign(changes_of_tangential_load[intervals_with_change]) != np.sign(
+        changes_of_tangential_load[next_intervals_with_change]
     )
-    turning_rows = steps_with_change[turns_back] + 1
+    turning_rows = intervals_with_change[turns_back] + 1
     if len(turning_rows) < 2:
         raise DeclinedError("Q rests")
     turning_loads = tangential_load[turning_rows]

@@ -1034,27 +1034,30 @@ def _work_over_phases(
     rules: tuple[IntervalRule, ...],
     converged_share: float,
 ) -> Array:
-    """Friction work of forward and of reverse slip times pi E*/(2 f^2), and the error of their sum,
-    (3, m), by integrals over time.
+    """Friction work W of forward and of reverse slip of m steady ellipses of loads P and Q, times
+    pi E*/(2 f^2), and the error of their sum, (3, m), by integrals over time.
 
-    The integrand in each phase of slip is w'/f Lam, with Lam = int ln(a(eta)/a(P_c)) d eta from P_c
-    to P, which is `kernel`(P, P - P_c). w = +-Q - f P grows in slip; w' is its rate. P_c is the
-    load at the stick edge, a the contact half-width. Phases are cut where an edge passes a corner
-    of the profile. Each interval is integrated by one of the quadrature `rules`, and halved until
-    its error check is below `converged_share` of W.
+    The integrand in each phase of slip is l'/f Lam, with Lam = int ln(a(eta)/a(P_c)) d eta from P_c
+    to P, which is `kernel`(P, P - P_c). The level l (elsewhere in this module w) is Q - f P in
+    forward slip and -Q - f P in reverse slip. It grows there at the rate l'. P_c is the load at the
+    stick edge, a the contact half-width. Phases are cut where an edge passes a corner of the
+    profile. Each interval is integrated by one of the quadrature `rules`, weights at nodes, and
+    halved until its error check is below `converged_share` of W.
     """
 
     def work_rate(phase: Indices, ellipse_of_interval: Indices, angle_in_phase: Array) -> Array:
-        """w'/f Lam at angles (nodes, n) in the given phases (n,) of the given ellipses (n,).
-        w = +-Q - f P grows in slip; `kernel` gives Lam, the kernel of the friction work, from P and
-        P - P_c, P_c the load at the stick edge.
+        """l'/f Lam at angles (nodes, n) in the given phases (n,) of the given ellipses (n,). The
+        angle [rad] is time: from the begin of a phase on, or back from its end. The level l = +-Q -
+        f P grows in slip; `kernel` gives Lam, the kernel of the friction work, from P and P - P_c,
+        P_c the load at the stick edge.
         """
-        rate_of_w, slip_zone_load, load = _rates_and_loads_in_intervals(
+        level_rate_over_f, slip_zone_load, load = _rates_and_loads_in_intervals(
             ellipses, phase, ellipse_of_interval, angle_in_phase
         )
-        return rate_of_w * kernel(load, np.minimum(slip_zone_load, load))
+        return level_rate_over_f * kernel(load, np.minimum(slip_zone_load, load))
 
-    # (phases, m) and (m,)
+    # `corner_loads`: P or P_c where the edge of contact or of stick is at a corner. The results are
+    # (phases, m) and (m,).
     works_of_phases, error_of_work = _integrals_by_group(
         ellipses,
         _intervals_of_phases(ellipses, contact.corner_loads, len(rules)),

@@ -216,14 +216,15 @@ def _stresses_by_tractions(
     """Stress s_xx, s_yy, s_xy of a body below y = 0 from the tractions of half-plane solutions,
     without the bulk stress: (n, k, 3) at n instants and k points x, y [stress].
 
-    `solutions_and_rows` has for each instant a solution, and the number (row) of the instant in it.
+    `solutions_and_rows` has for each instant a solution, and the row of the instant in its fields.
     `sign_of_body` is 1 for the lower body. It is -1 for the mirror image of the upper one, on which
     the shear traction acts the other way.
     """
+    # normal contact of the profile, which gives its exact pressure under any tilt, also under none
     _, tilted_contact = path_loads_and_contact(scene)
     stresses = np.zeros((len(solutions_and_rows), len(x), 3))
-    for instant_number, (solution, row) in enumerate(solutions_and_rows):
-        stresses[instant_number] = _stress_by_sine_series(
+    for place_in_list, (solution, row) in enumerate(solutions_and_rows):
+        stresses[place_in_list] = _stress_by_sine_series(
             solution, row, tilted_contact, x, y, sign_of_body
         )
     return stresses

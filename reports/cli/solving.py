@@ -343,7 +343,7 @@ def run(job: Job) -> Answer:
     require_times(options.stress, "--stress", job.scene)
     if options.stress:
         require_drawing(job.stages)
-    load_engines(job.stages)
+    load_engines(job.stages)  # imports the modules of theory and finite elements
     # Why theory or finite elements refuse the scene is known before anything is solved.
     refusals = engine_refusals(job.scene, job.source)
     options.settings()  # values out of range are refused before anything is solved
@@ -351,7 +351,7 @@ def run(job: Job) -> Answer:
         _require_no_option_of_both(job, no_comparison)
         # `complain` prints a line on stderr
         complain(f"halfplane: {job.scene.name}: no comparison. {no_comparison}")
-        if job.scene.load.is_driven:
+        if job.scene.load.is_driven:  # a displacement is prescribed in place of the load Q
             return _answer_of_rig(job, refusals, no_comparison)
         if refusals.refusal_of_theory:
             solution = solve_finite_elements(job)

@@ -113,7 +113,7 @@ def certificates(solution: ContactSolution) -> tuple[Certificate, ...]:
         admitted_violation = _LIMIT_OF_PRINTED_DIGITS
     elif is_corrected(solution):
         admitted_violation = _LIMIT_OF_STRAIGHT_STEPS
-    # name of a law -> (n_instants,) residual, as the engine reports it
+    # name of a law -> (n_instants,) residual, as the engine reports it; no `Certificate` yet
     residuals_of_laws = solution.record.certificates
     violations_by_source = {"fields": violations_in_fields, "record": residuals_of_laws}
     certificates_of_laws = []

@@ -258,12 +258,17 @@ def _start_sizes_of_coupling(discrepancy: Discrepancy) -> Sequence[float]:
 
 
 def _start_sizes_of_wrong_load(key: str) -> Callable[[Discrepancy], Sequence[float]]:
-    """The function that gives the start of a search for a fault of the loads, of the name `key`
-    such as "tilt_left_out": its size 1, as of every fault that has none. It gives none where the
-    loads of the scene that a result is compared with cannot have this fault.
+    """The function that gives the size at which the search for one fault of the loads starts. `key`
+    is the name of the fault, such as "tilt_left_out".
+
+    The size of a fault is how large it is, for instance a delay. A fault of the loads is there or
+    not: its size is 1. No size is given where the scene cannot have it.
     """
 
     def start_sizes(discrepancy: Discrepancy) -> Sequence[float]:
+        """(1,), or () where the loads of the scene cannot have this fault. The discrepancy holds
+        the tractions of a result and of its reference, and the scene.
+        """
         # wrong_loads: what each fault changes in the loads of the scene, by the fault's name
         with contextlib.suppress(InputError):
             return (1.0,) if key in wrong_loads(discrepancy.scene) else ()

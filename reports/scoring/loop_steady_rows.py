@@ -911,7 +911,8 @@ def _share_by_nearest_point(
     # notation: f coefficient of friction, Q tangential load, U relative tangential displacement
     """
     sigma = RowNoise(fit.displacement_noise, fit.load_noise)
-    # place: as a number of instants; fit.terms: highest Q, lowest Q, C and U0 of the rig
+    # place: as a number of instants; fit.terms: highest Q, lowest Q, compliance C of the rig, and
+    # U0, the origin of the measured U
     place = loops_of_theory.nearest_points(rows, fit.friction, fit.terms, sigma).place
     return np.asarray(np.mod(place / (len(loops_of_theory.load) - 1), 1.0))
 

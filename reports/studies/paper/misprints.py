@@ -552,7 +552,10 @@ class _SlipFromIToJ:
         return self.formulas.integral_while_slipping("IJ", self.x, slip_rate)
 
     def rate_as_printed(self, time: Array) -> Array:
-        """ds/dt of the slip s by equation (14) as printed: with C dP/dt instead of C dP_Y/dt."""
+        """ds/dt of the slip s by equation (14) as printed, (A f/pi) C arccosh(x/c) dP/dt; as mended
+        it has dP_Y/dt instead. The multiplier C is (dQ/dP)/f - 1; c is the half-width of the stick
+        zone, and P_Y the load whose contact half-width is c.
+        """
         load_rate, _ = self.formulas.rates(time)
         stick_edge_load = self.formulas.stick_edge_load("IJ", time)
         arccosh_ratio = self.formulas.arccosh_ratio(self.x, stick_edge_load)
@@ -725,8 +728,8 @@ def _slip_by_15(case: Case, x: float, reading: str) -> float:
 
     def scaled_slip_rate(time: Array) -> Array:
         """ds/dt of the slip s at the point x over A f/pi: h_o C dP/dt by the paper's equation (15),
-        with what `reading` says of h_o. C is the paper's multiplier, c the half-width of the stick
-        zone; forward slip is in its second part, from event J to M.
+        with h_o, an integral from c to x, as `reading` has it. The multiplier C is (dQ/dP)/f - 1; c
+        is the half-width of the stick zone. Forward slip is in its second part, from event J to M.
         """
         # the normal load whose contact half-width is c
         stick_edge_load = formulas.stick_edge_load("JM", time)

@@ -64,6 +64,8 @@ def solve_study(source: str, options: Options, *, with_opening_lines: bool = Fal
         for line in _opening_lines(prepared_sweep):
             say(line)
 
+    # The command line that resumes an interrupted sweep, for messages. It needs no --resume:
+    # every run uses the results in the store.
     command_to_resume = replace(options, resume=False).command("sweep", source, folder)
     table = _table_of_solved_points(prepared_sweep, stages, worker_options, command_to_resume)
     if table is None:
