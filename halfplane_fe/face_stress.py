@@ -481,7 +481,7 @@ class _PointsAcross(NamedTuple):
     def between(cls, edges: tuple[float, float], n_nodes: int) -> _PointsAcross:
         """Points between the left and right edge of contact, eight for each of the `n_nodes` nodes
         that touch: 512 at least and 8192 at most. They lie at x = m - h cos(theta). The range 0 to
-        pi of theta is divided into equal parts, each with one point half-way in it. `lengths` are
+        pi of theta is divided into equal parts, each with one point in its middle. `lengths` are
         the lengths of face that the points stand for.
 
         # notation: m middle, h half-width of the contact

@@ -123,7 +123,7 @@ def _polygon_of_turning_points(normal_load: Array, tangential_load: Array) -> Po
     It begins at the turning point with the largest Q. DeclinedError where Q does not turn round.
     """
     # Interval k is that from row k to row k + 1: those in which Q changes, and whether Q goes the
-    # other way in the next of them. The one after the last is the first.
+    # opposite direction during the next of them. The one after the last is the first.
     changes_of_tangential_load = np.diff(tangential_load)
     intervals_with_change = np.flatnonzero(changes_of_tangential_load)
     next_intervals_with_change = np.roll(intervals_with_change, -1)
