@@ -564,13 +564,15 @@ ARCHES = {
 
 
 @pytest.mark.slow
-def test_the_pressure_between_rows_of_a_table_is_covered_but_for_a_factor_of_three() -> None:
-    """The largest value of nodes is below that of the arch between them, by 4e-4."""
+def test_the_pressure_between_rows_of_a_table_is_covered() -> None:
+    """The largest value of nodes was below that of the arch between them by 4e-4, and not covered,
+    before elements grew from the zone of the edges inwards.
+    """
     answer = halfplane_fe.solve(random_scene(ARCHES))
     theory = semi_analytic.solve(answer.scene, x=answer.x, time=answer.time)
-    error = semi_analytic.extremes(theory).pressure - answer.pressure.max()
-    assert error > 2e-4 * answer.pressure.max()
-    assert error < 3 * answer.uncertainties["largest_pressure"]
+    error = abs(semi_analytic.extremes(theory).pressure - answer.pressure.max())
+    assert error < 1e-4 * answer.pressure.max()
+    assert error <= answer.uncertainties["largest_pressure"]
 
 
 @pytest.mark.slow
