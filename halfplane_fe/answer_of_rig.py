@@ -33,7 +33,7 @@ def scene_of_loads(scene: Scene, run: PathRun, load_unit: float) -> Scene:
         with a rig, whose actuators prescribe movements
     run
         contact states along the path, with scaled P and Q; index of the state at the start of each
-        cycle; friction work of each cycle that was completed
+        cycle, and whether the last one was not completed
     load_unit
         what P and Q of the run are scaled by [force per thickness]
     """
@@ -44,8 +44,7 @@ def scene_of_loads(scene: Scene, run: PathRun, load_unit: float) -> Scene:
     ]
     initial_loading = tuple(load_points[1:])
     cycle: tuple[tuple[float, float], ...] = ()
-    is_completed = len(run.nodal_work_by_cycle) == len(run.cycle_starts)
-    if run.cycle_starts and is_completed:
+    if run.cycle_starts and not run.last_revolution_failed:
         first_of_cycle = run.cycle_starts[-1]
         initial_loading = tuple(load_points[1 : first_of_cycle + 1])
         cycle = tuple(load_points[first_of_cycle + 1 : -1])

@@ -11,12 +11,15 @@ left and right.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from halfplane_fe.between_nodes import JUMP, EdgesByLoad
+from halfplane_fe.contact import InterfaceState, nodal_values
+from halfplane_fe.interface import Interface
 from halfplane_fe.law import force_to_limit
 from scenes.array_types import Array, Indices, Mask
 
@@ -197,6 +200,16 @@ def stick_with_uncertainty(
         places=np.where(is_same, edges_by_load.places, fitted_edges.places),
         uncertainty=np.where(is_same, edges_by_load.uncertainty, uncertainty),
     )
+
+
+def contact_edges_of_states(interface: Interface, states: Sequence[InterfaceState]) -> Array:
+    """Left and right edge of contact in k complete states, (k, 2), by the form of pressure and gap
+    at the outermost nodes of the `interface`; scaled; NaN without contact. Nodal forces over
+    lengths of face are pressures.
+    """
+    _, pressure, _, gap = nodal_values(np.stack([state.values for state in states]))
+    is_closed = np.stack([state.is_closed for state in states])
+    return contact_edges(interface.x, pressure / interface.face_lengths, gap, is_closed, 1.0)
 
 
 def contact_edges(x: Array, pressure: Array, gap: Array, is_closed: Mask, modulus: float) -> Array:

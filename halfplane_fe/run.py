@@ -389,6 +389,11 @@ class PathRun:
         return trend([float(work.sum()) for work in self.nodal_work_by_cycle])
 
     @property
+    def last_revolution_failed(self) -> bool:
+        """Whether the last revolution was begun and not completed."""
+        return len(self.force_change_by_cycle) < len(self.cycle_starts)
+
+    @property
     def ratchets(self) -> bool:
         """Whether the contact ratchets: each revolution leaves the upper body further along by the
         same distance, so that the tangential displacement U (`shift` of a state) grows without end.
@@ -398,8 +403,7 @@ class PathRun:
         largest change of a nodal force from its start to its end, over the largest one.
         """
         path_repeats = bool(self.cycle_starts)
-        last_revolution_failed = len(self.force_change_by_cycle) < len(self.cycle_starts)
-        if not path_repeats or last_revolution_failed:
+        if not path_repeats or self.last_revolution_failed:
             return False
         ends_of_cycles = [*self.cycle_starts, len(self.states) - 1]
         drifts = np.diff([self.states[index].shift for index in ends_of_cycles]).tolist()

@@ -21,8 +21,8 @@ from halfplane_fe.actuators import (
     compliance_beyond,
     prescribed_path,
 )
-from halfplane_fe.contact import BesideTheFaces, ContactProblem, InterfaceState, nodal_values
-from halfplane_fe.edges import contact_edges, stick_edges
+from halfplane_fe.contact import BesideTheFaces, ContactProblem, InterfaceState
+from halfplane_fe.edges import contact_edges_of_states, stick_edges
 from halfplane_fe.interface import (
     Interface,
     condensed_pair,
@@ -48,7 +48,7 @@ from scenes import (
     Scene,
     TimeSeriesLoad,
 )
-from scenes.array_types import Array, Mask
+from scenes.array_types import Mask
 
 # The coarse bodies: a scale good to 1e-3 is needed, and most of the coarse run is the making of
 # them.
@@ -386,9 +386,8 @@ def _scales_of_run(
 
     # Half-width at the largest load; largest distance from x = 0 at which the faces touch.
     state_at_largest_load = max(run.states, key=lambda state: state.normal_load)
-    scaled_half_width = float(
-        np.nan_to_num(np.diff(_contact_edges(problem, [state_at_largest_load]))[0, 0] / 2)
-    )
+    edges_at_largest_load = contact_edges_of_states(problem.interface, [state_at_largest_load])
+    scaled_half_width = float(np.nan_to_num(np.diff(edges_at_largest_load)[0, 0] / 2))
     scaled_reach = max(
         float(np.abs(problem.interface.x[state.is_closed]).max(initial=0.0)) for state in run.states
     )
@@ -899,17 +898,6 @@ def _past_the_end(scene: Scene) -> InputError:
     )
 
 
-def _contact_edges(problem: ContactProblem, states: Sequence[InterfaceState]) -> Array:
-    """Left and right edge of contact in k states, (k, 2), by the form of pressure and gap at the
-    outermost nodes; scaled; NaN without contact. Nodal forces over lengths of face are pressures.
-    """
-    _, pressure, _, gap = nodal_values(np.stack([state.values for state in states]))
-    is_closed = np.stack([state.is_closed for state in states])
-    return contact_edges(
-        problem.interface.x, pressure / problem.interface.face_lengths, gap, is_closed, 1.0
-    )
-
-
 def _innermost_edge(
     problem: ContactProblem,
     states: Sequence[InterfaceState],
@@ -933,7 +921,7 @@ def _innermost_edge(
         whether the contact and its stick zone may lie beside x = 0
     """
     # Edges (n_states, 2) of the contact; of a symmetric one minus and plus its half-width.
-    contact_zones = _contact_edges(problem, states)
+    contact_zones = contact_edges_of_states(problem.interface, states)
     is_closed = np.stack([state.is_closed for state in states])
     signs_of_sides = np.array([-1.0, 1.0])
     if not stick_may_be_anywhere:

@@ -26,7 +26,7 @@ import numpy as np
 
 from halfplane_fe.between_nodes import EdgesByLoad
 from halfplane_fe.contact import InterfaceState
-from halfplane_fe.edges import contact_edges
+from halfplane_fe.edges import contact_edges_of_states
 from halfplane_fe.interface import Interface
 from halfplane_fe.resolution import SMOOTH_TIP, exponent_at_tip, flanks
 from halfplane_fe.run import PathRun
@@ -436,18 +436,14 @@ def _contact_edges(
     outermost node that touches.
     """
     edges = np.full((len(states), 2), math.nan)
-    for edges_of_state, state in zip(edges, states, strict=True):
-        if state.is_closed.any():
-            edges_of_state[:] = interface.x[np.flatnonzero(state.is_closed)[[0, -1]]]
     is_complete = np.array([state.is_complete for state in states])
-    complete_states = [state for state in states if state.is_complete]
-    edges[is_complete] = contact_edges(
-        interface.x,
-        np.array([state.pressure for state in complete_states]) / interface.face_lengths,
-        np.array([state.gap for state in complete_states]),
-        np.array([state.is_closed for state in complete_states]),
-        1.0,
+    edges[is_complete] = contact_edges_of_states(
+        interface, [state for state in states if state.is_complete]
     )
+    for row in np.flatnonzero(~is_complete).tolist():
+        closed_nodes = np.flatnonzero(states[row].is_closed)
+        if len(closed_nodes):
+            edges[row] = interface.x[closed_nodes[[0, -1]]]
     return np.where(edges_by_load.last_node >= 0, edges_by_load.places, edges)
 
 

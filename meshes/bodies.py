@@ -164,11 +164,17 @@ class SurfaceGrading:
             distance += length
 
     @property
+    def end_of_middle(self) -> float:
+        """|x| up to which elements have about one `size`, and from which on they shrink outwards to
+        `edge_size` [length]; 0 where the zone of the edges begins at x = 0.
+        """
+        return self.inner - float(self.growing_elements().sum())
+
+    @property
     def size_at_middle(self) -> float:
         """Size of the elements at x = 0 [length], before they are halved towards a tip."""
         if self.inner > 0:
-            end = self.inner - float(self.growing_elements().sum())
-            return end / max(round(end / self.size), 1)
+            return self.end_of_middle / max(round(self.end_of_middle / self.size), 1)
         return self.outer / max(round(self.outer / self.edge_size), 1)
 
     @property
@@ -233,10 +239,9 @@ def number_of_contact_nodes(grading: SurfaceGrading, order: int) -> int:
     `edge_size`, and of `edge_size` from there to `outer`; those next to x = 0 are halved `halvings`
     times.
     """
-    growing_elements = grading.growing_elements()
     n_elements_of_half = (
-        (grading.inner - growing_elements.sum()) / grading.size
-        + len(growing_elements)
+        grading.end_of_middle / grading.size
+        + len(grading.growing_elements())
         + (grading.outer - grading.inner) / grading.edge_size
         + grading.halvings
     )
@@ -355,15 +360,12 @@ def surface_points(grading: SurfaceGrading) -> Array:
     >>> surface_points(SurfaceGrading(inner=1.0, outer=2.0, size=1.0, edge_size=0.5, halvings=2))
     array([0.  , 0.25, 0.5 , 1.  , 1.5 , 2.  ])
     """
-    growing_elements = grading.growing_elements()
-    # Up to where they grow, elements are of one size.
-    end_of_middle = grading.inner - growing_elements.sum()
     middle_points = np.linspace(
         0,
-        end_of_middle,
-        max(round(end_of_middle / grading.size), 1) + 1 if grading.inner > 0 else 1,
+        grading.end_of_middle,
+        max(round(grading.end_of_middle / grading.size), 1) + 1 if grading.inner > 0 else 1,
     )
-    growing_points = end_of_middle + np.cumsum(growing_elements)
+    growing_points = grading.end_of_middle + np.cumsum(grading.growing_elements())
     outer_points = np.linspace(
         grading.inner,
         grading.outer,

@@ -227,7 +227,12 @@ def value_or_class(value: object) -> str:
     """
     if value is None or isinstance(value, _PLAIN_DATA):
         return shortened_repr(value)
-    name = type(value).__name__
+    return _with_article(type(value))
+
+
+def _with_article(named_class: type) -> str:
+    """Name of a class behind its indefinite article, for a sentence: "an InputError"."""
+    name = named_class.__name__
     return f"{'an' if name[0] in 'AEIOU' else 'a'} {name}"
 
 
@@ -242,10 +247,9 @@ def require_class(value: object, needed: type | tuple[type, ...], caller: str, m
     scenes.errors.InputError: explain: an InputError is needed, not 7; solve raises it
     """
     if not isinstance(value, needed):
-        name = (needed[0] if isinstance(needed, tuple) else needed).__name__
-        article = "an" if name[0] in "AEIOU" else "a"
+        needed_class = _with_article(needed[0] if isinstance(needed, tuple) else needed)
         raise InputError(
-            f"{caller}: {article} {name} is needed, not {value_or_class(value)}; {maker}"
+            f"{caller}: {needed_class} is needed, not {value_or_class(value)}; {maker}"
         )
 
 

@@ -14,6 +14,7 @@ import halfplane_fe
 import semi_analytic
 from halfplane_fe import FiniteElementSolution, SolverSettings
 from halfplane_fe.answer_of_rig import scene_of_loads
+from halfplane_fe.run import PathRun
 from halfplane_fe.settings import Method
 from meshes import MeshSettings
 from reports.comparison.laws import certificates, expected_numbers
@@ -500,15 +501,11 @@ def test_a_cycle_that_was_not_completed_is_no_cycle_of_the_loads_found() -> None
         SimpleNamespace(time=float(time), normal_load=90.0, tangential_load=tangential_load)
         for time, tangential_load in enumerate((0.0, 10.0, 20.0, 10.0, 20.0))
     ]
-    one_cycle = SimpleNamespace(
-        states=states[:4], cycle_starts=[1], nodal_work_by_cycle=[np.zeros(1)]
-    )
+    one_cycle = PathRun(states[:4], cycle_starts=[1], force_change_by_cycle=[0.1])
     scene = load_scene(rig_names()[0])
     load = scene_of_loads(scene, one_cycle, 1.0).load
     assert (load.initial_loading, load.cycle) == (((90.0, 10.0),), ((90.0, 20.0),))
-    second_failed = SimpleNamespace(
-        states=states, cycle_starts=[1, 3], nodal_work_by_cycle=[np.zeros(1)]
-    )
+    second_failed = PathRun(states, cycle_starts=[1, 3], force_change_by_cycle=[0.1])
     load = scene_of_loads(scene, second_failed, 1.0).load
     assert load.cycle == ()
     assert [force for _, force in load.initial_loading] == [10.0, 20.0, 10.0, 20.0]

@@ -2,6 +2,7 @@
 boundaries, true face, mirror symmetry; files; Ctrl-C.
 """
 
+import dataclasses
 import functools
 import itertools
 import math
@@ -14,6 +15,7 @@ import pytest
 import skfem
 
 from meshes import MeshSettings, SurfaceGrading, half_disc, mesh_quality, solid
+from meshes.bodies import surface_points
 from meshes.interrupts import interrupts_wait
 from refusals import refused_for
 from scenes import (
@@ -355,3 +357,20 @@ def test_an_interrupt_while_gmsh_meshes_is_not_lost_and_the_next_mesh_is_made(mo
     assert not gmsh.isInitialized()
     monkeypatch.undo()
     half_disc("body", SurfaceGrading(inner=0.6, outer=1.1, size=0.12, edge_size=0.05, radius=6.0))
+
+
+def test_surface_elements_grow_from_the_zone_of_the_edges_inwards() -> None:
+    """By 0.2 of the distance, up to the larger size."""
+    grading = SurfaceGrading(inner=0.6, outer=1.1, size=0.04, edge_size=0.005, growth=0.2)
+    points = surface_points(grading)
+    sizes = np.diff(points)
+    assert 0.6 in points
+    assert points[-1] == 1.1
+    ratios = sizes[:-1] / sizes[1:]
+    assert ratios.max() < 1.25
+    assert grading.size_at_middle == sizes[0] == pytest.approx(0.04, rel=0.1)
+    distance = grading.inner - points[1:-1]
+    inside = distance > 1e-12
+    assert np.all(sizes[:-1][inside] <= 0.005 + 0.2 * (distance[inside] + 0.005) + 1e-12)
+    even = surface_points(dataclasses.replace(grading, growth=math.inf))
+    assert np.ptp(np.diff(even)[even[1:] < 0.6]) < 1e-12
