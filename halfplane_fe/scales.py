@@ -66,7 +66,7 @@ _COARSE_STEPS_OF_RECORD = 16
 COARSE_CYCLES = 2
 """Cycles of the coarse run at most."""
 UNPLACED_EDGES = "instants without edges between nodes"
-"""Name of the count of instants at which no edges were located between nodes."""
+"""Name of the count of instants at which no stick edges were located between nodes."""
 # The innermost edge is rounded down to this share of the half-width: no last digit of the coarse
 # run shall move the mesh.
 _ROUNDING_PARTS = 100
@@ -776,7 +776,7 @@ def _coarse_run(
     # Units of load, length and stress, and increments of a revolution; np.inf: any step error is
     # accepted.
     pace = Pace(coarse_bodies.load, steps, np.inf, face_half_width, coarse_bodies.modulus)
-    # All states are stored, for their edges decide about the mesh; there are few nodes. The edges
+    # All states are stored, for their edges decide about the mesh; there are few nodes. Stick edges
     # are read off the nodes. Placing them between nodes by the loads would be of no use here.
     run = run_path(
         solved_problem,

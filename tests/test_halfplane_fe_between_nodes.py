@@ -16,7 +16,7 @@ import pytest
 
 import halfplane_fe
 import semi_analytic
-from halfplane_fe import SolverSettings, between_nodes, scales
+from halfplane_fe import SolverSettings, between_nodes, edges, scales
 from halfplane_fe.answer import _move_stick_edges_outwards
 from halfplane_fe.between_nodes import (
     Edge,
@@ -125,7 +125,8 @@ def at_many_places(name: str, count: int = 9) -> Iterator[tuple[PathRun, float, 
     for larger in np.linspace(0.92, 1.06, count):
         problem, run = scales._coarse_run(pair, size * larger, scales._COARSE_STEPS)
         pressed = max(run.states, key=lambda state: state.normal_load)
-        half_width = float(np.diff(scales._contact_edges(problem, [pressed]))[0, 0] / 2)
+        edges_of_contact = edges.contact_edges_of_states(problem.interface, [pressed])
+        half_width = float(np.diff(edges_of_contact)[0, 0] / 2)
         yield run, (scales._N_ELEMENTS * half_width) ** -2.0, pair.load**2 / pair.modulus
 
 
