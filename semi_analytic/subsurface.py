@@ -719,7 +719,7 @@ def _edge_tensions_of_solution(
     sliding_tension = _tension_of_sliding(solution, row, tilted_contact)
     tensions = sliding_tension.times_ratio(x_of_points, friction_ratio)
     error_between_points = _tension_error_between_points(
-        sliding_tension, x_of_points, friction_ratio
+        sliding_tension, x_of_points, friction_ratio, tensions
     )
 
     # f p at its largest
@@ -760,7 +760,10 @@ def _edge_tensions_of_solution(
 
 
 def _tension_error_between_points(
-    sliding_tension: _TensionOfSliding, x_of_points: Array, friction_ratio: Array
+    sliding_tension: _TensionOfSliding,
+    x_of_points: Array,
+    friction_ratio: Array,
+    tensions: Array,
 ) -> Array:
     """Error of the tension at the left and the right edge of contact (2,) [stress], as q/(f p) is
     taken as linear between points.
@@ -775,8 +778,9 @@ def _tension_error_between_points(
         tension if all of the contact slipped; `times_ratio` gives that under q/(f p)
     x_of_points, friction_ratio
         (k,) places of the points in contact [length], and q/(f p) there
+    tensions
+        (2,) tension under the q/(f p) of all points [stress]
     """
-    tensions = sliding_tension.times_ratio(x_of_points, friction_ratio)
     changes = [
         np.abs(
             sliding_tension.times_ratio(x_of_points[every_second], friction_ratio[every_second])
