@@ -226,6 +226,18 @@ def test_a_cell_that_stands_out_is_named_with_its_line_and_column_and_hides_noth
     assert "obey the laws" not in verdict_in_sentences(report.comparison)
 
 
+def test_a_cell_that_stands_out_does_not_hide_the_unit_of_the_others(tmp_path: Path) -> None:
+    """Pressures in Pa beside a scene in MPa: the largest pressure, which the unit is found from, is
+    not the spike.
+    """
+    table = frames(cycle_from(0.0), "%.6g", "P", "Q")
+    for column in ("CPRESS", "CSHEAR1"):
+        table[column] = [f"{1e6 * float(value):.6g}" for value in table[column]]
+    table.loc[7 * 61 + 25, "CPRESS"] = "1e12"
+    report = score_file(written(table, tmp_path / "spiked.csv"), Mapping(), CATTANEO)
+    assert any("multiplied by 1e-06" in sentence for sentence in report.guesses)
+
+
 def test_instants_that_share_one_time_end_the_choice_of_events(tmp_path: Path) -> None:
     """It went on for ever: where all instants are equally near, one that was chosen came out
     again.

@@ -540,7 +540,12 @@ class Stop(NamedTuple):
 STOPS = {
     "failed": Stop("echo '*ERROR: cutbacks'; exit 201", 0.25, facts=("exit code 201", "cutbacks")),
     "short": Stop(
-        "echo 'Job finished'; exit 0", facts=("exit code 0", "time 0.25 of 1", "Job finished")
+        "echo 'Job finished'; exit 0",
+        facts=(
+            "exit code 0",
+            "time 0.25 of 1, in increment 3 after 3 attempts",
+            "Job finished",
+        ),
     ),
     "late": Stop("exec sleep 20", limit=0.5, facts=("limit of 0.5 s", "time 0.25 of 1")),
     "interrupted": Stop("exec sleep 20", report=interrupted, fault=KeyboardInterrupt),

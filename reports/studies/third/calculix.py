@@ -391,7 +391,7 @@ def run_calculix(
             cause = f"was stopped at the time limit of {time_limit:g} s"
         raise ConvergenceError(
             f"CalculiX {cause} at time {time_reached:.6g} of {end_time:.6g}, in increment"
-            f" {len(attempts)};"
+            f" {len(accepted_attempts) + 1} after {len(attempts)} attempts;"
             f" the last lines of its log: {_last_words_of(log_file)}"
         )
     return RunRecord(
@@ -425,11 +425,12 @@ def _show_time_reached(
     attempts: list[Attempt], end_time: float, show_progress: Callable[[int, int | None, str], None]
 ) -> None:
     """Report how far a run of CalculiX is: the time that its last attempt at an increment reached,
-    in per cent of the deck's `end_time`, 100, and the number of attempts as text.
+    in per cent of the deck's `end_time`, 100, and the number of the increment being solved as text.
     """
     time_fraction = attempts[-1].time_reached / end_time if attempts else 0.0
     percent = round(100 * min(time_fraction, 1.0))
-    show_progress(percent, 100, f"increment {len(attempts)}")
+    n_accepted = sum(attempt.is_accepted for attempt in attempts)
+    show_progress(percent, 100, f"increment {n_accepted + 1}")
 
 
 def _last_words_of(log_file: Path) -> str:
