@@ -352,7 +352,7 @@ def _skipped_along_path(
     # UNPLACED_EDGES: name of the count of instants, in the work of the coarse run
     n_without_edges = problem.work_counts[f"coarse {UNPLACED_EDGES}"]
     if n_without_edges:
-        skipped_work["edges between nodes, coarse run"] = (
+        skipped_work["stick edges between nodes, coarse run"] = (
             n_without_edges,
             "no answer reads them at its instants",
         )

@@ -299,7 +299,7 @@ def test_work_counts(name):
         len(answer.x),
     )
     # No answer has an instant of the coarse run: it locates no stick edges between its nodes.
-    n_without_edges, reason = skipped["edges between nodes, coarse run"]
+    n_without_edges, reason = skipped["stick edges between nodes, coarse run"]
     assert n_without_edges > 0
     assert reason == "no answer reads them at its instants"
     # The first counts rejected steps. Of like bodies, events landed on, most increments are one

@@ -175,7 +175,7 @@ def traction_panels(
             n_ticks=3,
         ),
         _difference_curves(drawn.x, difference_by_letter, moves_with_slider=moves_with_slider),
-        f"Result less reference over x. {title}".strip(),
+        f"Result minus reference over x. {title}".strip(),
         width,
         0.56 * height + 56,
         notes=_differences_in_words(drawn, difference_by_letter),

@@ -24,7 +24,8 @@ _ROUND_OFF_OF_CYCLES = 1e-9
 # A loop is not closed where U of its two ends differs by more than 4.2 sigma of U, which is three
 # sigma of a difference of two.
 _TOLERATED_MISCLOSURE_IN_SIGMAS = 4.2
-# A record may end one step of rows before its cycle does: the most that counts as one step.
+# A record may end one step of rows before its cycle does. Cycles passed are counted by Q: those of
+# a harmonic Q at equal intervals of time have steps up to pi/2 times their mean, at the middle.
 _MOST_MISSING_STEPS = 1.6
 # Error of the area of a fitted loop by the samples of its curve, of itself: 2e-9 was measured.
 _RELATIVE_ERROR_BY_SAMPLES = 1e-8
