@@ -438,10 +438,11 @@ def _tension_change_by_new_contact(solution: ContactSolution, step: int) -> Arra
     if not step or not _sticks_in_full(solution, step):
         return np.zeros(2)
 
-    start_of_growth = _start_of_growth_in_stick(solution, step)
+    # `first_step`: from it on P has grown in full stick, up to `step`
+    first_step = _start_of_growth_in_stick(solution, step)
     nodal_tractions = _nodal_tractions(solution, step)  # of the nodes that touch
     # N_DISTORTED_NODES: three nodes at each edge of contact, which the mesh distorts
-    if start_of_growth == step or len(nodal_tractions.x) <= 2 * N_DISTORTED_NODES:
+    if first_step == step or len(nodal_tractions.x) <= 2 * N_DISTORTED_NODES:
         return np.zeros(2)
 
     # Pressure at the rim node of the left and of the right side, from which K follows.
@@ -451,11 +452,9 @@ def _tension_change_by_new_contact(solution: ContactSolution, step: int) -> Arra
 
     # Jumps of q/p at the inner end of the strip since each instant, and widths of the strips.
     jump_of_ratio = _jumps_of_shear_ratio(
-        solution, start_of_growth, step, nodal_tractions.shear[rim_nodes] / rim_pressure
+        solution, first_step, step, nodal_tractions.shear[rim_nodes] / rim_pressure
     )
-    strip_widths = np.abs(
-        solution.contact_edges[step] - solution.contact_edges[start_of_growth:step]
-    )
+    strip_widths = np.abs(solution.contact_edges[step] - solution.contact_edges[first_step:step])
 
     # Change of s_xx by each strip, (n_increments, 2): (4/pi) c K sqrt(w).
     pressure_at_width = rim_pressure * np.sqrt(strip_widths / distances_of_rim)
@@ -910,14 +909,14 @@ def _size_fit(
     if _distance_of_fit(shape, half_width) is None:
         return None
     # _N_SAMPLED_STEPS: twelve
-    evenly_spread_positions = np.linspace(0, len(steps) - 1, _N_SAMPLED_STEPS).round().astype(int)
-    sampled = sorted(set(evenly_spread_positions.tolist()))  # positions in `steps`
+    spread_positions = np.linspace(0, len(steps) - 1, _N_SAMPLED_STEPS).round().astype(int)
+    sampled_positions = sorted(set(spread_positions.tolist()))  # positions in `steps`
     size_effect = _size_effect_at_steps(
         solution,
         body_number,
-        [steps[k] for k in sampled],
-        [tractions_at_steps[k] for k in sampled],
-        bulk_stress[sampled],
+        [steps[k] for k in sampled_positions],
+        [tractions_at_steps[k] for k in sampled_positions],
+        bulk_stress[sampled_positions],
     )
     if size_effect is None:
         return None
@@ -926,9 +925,10 @@ def _size_fit(
         [_tractions_on_body(step_tractions, body_number) for step_tractions in tractions_at_steps],
         bulk_stress,
     )
+    # units (n_predictors,): without bulk stress, which is the last column, one fewer than columns
     predictor_units = _predictor_units(predictors, half_width)
     return _SizeFit.by_regression(
-        size_effect, predictors[sampled, : len(predictor_units)], predictor_units
+        size_effect, predictors[sampled_positions, : len(predictor_units)], predictor_units
     )
 
 
@@ -1200,8 +1200,8 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
     candidates = _Candidates.at_steps(solution, steps)
     added_tension, added_uncertainty = _added_edge_tension(solution, steps, candidates.tractions)
     # s_xx at all candidates, (n_steps, 2, 2) by body and edge
-    values = candidates.tension_by_tractions() + added_tension
-    if np.isnan(values).any():
+    tension = candidates.tension_by_tractions() + added_tension
+    if np.isnan(tension).any():
         return None
 
     def uncertainties_of(candidate_number: int) -> Array:
@@ -1212,12 +1212,12 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
         by_tractions = candidates.uncertainty_by_tractions(candidate_number, change_by_new_contact)
         return np.asarray(added_uncertainty[:, None] + by_tractions)
 
-    largest_place, uncertainty = _largest_with_uncertainty(values, uncertainties_of)
-    candidate_number, body_number, edge_number = largest_place
+    index_of_largest, uncertainty = _largest_with_uncertainty(tension, uncertainties_of)
+    candidate_number, body_number, edge_number = index_of_largest
     edges = candidates.tractions[candidate_number].edges  # left and right edge of contact
     # _BODY_NAMES: "lower", "upper"
     return LargestTension(
-        value=float(values[largest_place]),
+        value=float(tension[index_of_largest]),
         uncertainty=uncertainty,
         time=float(solution.time[steps[candidate_number]]),
         body=_BODY_NAMES[body_number],
@@ -1369,7 +1369,8 @@ def _steps_of_large_tension(solution: ContactSolution) -> list[int]:
     Between half-planes without bulk stress the estimate is exact, and one candidate is enough;
     else there are forty.
     """
-    # Tension by nodal tractions at each step of the last cycle with three nodes in contact.
+    # Larger tension of both edges by nodal tractions, at each step of the last cycle with three
+    # nodes in contact.
     steps_of_cycle = [int(step) for step in solution.last_cycle]
     nodal_tractions = {step: _nodal_tractions(solution, step) for step in steps_of_cycle}
     # FEWEST_NODES: 3
@@ -1378,13 +1379,15 @@ def _steps_of_large_tension(solution: ContactSolution) -> list[int]:
         for step, tractions_of_step in nodal_tractions.items()
         if len(tractions_of_step.x) >= FEWEST_NODES
     }
-    has_bulk_stress = any(_bulk_stress(solution, steps_of_cycle, body).any() for body in (0, 1))
+    has_bulk_stress = any(
+        _bulk_stress(solution, steps_of_cycle, body_number).any() for body_number in (0, 1)
+    )
     is_exact = solution.scene.bodies.half_planes and not has_bulk_stress
     n_candidates = 1 if is_exact else _N_CANDIDATE_STEPS
     if len(nodal_tension) <= n_candidates:
         return list(nodal_tension)
 
-    # Tension by bulk stress and body size at each of these steps, (2, 2) by body and edge.
+    # Tension by bulk stress and body size: by step, (2, 2) by body and edge of contact.
     added_tension = dict.fromkeys(nodal_tension, np.zeros((2, 2)))
     if not is_exact:
         added_tension = _interpolated_added_tension(
@@ -1400,10 +1403,11 @@ def _steps_of_large_tension(solution: ContactSolution) -> list[int]:
         """Largest tension of both bodies and edges at a stored step, by tractions that are fitted
         at few points [stress].
         """
-        tension_at_edges = sampled_tractions(nodal_tractions[step]).edge_tension()
+        # (2,) of the lower body, at the left and right edge of contact
+        tension_by_tractions = sampled_tractions(nodal_tractions[step]).edge_tension()
         # the tractions on the upper body are opposite, and so is the tension that they cause
-        tension_estimate = np.outer([1.0, -1.0], tension_at_edges) + added_tension[step]
-        return float(tension_estimate.max())
+        tension_estimates = np.outer([1.0, -1.0], tension_by_tractions) + added_tension[step]
+        return float(tension_estimates.max())
 
     highest_steps = _steps_of_highest_estimates(upper_bounds, estimate_by_fit, n_candidates)
     return [step for step in steps_of_cycle if step in highest_steps]
@@ -1503,8 +1507,10 @@ def _nodal_tractions(solution: ContactSolution, step: int) -> NodalTractions:
     if solution.scene.bodies.faces_are_true and isinstance(solution, FiniteElementSolution):
         tangential_load = float(shear @ solution.face_lengths)
     step_before = max(step - 1, 0)
-    rise_of_p = float(solution.normal_load[step] - solution.normal_load[step_before])
-    rise_of_q = float(solution.tangential_load[step] - solution.tangential_load[step_before])
+    rise_of_normal_load = float(solution.normal_load[step] - solution.normal_load[step_before])
+    rise_of_tangential_load = float(
+        solution.tangential_load[step] - solution.tangential_load[step_before]
+    )
     left_stick_edge, right_stick_edge = solution.stick_edges[step].tolist()
     left_contact_edge, right_contact_edge = solution.contact_edges[step].tolist()
     return NodalTractions(
@@ -1515,10 +1521,10 @@ def _nodal_tractions(solution: ContactSolution, step: int) -> NodalTractions:
         contact_edges=(left_contact_edge, right_contact_edge),
         friction=friction,
         tangential_load=tangential_load,
-        # With bulk stress or tilt each edge has a law of its own: taken for unknown, which makes
-        # the uncertainty larger, not smaller.
-        load_grows_in_stick=rise_of_p > 0
-        and abs(rise_of_q) <= friction * rise_of_p
+        # Whether the contact grows in full stick. With bulk stress or tilt each edge grows by a law
+        # of its own: False then, which makes the uncertainty larger, not smaller.
+        load_grows_in_stick=rise_of_normal_load > 0
+        and abs(rise_of_tangential_load) <= friction * rise_of_normal_load
         and solution.tilt is None,
         curvature_jumps=profile_kinks(solution.scene),
         has_tabulated_profile=isinstance(solution.scene.profile, Tabulated),
@@ -1593,16 +1599,22 @@ def _nodal_fields(
     """
     condensed_body = solution.condensed_bodies[body_number]
     # Contact forces p and q of the nodes (n, k), then those on this body in its own frame.
-    states = [solution.states[step] for step in steps]
-    pressure = np.stack([state.pressure for state in states], axis=1) * solution.scales.load
-    shear = np.stack([state.shear for state in states], axis=1) * solution.scales.load
+    contact_states = [solution.states[step] for step in steps]
+    normal_forces = (
+        np.stack([state.pressure for state in contact_states], axis=1) * solution.scales.load
+    )
+    tangential_forces = (
+        np.stack([state.shear for state in contact_states], axis=1) * solution.scales.load
+    )
     # _BODY_NAMES: "lower", "upper"
-    forces = body_forces(*solution.condensed_bodies, pressure, shear)[_BODY_NAMES[body_number]]
+    forces_on_body = body_forces(*solution.condensed_bodies, normal_forces, tangential_forces)[
+        _BODY_NAMES[body_number]
+    ]
 
     # Displacement of all nodes (n_dofs, k) under them. Mixed elements have a further unknown, the
     # mixed pressure at their corners, (n_corners, k): a part of every normal stress.
     basis, displacements, mixed_pressures = displacement_fields(
-        condensed_body, forces, solution.scene.profile.datum_length, bulk_stress
+        condensed_body, forces_on_body, solution.scene.profile.datum_length, bulk_stress
     )
 
     # Stress of the elements, averaged at the nodes.
@@ -1683,15 +1695,16 @@ def _near_contact(
 
     # Nodes within it, and the tractions on this body.
     x_of_mesh, y_of_mesh = nodal_fields.basis.mesh.p
+    # `depth`: of the face below its highest point
     depth_of_face = face_of(shape, solution.scene.profile).depth(np.abs(x_of_mesh))
-    y_below_face = np.minimum(y_of_mesh + depth_of_face, 0.0)  # as if the face were flat
-    nodes = np.flatnonzero(np.hypot(x_of_mesh, y_below_face) < largest_distance)
+    y_from_face = np.minimum(y_of_mesh + depth_of_face, 0.0)  # y <= 0 as if the face were flat
+    nodes = np.flatnonzero(np.hypot(x_of_mesh, y_from_face) < largest_distance)
     tractions_on_body = _tractions_on_body_at_steps(tractions_at_steps, body_number)
     region = _NearContact(
         largest_distance,
         nodes,
         x_of_mesh[nodes],
-        y_below_face[nodes],
+        y_from_face[nodes],
         tractions_on_body,
         size_effect=None,
     )

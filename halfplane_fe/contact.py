@@ -180,15 +180,15 @@ class _ChangeByStates(NamedTuple):
     ----------
     start_state
         state of the contact before the increment
-    new_node_states
-        open, stick or slip of the n nodes after the change, as bytes
+    new_node_states_bytes
+        bytes of the states of the n nodes after the change: open, stick or slip
     change_of_values
         (3 + 4 n,) of approach, shift and tilt, then slip, p, q and gap of the nodes; the number 0
         where nothing changes
     """
 
     start_state: InterfaceState
-    new_node_states: bytes
+    new_node_states_bytes: bytes
     change_of_values: Array | float
 
 
@@ -215,7 +215,7 @@ class _PressureOfTurn(NamedTuple):
 
     Attributes
     ----------
-    pressure
+    normal_forces
         (n,) nodal normal forces
     approach
         normal approach of the upper body
@@ -225,7 +225,7 @@ class _PressureOfTurn(NamedTuple):
         (n,) slip by bulk stresses and tilt
     """
 
-    pressure: Array
+    normal_forces: Array
     approach: float
     is_closed: Mask
     slip_offset: Array
@@ -398,16 +398,16 @@ class ContactProblem:
         """
         stresses_and_tilt = self._stresses_and_tilt_at_rest(loads, x_of_load)
         # Gap and slip (n,) by bulk stresses and tilt, then by the rigid motion (approach and shift)
-        # of the upper body with a least gap of 0. `face_normals[1]`: y of the unit normals.
+        # of the upper body, such that the least gap is 0. `face_normals[1]`: y of the unit normals.
         gap_offset, slip_offset = self.gap_and_slip_by(stresses_and_tilt)
-        undeformed_gap = self.initial_gap + gap_offset
-        approach = float((undeformed_gap / self.interface.face_normals[1]).min())
+        gap_without_motion = self.initial_gap + gap_offset
+        approach = float((gap_without_motion / self.interface.face_normals[1]).min())
         shift = loads[1] if self.actuators.prescribe_displacement else 0.0
         gap_by_approach, slip_by_approach = self.interface.gap_and_slip_by_motion(approach, shift)
-        gap = undeformed_gap + gap_by_approach
+        gap = gap_without_motion + gap_by_approach
         slip = slip_offset + slip_by_approach
 
-        # Values: approach, shift and tilt, then slip, pressure, shear and gap of the nodes.
+        # Values: approach, shift and tilt, then slip, p, q (nodal forces) and gap of the nodes.
         no_force = np.zeros_like(self.initial_gap)
         rigid_motion = [approach, shift, stresses_and_tilt[2]]
         values = np.concatenate([rigid_motion, slip, no_force, no_force, gap])
@@ -745,28 +745,30 @@ class ContactProblem:
         `start_state` to new `node_states` (n,).
 
         The values (3 + 4 n,) are approach, shift and tilt, then slip, p, q and gap of the nodes.
-        A node that opens loses its pressure; one that closes loses its gap; one that slips gets
+        A node that opens loses its normal force; one that closes loses its gap; one that slips gets
         q = +-f p. The number 0 is returned where every node meets its new equations already. All is
         scaled.
         """
         # Increments from one start are tried with several loads: the latest change is cached.
-        latest_change = self._latest_change
-        states_key = node_states.tobytes()
+        cached_change = self._latest_change
+        node_states_bytes = node_states.tobytes()
         if (
-            latest_change is not None
-            and latest_change.start_state is start_state
-            and latest_change.new_node_states == states_key
+            cached_change is not None
+            and cached_change.start_state is start_state
+            and cached_change.new_node_states_bytes == node_states_bytes
         ):
-            return latest_change.change_of_values
+            return cached_change.change_of_values
 
         # What the new equations of the nodes miss in `start_state`: p or gap, and q - (+-f) p, if
         # that is more than round-off, 1e-15 in scaled variables.
-        _, pressure, shear, gap = nodal_values(start_state.values)
-        shear_beyond_limit = shear - self._shear_over_pressure(node_states) * pressure
+        _, normal_forces, tangential_forces, gap = nodal_values(start_state.values)
+        force_beyond_limit = (
+            tangential_forces - self._shear_over_pressure(node_states) * normal_forces
+        )
         residual = np.concatenate(
             [
-                np.where(node_states == OPEN, pressure, gap),
-                np.where(node_states == STICK, 0.0, shear_beyond_limit),
+                np.where(node_states == OPEN, normal_forces, gap),
+                np.where(node_states == STICK, 0.0, force_beyond_limit),
             ]
         )
         # two equations of each node: n along the normal, then n along the tangent
@@ -780,9 +782,9 @@ class ContactProblem:
                 node_states, len(start_state.loads), equation_numbers, -residual[equation_numbers]
             )
             change_of_values = rates_and_change[-1]
-            if states_key not in self._rates:
+            if node_states_bytes not in self._rates:
                 self._store_rates(node_states, rates_and_change[:-1].copy())
-        self._latest_change = _ChangeByStates(start_state, states_key, change_of_values)
+        self._latest_change = _ChangeByStates(start_state, node_states_bytes, change_of_values)
         return change_of_values
 
     def _solve_by_active_set(
@@ -852,7 +854,7 @@ class ContactProblem:
         """
         self.work_counts["alternating solves"] += 1
         stresses_and_tilt = self._stresses_and_first_tilt(start_state, loads)
-        shear = start_state.shear
+        shear = start_state.shear  # nodal forces, as the pressure is
         shift = start_state.shift  # tangential displacement of the upper body
         is_closed = start_state.is_closed
         # P and Q: given, or where actuators prescribe movements the resultants of the nodal forces
@@ -865,27 +867,27 @@ class ContactProblem:
                 stresses_and_tilt[2] = self._tilt_at_known_shear(
                     gap_without_pressure, shear, is_closed, stresses_and_tilt, loads
                 )
-            known_pressure = self._pressure_of_turn(
+            pressure_of_turn = self._pressure_of_turn(
                 gap_without_pressure, shear, is_closed, stresses_and_tilt, resultants[0]
             )
-            is_closed = known_pressure.is_closed
+            is_closed = pressure_of_turn.is_closed
             node_states = np.where(is_closed, STICK, OPEN).astype(np.int8)
             if self.has_shear:
                 shear, shift, node_states = self._shear_of_turn(
-                    start_state.slip, known_pressure, resultants[1]
+                    start_state.slip, pressure_of_turn, resultants[1]
                 )
 
             # All equations for these node states, and the states that the laws then give. Without
             # a sticking node this system is singular, unless an actuator holds the upper body.
             if not np.any(node_states == STICK) and not self.actuators.prescribe_displacement:
                 continue
-            state = self.state_following(start_state, time, loads, node_states)
-            resultants = state.resultants or resultants
+            solved_state = self.state_following(start_state, time, loads, node_states)
+            resultants = solved_state.resultants or resultants
             n_changing = int(
-                np.count_nonzero(self._states_by_law(state, start_state) != node_states)
+                np.count_nonzero(self._states_by_law(solved_state, start_state) != node_states)
             )
             if not n_changing:
-                return _Outcome(state, turn_number, 0)
+                return _Outcome(solved_state, turn_number, 0)
         return _Outcome(None, self.max_iterations, n_changing)
 
     def _stresses_and_first_tilt(
@@ -949,17 +951,17 @@ class ContactProblem:
         normals_x = self.interface.face_normals[0]  # (n,) x of the unit normal at each node
         gap_offset, slip_offset = self.gap_and_slip_by(stresses_and_tilt)
         # ROUNDING: round-off of scaled forces and displacements, 1e-11
-        pressure, approach, is_closed = pressure_at_known_shear(
+        normal_forces, approach, is_closed = pressure_at_known_shear(
             self._systems,
             gap_without_pressure + gap_offset,
             normal_load - float(normals_x @ shear),
             is_closed,
             ROUNDING,
         )
-        return _PressureOfTurn(pressure, approach, is_closed, slip_offset)
+        return _PressureOfTurn(normal_forces, approach, is_closed, slip_offset)
 
     def _shear_of_turn(
-        self, start_slip: Array, known_pressure: _PressureOfTurn, tangential_load: float
+        self, start_slip: Array, pressure_of_turn: _PressureOfTurn, tangential_load: float
     ) -> tuple[Array, float, States]:
         """Friction problem at known pressure: shear (n,), tangential displacement of the upper
         body, and states (n,) of the nodes. Scaled.
@@ -968,26 +970,28 @@ class ContactProblem:
         ----------
         start_slip
             (n,) slip before the increment
-        known_pressure
+        pressure_of_turn
             pressure and approach of this turn; tension counts as 0 for the Coulomb limit
         tangential_load
             Q; without effect on one half of a contact whose shear is odd in x
         """
         normals_x = self.interface.face_normals[0]  # (n,) x of the unit normal at each node
-        pressure = known_pressure.pressure
-        # slip before the increment, minus all that does not come from shear and `shift`
-        known_slip = (
+        normal_forces = pressure_of_turn.normal_forces
+        # slip before the increment, minus that at its end that does not come from shear and `shift`
+        slip_deficit = (
             start_slip
-            - known_pressure.slip_offset
-            - self._slip_by_normal_forces @ pressure
-            - normals_x * known_pressure.approach
+            - pressure_of_turn.slip_offset
+            - self._slip_by_normal_forces @ normal_forces
+            - normals_x * pressure_of_turn.approach
         )
         load_of_shear = (
-            None if self.interface.has_odd_shear else tangential_load + float(normals_x @ pressure)
+            None
+            if self.interface.has_odd_shear
+            else tangential_load + float(normals_x @ normal_forces)
         )
         # ROUNDING: round-off of scaled forces and displacements, 1e-11
         return shear_at_known_pressure(
-            self._systems, np.maximum(pressure, 0.0), known_slip, load_of_shear, ROUNDING
+            self._systems, np.maximum(normal_forces, 0.0), slip_deficit, load_of_shear, ROUNDING
         )
 
     def _states_by_law(self, solved_state: InterfaceState, start_state: InterfaceState) -> States:
@@ -1073,26 +1077,28 @@ class ContactProblem:
         changing_nodes
             (m,) numbers of the nodes whose state changes
         """
-        _, pressure, shear, gap = nodal_values(solved_state.values)
-        states_before = solved_state.node_states[changing_nodes]
-        was_closed = states_before != OPEN
-        # `_shear_scale` is the unit of shear and slip: f of uncoupled bodies, else 1.
+        _, normal_forces, tangential_forces, gap = nodal_values(solved_state.values)
+        present_states = solved_state.node_states[changing_nodes]
+        was_closed = present_states != OPEN
+        # `_shear_scale` is the unit of tangential force and slip: f of uncoupled bodies, else 1.
         # _ROUNDING_OF_FORCE: 1e-13; ROUNDING: 1e-11, of displacements
-        has_no_pressure = np.abs(pressure[changing_nodes]) <= _ROUNDING_OF_FORCE
-        just_touches = has_no_pressure & (np.abs(gap[changing_nodes]) <= ROUNDING)
-        force_beyond_limit = np.abs(shear[changing_nodes]) - trial.friction_limit[changing_nodes]
+        has_no_normal_force = np.abs(normal_forces[changing_nodes]) <= _ROUNDING_OF_FORCE
+        just_touches = has_no_normal_force & (np.abs(gap[changing_nodes]) <= ROUNDING)
+        force_beyond_limit = (
+            np.abs(tangential_forces[changing_nodes]) - trial.friction_limit[changing_nodes]
+        )
         has_not_moved = np.abs(trial.slip_increment[changing_nodes]) <= ROUNDING * self._shear_scale
         is_at_limit = np.abs(force_beyond_limit) <= _ROUNDING_OF_FORCE * self._shear_scale
         keeps_state = was_closed & is_at_limit & has_not_moved
         is_closed = np.where(just_touches, was_closed, trial.by_law[changing_nodes] != OPEN)
         states_of_closed_nodes = np.where(
-            keeps_state, states_before, trial.if_closed[changing_nodes]
+            keeps_state, present_states, trial.if_closed[changing_nodes]
         )
-        states_after = np.where(is_closed, states_of_closed_nodes, OPEN)
+        new_states = np.where(is_closed, states_of_closed_nodes, OPEN)
         has_turned = (
-            (states_after != states_before) & (states_after > STICK) & (states_before > STICK)
+            (new_states != present_states) & (new_states > STICK) & (present_states > STICK)
         )
-        return np.where(has_turned, STICK, states_after)
+        return np.where(has_turned, STICK, new_states)
 
     def _tilt_at_known_shear(
         self,
@@ -1136,14 +1142,14 @@ class ContactProblem:
             """
             gap_offset, _ = self.gap_and_slip_by(np.array([*stresses_and_tilt[:2], tilt]))
             # ROUNDING: round-off of scaled forces and displacements, 1e-11
-            pressure, _, _ = pressure_at_known_shear(
+            normal_forces, _, _ = pressure_at_known_shear(
                 self._systems,
                 gap_without_pressure + gap_offset,
                 load_of_pressure,
                 is_closed,
                 ROUNDING,
             )
-            return -float(self.interface.work_per_stress_and_tilt(pressure, shear)[2]) - moment
+            return -float(self.interface.work_per_stress_and_tilt(normal_forces, shear)[2]) - moment
 
         latest_tilt = float(stresses_and_tilt[2])
         slope_of_gap = float(np.ptp(self.initial_gap)) / float(np.ptp(self.interface.x))

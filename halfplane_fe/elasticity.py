@@ -278,12 +278,12 @@ def split_lame(material: Elastic, order: int) -> SplitLame:
 def _stiffness(system: System, elements: Indices) -> sparse.csr_matrix:
     """Plane-strain stiffness matrix of some elements of a body, (n_dofs, n_dofs) [stress].
 
-    Unknowns are the displacement u and, in a nearly incompressible material, the mixed pressure r.
-    With D_iajb the integral of d_a phi_i d_b phi_j over an element,
+    Unknowns are the displacement u and, in a nearly incompressible material, r/G with the mixed
+    pressure r. With D_iajb the integral of d_a phi_i d_b phi_j over an element,
 
         K_iajb = lambda D_iajb + G (D_ibja + delta_ab sum_c D_icjc).
 
-    With the pressure the matrix is [[K, G B^T], [G B, -G^2 M/lambda_1]] in (u, r/G): symmetric,
+    With r the matrix is [[K, G B^T], [G B, -G^2 M/lambda_1]] in (u, r/G): symmetric,
     quasi-definite. `elements` are the numbers of the elements.
 
     # notation: phi_i shape functions; a, b, c directions x, y; lambda the part of Lame's first
@@ -299,23 +299,24 @@ def _stiffness(system: System, elements: Indices) -> sparse.csr_matrix:
     points, weights = get_quadrature(mesh.refdom, 2 * system.order)
     gradients, point_areas = _gradients_and_areas(mesh, cells, system.order, points, weights)
 
-    # Matrix of each element: of the displacement, then of the mixed pressure at the corners.
-    element_matrices = _displacement_matrices(gradients, point_areas, lame)
+    # Matrix of each element: K, and in a nearly incompressible material the blocks of r/G at the
+    # corners, G B (coupling) and -G^2 M/lambda_1.
+    element_matrices = displacement_blocks = _displacement_matrices(gradients, point_areas, lame)
     dofs = (2 * cells[..., None] + [0, 1]).reshape(len(cells), -1)
     if lame.lambda_of_pressure:
         corners = cells[:, : mesh.refdom.nfacets]
         linear_element = scalar_element(mesh, 1)
-        corner_functions = np.stack(
+        corner_shape_functions = np.stack(
             [linear_element.lbasis(points, i)[0] for i in range(corners.shape[1])]
         )
-        coupling_block, pressure_block = _pressure_matrices(
-            gradients, point_areas, corner_functions, lame
+        coupling_blocks, mass_blocks = _pressure_matrices(
+            gradients, point_areas, corner_shape_functions, lame
         )
         dofs = np.hstack([dofs, 2 * mesh.p.shape[1] + corners])
         element_matrices = np.block(
             [
-                [element_matrices, coupling_block.transpose(0, 2, 1)],
-                [coupling_block, pressure_block],
+                [displacement_blocks, coupling_blocks.transpose(0, 2, 1)],
+                [coupling_blocks, mass_blocks],
             ]
         )
 
@@ -637,7 +638,7 @@ class _CondensedSubspace(NamedTuple):
         motions that move them
     compliance
         (k, k) amplitude of each of these motions by a unit force on each [1 / stress]
-    displacement_by_stress
+    amplitudes_by_tension
         (k,) amplitude of each of them by a unit of tension on the body's ends [length / stress]
     error
         of both: relative difference from the solution of the mesh under a random load
@@ -645,7 +646,7 @@ class _CondensedSubspace(NamedTuple):
 
     motions: sparse.csr_matrix
     compliance: Array
-    displacement_by_stress: Array
+    amplitudes_by_tension: Array
     error: float
 
 
@@ -735,8 +736,8 @@ def _condensed_subspace(
 
     The nodes of the arc of a half-disc stay with those of the contact, since the half-plane around
     it loads them. With B the forces on the arc by unit forces on the contact, and S the Schur
-    complement of both, the compliance is [B; 1]^T S^-1 [B; 1]. From it the work of the tractions on
-    the arc in the half-plane's own displacement is subtracted.
+    complement of arc and contact, the compliance is [B; 1]^T S^-1 [B; 1]. From it the work of the
+    tractions on the arc in the half-plane's own displacement is subtracted.
 
     # notation: [B; 1] B above the unit matrix
 
@@ -762,11 +763,12 @@ def _condensed_subspace(
     Returns
     -------
     _CondensedSubspace
-        Motions that move the contact nodes, their compliance, amplitudes by a unit of tension on
-        the ends, and the relative error of both.
+        Motions that move the contact nodes; amplitudes of these by unit forces (`compliance`) and
+        by a unit of tension on the ends (`amplitudes_by_tension`); relative error of both.
     """
-    # Motions by their numbers: inner ones, which are eliminated, then those with reactions to the
-    # contact, then those of the contact.
+    # `subspace.motions(dofs, numbers)`: displacement of degrees of freedom in the motions of these
+    # numbers. Here those of the whole body, in order of the numbers: inner ones, which are
+    # eliminated, then those with reactions to the contact, then those of the contact.
     motion_numbers = _motion_numbers(system, subspace, ranks)
     ordered_motions = subspace.motions(
         np.arange(len(subspace.column_of_dof)), np.concatenate(motion_numbers)
@@ -774,18 +776,18 @@ def _condensed_subspace(
     ordered_stiffness = (ordered_motions.T @ stiffness @ ordered_motions).tocsc()
     elimination = _Elimination.from_stiffness(ordered_stiffness, len(motion_numbers.inner))
 
-    # Loads on these motions: B and the work in the half-plane, by unit forces on the contact.
+    # Unit loads on these motions: B and the work in the half-plane, by unit forces on the contact.
     contact_motions = subspace.motions(system.contact_dofs.ravel(), motion_numbers.contact)
     reaction_motions = subspace.motions(system.reaction_dofs.ravel(), motion_numbers.reaction)
-    loads = _SubspaceLoads(
+    unit_loads = _SubspaceLoads(
         arc_loads=reaction_motions.T @ (half_plane_loads.nodal_forces @ contact_motions),
         tractions_on_arc=(half_plane_loads.tractions @ contact_motions).T,
         displacements_on_arc=half_plane_loads.displacements @ contact_motions,
         tension_on_ends=ordered_motions.T @ system.tension_forces,
     )
-    compliance = _compliance_on_contact(elimination, loads)
-    displacement_by_stress, error = _tension_response_and_error(elimination, loads, compliance)
-    return _CondensedSubspace(contact_motions, compliance, displacement_by_stress, error)
+    compliance = _compliance_on_contact(elimination, unit_loads)
+    amplitudes_by_tension, error = _tension_response_and_error(elimination, unit_loads, compliance)
+    return _CondensedSubspace(contact_motions, compliance, amplitudes_by_tension, error)
 
 
 class _MotionNumbers(NamedTuple):
@@ -863,27 +865,27 @@ class _SubspaceLoads(NamedTuple):
     tension_on_ends: Array
 
 
-def _compliance_on_contact(elimination: _Elimination, loads: _SubspaceLoads) -> Array:
+def _compliance_on_contact(elimination: _Elimination, unit_loads: _SubspaceLoads) -> Array:
     """Compliance (k, k) of the contact in one subspace: [B; 1]^T S^-1 [B; 1], minus the work of the
     half-plane's tractions on the arc in the half-plane's own displacement [1 / stress].
 
     # notation: B forces on the arc by unit forces on the contact (`arc_loads`); 1 unit matrix,
     # [B; 1] B above it; S Schur complement of arc and contact, in this order
     """
-    n_arc = len(loads.arc_loads)
+    n_arc = len(unit_loads.arc_loads)
     inverse_of_schur = elimination.inverse_of_schur
     displacement_by_forces = (
-        inverse_of_schur[:, :n_arc] @ loads.arc_loads + inverse_of_schur[:, n_arc:]
+        inverse_of_schur[:, :n_arc] @ unit_loads.arc_loads + inverse_of_schur[:, n_arc:]
     )
     return np.asarray(
-        loads.arc_loads.T @ displacement_by_forces[:n_arc]
+        unit_loads.arc_loads.T @ displacement_by_forces[:n_arc]
         + displacement_by_forces[n_arc:]
-        - loads.tractions_on_arc @ loads.displacements_on_arc
+        - unit_loads.tractions_on_arc @ unit_loads.displacements_on_arc
     )
 
 
 def _tension_response_and_error(
-    elimination: _Elimination, loads: _SubspaceLoads, compliance: Array
+    elimination: _Elimination, unit_loads: _SubspaceLoads, compliance: Array
 ) -> tuple[Array, float]:
     """Displacement (k,) of the contact by a unit of tension on the ends of a body, and the relative
     error of the `compliance` (k, k): the largest of four relative errors.
@@ -900,7 +902,7 @@ def _tension_response_and_error(
     elimination
         factorised stiffness of the mesh; its first `n_inner` degrees of freedom are eliminated,
         then come those of the arc of a half-disc, then the k of the contact
-    loads
+    unit_loads
         `arc_loads` (m, k) on the arc by unit forces on the contact; tractions and displacements of
         the half-plane at points of the arc by them; forces by a unit of tension on the ends
     compliance
@@ -908,40 +910,40 @@ def _tension_response_and_error(
     """
     # Two loads: random forces on the contact with their reactions on the arc, and tension.
     n_inner = elimination.n_inner
-    n_arc, n_contact = loads.arc_loads.shape
+    n_arc, n_contact = unit_loads.arc_loads.shape
     random_forces = np.random.default_rng(0).standard_normal(n_contact)
     test_loads = np.zeros((elimination.stiffness.shape[0], 2))
-    test_loads[n_inner:, 0] = np.concatenate([loads.arc_loads @ random_forces, random_forces])
-    test_loads[:, 1] = loads.tension_on_ends
-    test_solutions = elimination.displacements(test_loads)
-    displacement_by_random_forces, displacement_by_stress = (
-        loads.arc_loads.T @ test_solutions[n_inner : n_inner + n_arc]
-        + test_solutions[n_inner + n_arc :]
+    test_loads[n_inner:, 0] = np.concatenate([unit_loads.arc_loads @ random_forces, random_forces])
+    test_loads[:, 1] = unit_loads.tension_on_ends
+    displacements_by_tests = elimination.displacements(test_loads)
+    displacement_by_random_forces, displacement_by_tension = (
+        unit_loads.arc_loads.T @ displacements_by_tests[n_inner : n_inner + n_arc]
+        + displacements_by_tests[n_inner + n_arc :]
     ).T
-    displacement_by_random_forces = displacement_by_random_forces - loads.tractions_on_arc @ (
-        loads.displacements_on_arc @ random_forces
+    displacement_by_random_forces = displacement_by_random_forces - unit_loads.tractions_on_arc @ (
+        unit_loads.displacements_on_arc @ random_forces
     )
 
     # Residuals over the largest load, and the compliance against the displacement of the mesh.
     largest_loads = np.maximum(np.abs(test_loads).max(axis=0), 1e-300)
-    residual_forces = elimination.stiffness @ test_solutions - test_loads
+    residual_forces = elimination.stiffness @ displacements_by_tests - test_loads
     residuals = np.abs(residual_forces).max(axis=0) / largest_loads
     error_of_compliance = np.abs(compliance @ random_forces - displacement_by_random_forces).max()
 
     # Betti's theorem: the load does the work in the displacement by tension that the tension does
     # in its own.
     error_of_work = np.abs(
-        random_forces @ displacement_by_stress - test_loads[:, 1] @ test_solutions[:, 0]
+        random_forces @ displacement_by_tension - test_loads[:, 1] @ displacements_by_tests[:, 0]
     )
     scale_of_work = max(
-        np.linalg.norm(random_forces) * np.linalg.norm(displacement_by_stress), 1e-300
+        np.linalg.norm(random_forces) * np.linalg.norm(displacement_by_tension), 1e-300
     )
     errors = [
         *residuals,
         error_of_compliance / np.abs(displacement_by_random_forces).max(),
         error_of_work / scale_of_work,
     ]
-    return displacement_by_stress, float(np.max(errors))
+    return displacement_by_tension, float(np.max(errors))
 
 
 def _held_on_arc(
@@ -1216,23 +1218,27 @@ def _contact_response(system: System, datum_length: float) -> _ContactResponse:
         Where rounding leaves a stiffness that is not positive definite.
     """
     loads_on_arc = arc_loads(system, datum_length)  # of the half-plane around a half-disc
-    elements, subspaces = _symmetry_subspaces(system)
-    stiffness = len(subspaces) * _stiffness(system, elements)
+    element_numbers, subspaces = _symmetry_subspaces(system)
+    stiffness = len(subspaces) * _stiffness(system, element_numbers)
     ranks = _elimination_ranks(system, stiffness)  # of the degrees of freedom, for sparse factors
-    n_dofs = system.contact_dofs.size
-    compliance = np.zeros((n_dofs, n_dofs))
-    displacement_by_stress = np.zeros(n_dofs)
+    n_contact_dofs = system.contact_dofs.size
+    compliance = np.zeros((n_contact_dofs, n_contact_dofs))
+    displacement_by_stress = np.zeros(n_contact_dofs)
     asymmetry = 0.0
     residual = 0.0
     for subspace in subspaces:
-        condensed = _condensed_subspace(system, subspace, stiffness, ranks, loads_on_arc)
-        transpose = condensed.compliance.T
-        skew_part = (condensed.compliance - transpose).max() / np.abs(condensed.compliance).max()
-        asymmetry = max(asymmetry, float(skew_part))
-        residual = np.fmax(residual, condensed.error)
-        symmetric_part = (condensed.compliance + transpose) / 2
-        compliance += condensed.motions @ (condensed.motions @ symmetric_part).T
-        displacement_by_stress += condensed.motions @ condensed.displacement_by_stress
+        condensed_subspace = _condensed_subspace(system, subspace, stiffness, ranks, loads_on_arc)
+        transpose = condensed_subspace.compliance.T
+        relative_asymmetry = (condensed_subspace.compliance - transpose).max() / np.abs(
+            condensed_subspace.compliance
+        ).max()
+        asymmetry = max(asymmetry, float(relative_asymmetry))
+        residual = np.fmax(residual, condensed_subspace.error)
+        symmetric_part = (condensed_subspace.compliance + transpose) / 2
+        compliance += condensed_subspace.motions @ (condensed_subspace.motions @ symmetric_part).T
+        displacement_by_stress += (
+            condensed_subspace.motions @ condensed_subspace.amplitudes_by_tension
+        )
     return _ContactResponse(
         compliance, displacement_by_stress, asymmetry, float(residual), len(subspaces)
     )
@@ -1290,14 +1296,14 @@ def displacement_fields(
     forces_on_contact = forces.reshape(-1, forces.shape[-1])
 
     # Forces on all degrees of freedom (n_dofs, k), with tension on the ends.
-    nodal_forces = np.zeros((system.stiffness.shape[0], forces.shape[-1]))
-    nodal_forces[system.contact_dofs.ravel()] = forces_on_contact
-    nodal_forces[system.reaction_dofs.ravel()] += balancing_loads.nodal_forces @ forces_on_contact
+    forces_on_dofs = np.zeros((system.stiffness.shape[0], forces.shape[-1]))
+    forces_on_dofs[system.contact_dofs.ravel()] = forces_on_contact
+    forces_on_dofs[system.reaction_dofs.ravel()] += balancing_loads.nodal_forces @ forces_on_contact
     if stresses is not None:
-        nodal_forces += system.tension_forces[:, None] * stresses
+        forces_on_dofs += system.tension_forces[:, None] * stresses
 
     # The unknowns: displacements of the nodes, then r/G at the corners of mixed elements.
-    unknowns = _solved_unknowns(system, nodal_forces)
+    unknowns = _solved_unknowns(system, forces_on_dofs)
     n_displacements = system.basis.N
     displacements = unknowns[:n_displacements]
     pressures_over_g = unknowns[n_displacements:]

@@ -609,7 +609,7 @@ def _tension_uncertainty(nodal_tractions: NodalTractions, usual_tractions: Tract
     """Uncertainty of the tension s_xx at both edges of contact, (2,) [stress]: how much other fits
     of the same nodal values change it.
 
-    The largest of these counts; multiples are factors fitted to many solutions:
+    The largest of these counts; multiples are by constant factors, chosen on many solutions:
 
     - a least uncertainty in proportion to f p0, plus a multiple of the mean change by fits to other
       numbers of nodes or of a higher degree;
@@ -916,30 +916,34 @@ class _FittedEdge(NamedTuple):
     squared_pressure_coefficients: Array
 
 
-def _fitted_edges(x: Array, p: Array, fit: EdgeFit) -> tuple[_FittedEdge, _FittedEdge] | None:
+def _fitted_edges(
+    x: Array, p: Array, fit_settings: EdgeFit
+) -> tuple[_FittedEdge, _FittedEdge] | None:
     """Left and right edge of contact by extrapolation of the pressure p (n,) from nodes at x (n,),
     ascending: each with the polynomial of p^2 that is zero there. The right one is mirrored in
     x = 0: it is the left edge of p(-x). None where the fit of either fails.
 
-    `fit` states how many outermost nodes are left out, how many are fitted, and by which degree.
+    `fit_settings` states how many outermost nodes are left out, how many are fitted, and by which
+    degree.
     """
     mirrored_x = -x[::-1]
     mirrored_p = p[::-1]
-    left_edge = _fitted_edge(x, p, fit)
+    left_edge = _fitted_edge(x, p, fit_settings)
     # A pressure that is its own mirror image has one fit for both edges.
     # _SAME_PRESSURE: round-off, 1e-13
     is_mirrored = np.array_equal(mirrored_x, x) and bool(
         np.max(np.abs(mirrored_p - p)) <= _SAME_PRESSURE * np.max(p)
     )
-    right_edge = left_edge if is_mirrored else _fitted_edge(mirrored_x, mirrored_p, fit)
+    right_edge = left_edge if is_mirrored else _fitted_edge(mirrored_x, mirrored_p, fit_settings)
     if left_edge is None or right_edge is None:
         return None
     return left_edge, right_edge
 
 
-def _fitted_edge(x: Array, p: Array, fit: EdgeFit) -> _FittedEdge | None:
+def _fitted_edge(x: Array, p: Array, fit_settings: EdgeFit) -> _FittedEdge | None:
     """Left edge of contact by extrapolation of the pressure: p^2 near a smooth edge is linear in
-    the distance, so a polynomial fitted to p^2 is zero there. None where no polynomial fits.
+    the distance from it, so a polynomial fitted to p^2 is zero there. None where no polynomial
+    fits.
 
     The outermost nodes, which the mesh distorts, are left out. Nodes are fitted over 0.3 of the
     half-width: 16 of them at least, 100 at most, none beyond the middle. While the residual is
@@ -953,7 +957,7 @@ def _fitted_edge(x: Array, p: Array, fit: EdgeFit) -> _FittedEdge | None:
         (n,) places of the touching nodes, ascending [length], and the pressure there, over a
         function that has its infinite slopes at kinks of the profile; of a right edge both are
         mirrored in x = 0
-    fit
+    fit_settings
         how many nodes are left out, factor on the number of nodes that are fitted, what is added to
         the degree, and the largest root mean square of the relative residual
 
@@ -963,33 +967,33 @@ def _fitted_edge(x: Array, p: Array, fit: EdgeFit) -> _FittedEdge | None:
         x of the edge, x of the outermost fitted node, and the coefficients of the polynomial in the
         distance from this node, highest power first.
     """
-    n_nodes = _number_of_fitted_nodes(x, fit)
+    n_nodes = _number_of_fitted_nodes(x, fit_settings)
     while n_nodes >= _FEWEST_FITTED_NODES:
         # _DEGREE_BY_NODES: fewest nodes and degree, highest first
-        degree = fit.further_degrees + next(
+        degree = fit_settings.further_degrees + next(
             usual_degree
             for fewest_nodes, usual_degree in _DEGREE_BY_NODES
             if n_nodes >= fewest_nodes
         )
-        fitted_nodes = slice(fit.nodes_left_out, fit.nodes_left_out + n_nodes)
-        distance = x[fitted_nodes] - x[fit.nodes_left_out]
+        fitted_nodes = slice(fit_settings.nodes_left_out, fit_settings.nodes_left_out + n_nodes)
+        distance_from_node = x[fitted_nodes] - x[fit_settings.nodes_left_out]
         squared_p = p[fitted_nodes] ** 2
-        coefficients = _squared_pressure_polynomial(distance, squared_p, degree)
-        relative_residual = np.polyval(coefficients, distance) / squared_p - 1
+        coefficients = _squared_pressure_polynomial(distance_from_node, squared_p, degree)
+        relative_residual = np.polyval(coefficients, distance_from_node) / squared_p - 1
         root_mean_square = math.sqrt(float(np.mean(relative_residual**2)))
 
         # The edge is the nearest real zero outside the outermost fitted node.
         roots = np.roots(coefficients)
         edge_distances = roots[(np.abs(roots.imag) < 1e-12) & (roots.real < 0)].real
-        if root_mean_square < fit.largest_residual and len(edge_distances):
-            outermost_node_x = float(x[fit.nodes_left_out])
-            edge = float(x[fit.nodes_left_out] + edge_distances.max())
+        if root_mean_square < fit_settings.largest_residual and len(edge_distances):
+            outermost_node_x = float(x[fit_settings.nodes_left_out])
+            edge = float(x[fit_settings.nodes_left_out] + edge_distances.max())
             return _FittedEdge(edge, outermost_node_x, coefficients)
         n_nodes //= 2
     return None
 
 
-def _number_of_fitted_nodes(x: Array, fit: EdgeFit) -> int:
+def _number_of_fitted_nodes(x: Array, fit_settings: EdgeFit) -> int:
     """Number of nodes that p^2 is fitted to first, inside the outermost ones that are left out:
     those within 0.3 of the half-width, times the share of the fit.
 
@@ -998,13 +1002,16 @@ def _number_of_fitted_nodes(x: Array, fit: EdgeFit) -> int:
     """
     width = x[-1] - x[0]
     # A node at the very end of the span counts.
-    end_of_fit = x[min(fit.nodes_left_out, len(x) - 1)] + (_FITTED_SPAN / 2 + _ROUND_OFF) * width
-    nodes_available = int(np.searchsorted(x, end_of_fit)) - fit.nodes_left_out
+    end_of_fit = (
+        x[min(fit_settings.nodes_left_out, len(x) - 1)] + (_FITTED_SPAN / 2 + _ROUND_OFF) * width
+    )
+    nodes_available = int(np.searchsorted(x, end_of_fit)) - fit_settings.nodes_left_out
     # _USUAL_FITTED_NODES: 16; _MOST_FITTED_NODES: 100
     n_nodes = round(
-        fit.share_of_nodes * np.clip(nodes_available, _USUAL_FITTED_NODES, _MOST_FITTED_NODES)
+        fit_settings.share_of_nodes
+        * np.clip(nodes_available, _USUAL_FITTED_NODES, _MOST_FITTED_NODES)
     )
-    return min(n_nodes, len(x) // 2 - fit.nodes_left_out)
+    return min(n_nodes, len(x) // 2 - fit_settings.nodes_left_out)
 
 
 def _squared_pressure_polynomial(distance: Array, squared_p: Array, degree: int) -> Array:

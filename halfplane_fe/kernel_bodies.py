@@ -768,10 +768,11 @@ def body_kernels(
         return None
     material = getattr(scene.material, name)
 
-    # The singular part of the kernels of a curved face, None of a flat one. At the ends of a flat
-    # between arcs the curvature jumps, which needs a higher degree and more elements.
-    jump_kernels = _singular_kernels(face_of(shape, scene.profile), material)
-    has_curvature_jump = jump_kernels is not None and jump_kernels.flat_half_length > 0
+    # Of the kernels of a curved face (None of a flat one) the part that polynomials do not fit. At
+    # the ends of a flat between arcs the curvature jumps, which needs a higher degree and more
+    # elements.
+    singular_kernels = _singular_kernels(face_of(shape, scene.profile), material)
+    has_curvature_jump = singular_kernels is not None and singular_kernels.flat_half_length > 0
     degree = _degree_of_kernels(name, shape, reach)
     n_forces = degree // 2 + 2  # places of unit forces at x >= 0
     n_elements = _N_ELEMENTS  # 48 over the distance to the nearest end of the body
@@ -783,14 +784,15 @@ def body_kernels(
     force_places = reach * np.sin(np.linspace(0.0, np.pi / 2, n_forces))
 
     # A fine mesh, and one with elements twice as large. `remainder_kernels`: displacements of the
-    # face by unit forces at n_forces places x >= 0, those at x < 0 being mirror images.
+    # face by unit forces at n_forces places x >= 0, those at x < 0 being mirror images;
+    # `fitted_kernels`: polynomials plus the singular part.
     kernels_of_meshes = []
     for size_factor in (1.0, _FACTOR_OF_COARSE_MESH):
-        body = _mesh_for_kernels(
+        body_mesh = _mesh_for_kernels(
             name, shape, scene.profile, reach, n_elements=n_elements, size_factor=size_factor
         )
-        computed_kernels = remainder_kernels(body, material, force_places, datum_length)
-        kernels_of_meshes.append(fitted_kernels(computed_kernels, jump_kernels, degree))
+        computed_kernels = remainder_kernels(body_mesh, material, force_places, datum_length)
+        kernels_of_meshes.append(fitted_kernels(computed_kernels, singular_kernels, degree))
         work_counts["kernel unknowns"] += computed_kernels.unknowns
         work_counts["kernel solves"] += 1
     return BodyKernels(*kernels_of_meshes)

@@ -188,7 +188,7 @@ def _states_at_all_nodes(
     # by node state: open, stick, and slip in the opposite sense
     states_of_image = np.array([OPEN, STICK, SLIP_REVERSE, SLIP_FORWARD], dtype=np.int8)
 
-    def at_all_nodes(state: InterfaceState) -> InterfaceState:
+    def at_all_nodes(contact_state: InterfaceState) -> InterfaceState:
         """One contact state at all n nodes, from that at the nodes with x >= 0. The values of a
         state are approach, tangential displacement, tilt, and slip, p, q, gap of the nodes.
 
@@ -196,20 +196,20 @@ def _states_at_all_nodes(
         `factors`. A state that is not complete ends with the slip. Node states are those of the
         image; at x < 0 slip has the opposite sense (`states_of_image`) if shear is odd in x.
         """
-        n_values = len(index_in_half) if state.is_complete else 3 + len(images.node_of_half)
-        values_at_all_nodes = state.values[index_in_half[:n_values]] * factors[:n_values]
+        n_values = len(index_in_half) if contact_state.is_complete else 3 + len(images.node_of_half)
+        values_at_all_nodes = contact_state.values[index_in_half[:n_values]] * factors[:n_values]
         values_at_all_nodes.flags.writeable = False
-        states_at_all_nodes = state.node_states[images.node_of_half]
-        states_at_all_nodes = np.where(
-            images.shear_sign < 0, states_of_image[states_at_all_nodes], states_at_all_nodes
+        node_states_at_all = contact_state.node_states[images.node_of_half]
+        node_states_at_all = np.where(
+            images.shear_sign < 0, states_of_image[node_states_at_all], node_states_at_all
         )
         return replace(
-            state,
+            contact_state,
             values=values_at_all_nodes,
-            node_states=read_only_copy(states_at_all_nodes, np.int8),
+            node_states=read_only_copy(node_states_at_all, np.int8),
         )
 
-    return [at_all_nodes(state) for state in contact_states]
+    return [at_all_nodes(contact_state) for contact_state in contact_states]
 
 
 def run_at_all_nodes(run: PathRun, faces: Interface) -> PathRun:

@@ -157,7 +157,7 @@ class _Base:
     signed_friction
         (n,) q over p: +f or -f of the nodes that slide, open ones that count as sliding among
         them; else 0
-    is_held
+    prescribes_displacement
         (2 n,) whether the displacement of each equation is prescribed
     held_equations
         (k,) equations whose displacement is prescribed, then P and Q: what responds to these is
@@ -170,18 +170,18 @@ class _Base:
         (3 + 4 n,) where each value of an interface state comes from: the 2 n + 3 responses, or
         the 2 n prescribed values of the equations, which follow them. Shear is the force of its
         equation
-    equations
-        of its own, factorised; None where it has an origin
+    factors
+        of its own equations; None where it has an origin
     origin
         the base from whose responses its own are found
     response_row_of_case
         (2 n + 5,) row of `responses` for the unit case of each equation and load, -1 where that is
         not solved yet
     responses
-        (m, 2 n + 3) to unit cases, of which `n_cases` are solved: of each equation, then approach,
-        U and tilt
-    n_cases
-        unit cases that are solved
+        (m, 2 n + 3) to unit cases, of which `n_solved_cases` are solved: of each equation, then
+        approach, U and tilt
+    n_solved_cases
+        number of unit cases that are solved
     sets_served
         bytes of the node states whose responses were computed from this base: met again, they are
         computed from it again, to the same last digit
@@ -190,23 +190,23 @@ class _Base:
     equation_states: States
     equation_bits: States
     signed_friction: Array
-    is_held: Mask
+    prescribes_displacement: Mask
     held_equations: Indices
     free_equations: Indices
     position_in_held: Indices
     value_sources: Indices
-    equations: _HeldEquations | None
+    factors: _HeldEquations | None
     origin: _Base | None
     response_row_of_case: Indices
     responses: Array
-    n_cases: int = 0
+    n_solved_cases: int = 0
     sets_served: set[bytes] = field(default_factory=set)
 
     @property
     def nbytes(self) -> int:
         """Bytes of the large arrays of the base: factors of its equations and cached responses."""
-        bytes_of_equations = 0 if self.equations is None else self.equations.nbytes
-        return bytes_of_equations + self.responses.nbytes
+        bytes_of_factors = 0 if self.factors is None else self.factors.nbytes
+        return bytes_of_factors + self.responses.nbytes
 
 
 class _Update(NamedTuple):
@@ -626,8 +626,8 @@ class Systems:
         n_loads
             2, of P and Q
         equation_numbers, changes
-            numbers of prescribed quantities that change at constant loads (i normal, n + i
-            tangential), and by how much; None for none
+            equations (i normal, n + i tangential) whose prescribed quantity changes at constant
+            loads, and by how much; None for none
 
         Returns
         -------
@@ -654,9 +654,9 @@ class Systems:
             values[:, 3:].reshape(-1, 4, n).transpose(1, 2, 0)
         )
 
-        # Normal problem: p, approach (column 0 of the values) and gap, from the numbers of
-        # nodes with prescribed displacement and in contact. A compliance of `actuators` is None
-        # where the load is given, and no actuator's movement.
+        # Normal problem: p, approach (column 0 of the values) and gap. The arguments begin with
+        # how many nodes have a prescribed displacement, and how many touch. A compliance of
+        # `actuators` is None where the load is given, and no actuator's movement.
         normal_problem = self._nested_compliances[0]
         normal_forces[:], values[:, 0], gap[:] = normal_problem.forces_and_displacements(
             n_touching_nodes,
@@ -671,14 +671,15 @@ class Systems:
             tangential_problem = self._nested_compliances[1]
             # q displaces the faces against the slip: with the tangential compliance T the slip
             # is U - T q, the opposite of the displacement that is solved for.
-            prescribed_slip_or_force[:n_sticking_nodes] *= -1
+            prescribed_displacement_or_force = prescribed_slip_or_force
+            prescribed_displacement_or_force[:n_sticking_nodes] *= -1
             signed_friction = slip_sign(node_states) * self.friction  # q/p; 0 unless sliding
-            prescribed_slip_or_force += signed_friction[:, None] * normal_forces
+            prescribed_displacement_or_force += signed_friction[:, None] * normal_forces
             tangential_forces[:], values[:, 1], opposite_slip = (
                 tangential_problem.forces_and_displacements(
                     n_sticking_nodes,
                     n_touching_nodes,
-                    prescribed_slip_or_force,
+                    prescribed_displacement_or_force,
                     tangential_load_of_case,
                     self.actuators.tangential_compliance,
                 )
@@ -698,8 +699,8 @@ class Systems:
 
         Each node has two equations, i normal and n + i tangential. An equation of the base
         prescribes a displacement or the force in its direction; the other of the two is its
-        response. New states are the base with other prescribed amounts (amplitudes) in the
-        equations that differ, such that the new equations are met.
+        response. Amplitudes are what the base prescribes in the equations that differ: such that
+        the equations of the new states are met.
 
         Parameters
         ----------
@@ -718,7 +719,8 @@ class Systems:
             U and tilt, then slip, nodal forces p and q, and gap of the n nodes; scaled.
         """
         n = len(node_states)
-        # The base, and (2 n,) whether each of its equations differs from that of these states.
+        # The base, and (2 n,) whether each of its equations differs from that of these states; to
+        # these come the equations with changes.
         base, needs_update = self._base_for(node_states)
         right_sides = np.zeros((0, 2 * n))
         if equation_numbers is not None:
@@ -728,7 +730,7 @@ class Systems:
             right_sides = np.zeros((1, 2 * n))
             right_sides[0, equation_numbers] = changes
 
-        # Responses to each load and to the changes, a row each; amplitudes, likewise.
+        # Update: responses to each load and to the changes, a row each; amplitudes, likewise.
         updated_equations = needs_update.nonzero()[0]
         equation_states = np.concatenate([node_states, node_states])
         load_numbers = np.arange(2 * n, 2 * n + n_loads)
@@ -740,13 +742,13 @@ class Systems:
             right_sides[:, updated_equations],
         )
 
-        # Each value is a response or a prescribed amount: `value_sources` is its index in a row of
-        # 2 n + 3 responses (with approach, U and tilt), then 2 n prescribed amounts.
+        # Each value is a response or an amplitude: `value_sources` is its index in a row of 2 n + 3
+        # responses (with approach, U and tilt), then 2 n amplitudes, 0 where nothing differs.
         n_responses = 2 * n + 3
-        responses_and_prescribed = np.zeros((len(update.responses), n_responses + 2 * n))
-        responses_and_prescribed[:, :n_responses] = update.responses
-        responses_and_prescribed[:, n_responses + updated_equations] = update.amplitudes
-        values = responses_and_prescribed.take(base.value_sources, axis=1)
+        responses_and_amplitudes = np.zeros((len(update.responses), n_responses + 2 * n))
+        responses_and_amplitudes[:, :n_responses] = update.responses
+        responses_and_amplitudes[:, n_responses + updated_equations] = update.amplitudes
+        values = responses_and_amplitudes.take(base.value_sources, axis=1)
         _, normal_forces, tangential_forces, _ = values[:, 3:].reshape(-1, 4, n).transpose(1, 0, 2)
         # So far the tangential force is that of its equation, q - (+-f) p.
         tangential_forces += base.signed_friction * normal_forces
@@ -836,8 +838,8 @@ class Systems:
         Parameters
         ----------
         base
-            the set of the solutions: its `is_held` (2 n,) are the equations that prescribe a
-            displacement, its `signed_friction` (n,) is +-f of the nodes that slide in it, else 0
+            the set of the solutions: `prescribes_displacement` (2 n,) of its equations (else a
+            force), `signed_friction` (n,) +-f of the nodes that slide in it, else 0
         equation_states
             (2 n,) states of the n nodes in the new set, whose equations are evaluated: for normal
             equations, then for tangential ones
@@ -865,11 +867,11 @@ class Systems:
         node_of_equation = equation_numbers % n
         state_of_equation = equation_states[equation_numbers]
         is_normal = equation_numbers < n
-        prescribes_displacement = np.where(
+        new_prescribes_displacement = np.where(
             is_normal, state_of_equation != OPEN, (state_of_equation == STICK) & self.has_shear
         )
         # Where the base prescribes the displacement its response is the force, and vice versa.
-        is_response = base.is_held[equation_numbers] != prescribes_displacement
+        is_response = base.prescribes_displacement[equation_numbers] != new_prescribes_displacement
         left_sides = values_in_equations(equation_numbers, is_response)
 
         # The base's force in a tangential equation is q minus its own (+-f) p; the left side is q
@@ -877,10 +879,12 @@ class Systems:
         friction_difference = base.signed_friction[node_of_equation] - self.friction * slip_sign(
             state_of_equation
         )
-        needs_normal_force = ~is_normal & ~prescribes_displacement & (friction_difference != 0)
+        needs_normal_force = ~is_normal & ~new_prescribes_displacement & (friction_difference != 0)
         columns_with_normal_force = needs_normal_force.nonzero()[0]
         normal_equations = node_of_equation[columns_with_normal_force]
-        normal_forces = values_in_equations(normal_equations, base.is_held[normal_equations])
+        normal_forces = values_in_equations(
+            normal_equations, base.prescribes_displacement[normal_equations]
+        )
         left_sides[:, columns_with_normal_force] += (
             friction_difference[columns_with_normal_force] * normal_forces
         )
@@ -923,7 +927,7 @@ class Systems:
         if not (self._displacement_needs_no_stick or STICK in node_states):
             raise SingularSet("no node sticks: the bodies slide on each other")
 
-        # Its held equations are those that prescribe a displacement, then P and Q; its free ones
+        # Held equations of these states prescribe a displacement, or are P and Q; free ones
         # prescribe a force. `position_in_held`: place of an equation or load among the held ones.
         factorised_set = self._factorised_set(node_states)
 
@@ -946,11 +950,11 @@ class Systems:
         right_side[is_of_node, case_of_changes] += changes[
             factorised_set.held_equations[is_of_node]
         ]
-        assert factorised_set.equations is not None  # for the type checker: it has no origin
+        assert factorised_set.factors is not None  # for the type checker: it has no origin
         forces_and_motions[factorised_set.held_equations] = _lu_solve(
-            factorised_set.equations.held_by_held, right_side
+            factorised_set.factors.held_by_held, right_side
         )
-        # So far q - (+-f) p stands where a node slides.
+        # So far q - (+-f) p stands at n + i where node i slides; now q.
         forces_and_motions[n : 2 * n] += (
             factorised_set.signed_friction[:, None] * forces_and_motions[:n]
         )
@@ -1065,21 +1069,23 @@ class Systems:
 
         # Held equations prescribe a gap or a slip, free ones a force.
         has_given_slip = (node_states == STICK) & self.has_shear
-        is_held = np.concatenate([node_states != OPEN, has_given_slip])
-        held_equations = np.concatenate([is_held.nonzero()[0], [2 * n, 2 * n + 1]])
-        free_equations = (~is_held).nonzero()[0]
+        prescribes_displacement = np.concatenate([node_states != OPEN, has_given_slip])
+        held_equations = np.concatenate([prescribes_displacement.nonzero()[0], [2 * n, 2 * n + 1]])
+        free_equations = (~prescribes_displacement).nonzero()[0]
         signed_friction = np.asarray(
             slip_sign(equation_states[n:]) * self.friction, dtype=np.float64
         )
         position_in_held = np.full(2 * n + 5, -1)
         position_in_held[held_equations] = np.arange(len(held_equations))
 
-        # Values are picked by number from the 2 n + 3 responses followed by the 2 n prescribed
+        # Values are picked by index from the 2 n + 3 responses followed by the 2 n prescribed
         # values. Where the displacement is prescribed (held) the response is the force.
-        number_of_response = np.arange(2 * n)
-        number_of_prescribed = 2 * n + 3 + number_of_response
-        source_of_force = np.where(is_held, number_of_response, number_of_prescribed)
-        source_of_displacement = np.where(is_held, number_of_prescribed, number_of_response)
+        index_of_response = np.arange(2 * n)
+        index_of_prescribed = 2 * n + 3 + index_of_response
+        source_of_force = np.where(prescribes_displacement, index_of_response, index_of_prescribed)
+        source_of_displacement = np.where(
+            prescribes_displacement, index_of_prescribed, index_of_response
+        )
         sources_in_order = [
             np.arange(2 * n, 2 * n + 3),  # approach, U, tilt
             source_of_displacement[n:],  # slip
@@ -1092,12 +1098,12 @@ class Systems:
             equation_states=equation_states,
             equation_bits=_equation_bits(equation_states),
             signed_friction=signed_friction,
-            is_held=is_held,
+            prescribes_displacement=prescribes_displacement,
             held_equations=held_equations,
             free_equations=free_equations,
             position_in_held=position_in_held,
             value_sources=np.concatenate(sources_in_order),
-            equations=self._factorised(node_states, held_equations, free_equations)
+            factors=self._factorised(node_states, held_equations, free_equations)
             if origin is None
             else None,
             origin=origin,
@@ -1156,7 +1162,8 @@ class Systems:
         80 MB (`_MOST_BASE_BYTES`) the bases unused for longest are dropped, but for four.
 
         `base.response_row_of_case` is the row of `base.responses` for each case, -1 where it is not
-        solved; its first `n_cases` rows are filled.
+        solved; its first `n_solved_cases` rows are filled. `base.factors` are those of its
+        own equations; a base without them is computed from another one, its `origin`.
         """
         # Cases to solve: those missing, and the unsolved ones of neighbouring nodes.
         missing_cases = required_cases[base.response_row_of_case[required_cases] < 0]
@@ -1174,23 +1181,23 @@ class Systems:
         cases = np.union1d(unsolved_equations, missing_cases)
 
         # Solve them, by factors of this base or by an update from those of its origin.
-        if base.equations is not None:
-            new_responses = self._responses_by_equations(base, base.equations, cases)
+        if base.factors is not None:
+            new_responses = self._responses_by_equations(base, base.factors, cases)
         else:
             assert base.origin is not None  # for the type checker: it has factors or an origin
             new_responses = self._responses_by_origin(base, base.origin, cases)
 
         # Add them to the cache.
-        n_cases_in_all = base.n_cases + len(cases)
-        if n_cases_in_all > len(base.responses):
+        n_solved_in_all = base.n_solved_cases + len(cases)
+        if n_solved_in_all > len(base.responses):
             # more room than is needed, so that it is seldom copied
-            solved_responses = base.responses[: base.n_cases]
+            solved_responses = base.responses[: base.n_solved_cases]
             # _SPARE_ROOM: 1.5 of the rows needed now
-            base.responses = np.empty((int(_SPARE_ROOM * n_cases_in_all), 2 * n + 3))
-            base.responses[: base.n_cases] = solved_responses
-        base.responses[base.n_cases : n_cases_in_all] = new_responses
-        base.response_row_of_case[cases] = np.arange(base.n_cases, n_cases_in_all)
-        base.n_cases = n_cases_in_all
+            base.responses = np.empty((int(_SPARE_ROOM * n_solved_in_all), 2 * n + 3))
+            base.responses[: base.n_solved_cases] = solved_responses
+        base.responses[base.n_solved_cases : n_solved_in_all] = new_responses
+        base.response_row_of_case[cases] = np.arange(base.n_solved_cases, n_solved_in_all)
+        base.n_solved_cases = n_solved_in_all
 
         # Drop the bases unused for longest, which stand first.
         while (
@@ -1260,8 +1267,8 @@ class Systems:
         ----------
         base, origin
             the two sets: type of each equation as bits, of which two that differ have none in
-            common (`equation_bits`); which ones prescribe a displacement (`is_held`); +-f of
-            sliding nodes (`signed_friction`)
+            common (`equation_bits`); which ones prescribe a displacement
+            (`prescribes_displacement`); +-f of sliding nodes (`signed_friction`)
         cases
             numbers of equations (i normal, n + i tangential) and, from 2 n on, loads
         """
@@ -1289,7 +1296,10 @@ class Systems:
         responses_of_base[order_of_update] = update.responses
 
         # Where the sets prescribe different ones of displacement and force.
-        is_swapped = origin.is_held[differing_equations] != base.is_held[differing_equations]
+        is_swapped = (
+            origin.prescribes_displacement[differing_equations]
+            != base.prescribes_displacement[differing_equations]
+        )
         swapped_equations = differing_equations[is_swapped]
         responses_of_base[np.ix_(order_of_update, swapped_equations)] = update.amplitudes[
             :, is_swapped
@@ -1298,7 +1308,7 @@ class Systems:
         # The force that the origin prescribes in a tangential equation is q - (+-f) p; where it
         # slides and the base sticks, q is the response.
         sticking_nodes = swapped_equations[swapped_equations >= n] - n
-        sticking_nodes = sticking_nodes[base.is_held[n + sticking_nodes]]
+        sticking_nodes = sticking_nodes[base.prescribes_displacement[n + sticking_nodes]]
         normal_forces = responses_of_base[:, sticking_nodes]
         responses_of_base[:, n + sticking_nodes] += (
             origin.signed_friction[sticking_nodes] * normal_forces

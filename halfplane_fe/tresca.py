@@ -126,16 +126,16 @@ def pressure_at_known_shear(
 def shear_at_known_pressure(
     systems: Systems,
     pressure: Array,
-    known_slip: Array,
+    slip_deficit: Array,
     tangential_load: float | None,
     round_off: float,
 ) -> tuple[Array, float, States]:
     """Friction at known normal forces (Tresca): nodal tangential forces q (n,), tangential
     displacement U, and the nodes' states open, stick or slip.
 
-    With the slip increment s = n_y U - T q - known_slip:   |q| <= f p, s = 0 where |q| < f p, else
-    s along q, and the sum of n_y q is the tangential load. The sum grows with U from -f P to f P,
-    so that U is found by bracketing.
+    With the slip increment s = n_y U - T q - slip_deficit:   |q| <= f p, s = 0 where |q| < f p,
+    else s along q, and the sum of n_y q is the tangential load. The sum grows with U from -f P to f
+    P, so that U is found by bracketing.
 
     # notation: T tangential compliance of `systems`, n_y component of the faces' normal along y,
     # f coefficient of friction
@@ -145,10 +145,10 @@ def shear_at_known_pressure(
     systems
         compliances of the contact nodes, and f
     pressure
-        (n,) known normal forces p
-    known_slip
-        (n,) slip at the start of the increment minus the slip at its end by p, bulk stresses and
-        tilt
+        (n,) known nodal normal forces p
+    slip_deficit
+        (n,) slip at the start of the increment minus that at its end by known causes: p, bulk
+        stresses and tilt
     tangential_load
         scaled, below f times the sum of p; None where U = 0 is prescribed instead
     round_off
@@ -193,7 +193,7 @@ def shear_at_known_pressure(
     shear_at = _ShearAtDisplacement(
         systems=systems,
         coulomb_limit=coulomb_limit,
-        known_slip=known_slip,
+        slip_deficit=slip_deficit,
         round_off=round_off,
         node_states=np.where(is_closed, STICK, OPEN).astype(np.int8),
     )
@@ -205,7 +205,9 @@ def shear_at_known_pressure(
 
     # U is found between two displacements at which all nodes slide one way or the other.
     largest_slip_at_limit = np.abs(systems.tangential_compliance @ coulomb_limit)[is_closed].max()
-    largest_displacement = (np.abs(known_slip[is_closed]).max() + largest_slip_at_limit) / n_y.min()
+    largest_displacement = (
+        np.abs(slip_deficit[is_closed]).max() + largest_slip_at_limit
+    ) / n_y.min()
 
     def excess_load(displacement: float) -> float:
         """Tangential load at a displacement U, minus the given one."""
@@ -230,7 +232,7 @@ class _ShearAtDisplacement:
         compliances of the contact nodes
     coulomb_limit
         (n,) f p of the nodes
-    known_slip
+    slip_deficit
         (n,) slip that is subtracted from n_y U - T q, T the tangential compliance
     round_off
         size of a violation that counts as round-off
@@ -240,7 +242,7 @@ class _ShearAtDisplacement:
 
     systems: Systems
     coulomb_limit: Array
-    known_slip: Array
+    slip_deficit: Array
     round_off: float
     node_states: States
 
@@ -248,11 +250,12 @@ class _ShearAtDisplacement:
         """Nodal tangential forces q (n,) within the limits of friction at a tangential displacement
         U; `node_states` become those there.
 
-        `coulomb_limit` (n,) is f p of the nodes. The slip increment is n_y U - T q - `known_slip`,
-        n_y the component along y of the faces' normal, T the tangential compliance of `systems`.
+        `coulomb_limit` (n,) is f p of the nodes. The slip increment is n_y U - T q -
+        `slip_deficit`, n_y the component along y of the faces' normal, T the tangential compliance
+        of `systems`.
         """
         n_y = self.systems.interface.face_normals[1]
-        slip_not_by_shear = self.known_slip - n_y * displacement
+        slip_not_by_shear = self.slip_deficit - n_y * displacement
         tangential_forces, self.node_states = _shear_within_limits(
             self.systems, self.coulomb_limit, slip_not_by_shear, self.node_states, self.round_off
         )
@@ -260,14 +263,18 @@ class _ShearAtDisplacement:
 
 
 def _shear_within_limits(
-    systems: Systems, coulomb_limit: Array, known_slip: Array, node_states: States, round_off: float
+    systems: Systems,
+    coulomb_limit: Array,
+    slip_deficit: Array,
+    node_states: States,
+    round_off: float,
 ) -> tuple[Array, States]:
     """Friction with known limits |q| <= f p at a known tangential displacement (Tresca): nodal
     tangential forces q (n,) and the nodes' states open, stick or slip, scaled.
 
-    Active-set method, from given `node_states`. With the slip increment s = -T q - known_slip and
-    the Coulomb limit L: s = 0 where |q| < L, s >= 0 at q = L, s <= 0 at q = -L. T is the tangential
-    compliance `systems.tangential_compliance`.
+    Active-set method, from given `node_states`. With the slip increment s = -T q - slip_deficit:
+    s = 0 where |q| < f p, s >= 0 at q = f p, s <= 0 at q = -f p. T is the tangential compliance
+    `systems.tangential_compliance`.
 
     Parameters
     ----------
@@ -275,29 +282,29 @@ def _shear_within_limits(
         compliances of the contact nodes
     coulomb_limit
         (n,) f p of the nodes
-    known_slip
-        (n,) slip at the start of the increment minus the slip at its end that is not caused by q
+    slip_deficit
+        (n,) slip at the start of the increment minus that at its end by all but q
     node_states
         (n,) open, stick or slip at the start of the iteration; open nodes stay open
     round_off
         size of a violation that counts as round-off
     """
 
-    def friction_step(node_states: States) -> tuple[Array, Array, States]:
-        """For given node states (n,): tangential forces q; by how much each node violates its
-        inequality; and the next states.
+    def friction_step(trial_states: States) -> tuple[Array, Array, States]:
+        """For trial states (n,) of the nodes: tangential forces q; by how much each node violates
+        its inequality; and the next states.
 
-        Sticking nodes have no slip, s = -T q - `known_slip` = 0, T being the tangential compliance
-        of `systems`; sliding ones are at the Coulomb limit, q = +-f p (`coulomb_limit`). The
-        inequality of a sticking node is |q| <= f p, that of a sliding one slip along q.
+        Sticking nodes have no slip increment, s = -T q - `slip_deficit` = 0, T being the tangential
+        compliance of `systems`; sliding ones are at the Coulomb limit, q = +-f p (`coulomb_limit`).
+        The inequality of a sticking node is |q| <= f p, that of a sliding one slip along q.
         """
-        is_sticking = node_states == STICK
-        slips_forward = node_states == SLIP_FORWARD
-        slips_back = node_states == SLIP_REVERSE
+        is_sticking = trial_states == STICK
+        slips_forward = trial_states == SLIP_FORWARD
+        slips_back = trial_states == SLIP_REVERSE
         # q of sliding nodes is known; that of sticking ones leaves them without slip
         tangential_forces = coulomb_limit * slips_forward - coulomb_limit * slips_back
         if is_sticking.any():
-            slip_to_cancel = (-known_slip - systems.tangential_compliance @ tangential_forces)[
+            slip_to_cancel = (-slip_deficit - systems.tangential_compliance @ tangential_forces)[
                 is_sticking
             ]
             tangential_forces[is_sticking] = solve(
@@ -305,7 +312,7 @@ def _shear_within_limits(
                 slip_to_cancel,
                 assume_a="pos",
             )
-        slip_increment = -systems.tangential_compliance @ tangential_forces - known_slip
+        slip_increment = -systems.tangential_compliance @ tangential_forces - slip_deficit
 
         violation = np.full(len(slip_increment), -np.inf)  # an open node has no inequality
         violation[is_sticking] = (np.abs(tangential_forces) - coulomb_limit)[is_sticking]
@@ -313,7 +320,7 @@ def _shear_within_limits(
         violation[slips_back] = slip_increment[slips_back]
         slip_states = np.where(tangential_forces > 0, SLIP_FORWARD, SLIP_REVERSE)
         other_states = np.where(is_sticking, slip_states, STICK)
-        next_states = np.where(violation > round_off, other_states, node_states)
+        next_states = np.where(violation > round_off, other_states, trial_states)
         return tangential_forces, violation, next_states.astype(np.int8)
 
     return _forces_by_active_set(friction_step, node_states)

@@ -285,12 +285,12 @@ def _mesh_from_gmsh(curves: Mapping[str, list[int]]) -> _MeshArrays:
 
     boundary_nodes = {}
     for name, curve_tags in curves.items():
-        tags_of_curves = [
+        node_tags_of_curves = [
             gmsh.model.mesh.getNodes(1, curve_tag, includeBoundary=True)[0]
             for curve_tag in curve_tags
         ]
         boundary_nodes[name] = np.unique(
-            node_of_tag[np.concatenate(tags_of_curves).astype(np.int64)]
+            node_of_tag[np.concatenate(node_tags_of_curves).astype(np.int64)]
         )
     return _MeshArrays(coordinates.reshape(-1, 3)[:, :2], elements, boundary_nodes)
 

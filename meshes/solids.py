@@ -150,7 +150,7 @@ def solid(
         base.
     """
     check_face(name, shape, profile, grading)
-    face = face_of(shape, profile)  # depth of the face below its highest point
+    face = face_of(shape, profile)  # with its depth below its highest point, at any x
 
     # gmsh draws in units of the half-width of the fine part of the contact face; quadrilaterals at
     # twice their size, as it halves these at the end
@@ -334,16 +334,17 @@ class _Outline:
         end; `_step_corners`, (x, y) of the corners of a step from the face downwards; and
         `_side_end`, the lower end of the side.
         """
+        # gmsh numbers points and curves by tags. `edge_size`: of an element at the contact's end.
         geometry = gmsh.model.geo
         surface_x = surface_points(grading)
-        contact_lines, first_point, contact_end_point = self._draw_contact(surface_x)
-        free_curves, face_end_point = self._draw_rest_of_face(
-            float(surface_x[-1]), contact_end_point, grading.edge_size, growth
+        contact_lines, first_point_tag, contact_end_tag = self._draw_contact(surface_x)
+        free_curves, face_end_tag = self._draw_rest_of_face(
+            float(surface_x[-1]), contact_end_tag, grading.edge_size, growth
         )
-        axis_end_point = geometry.addPoint(0, -self._height, 0)
-        side_lines, side_end_point = self._draw_sides(face_end_point)
-        base_line = geometry.addLine(side_end_point, axis_end_point)
-        axis_line = geometry.addLine(axis_end_point, first_point)
+        axis_end_tag = geometry.addPoint(0, -self._height, 0)
+        side_lines, side_end_tag = self._draw_sides(face_end_tag)
+        base_line = geometry.addLine(side_end_tag, axis_end_tag)
+        axis_line = geometry.addLine(axis_end_tag, first_point_tag)
         curves_around = [*contact_lines, *free_curves, *side_lines, base_line, axis_line]
         geometry.addPlaneSurface([geometry.addCurveLoop(curves_around)])
         return {"contact": contact_lines, "free": free_curves, "base": [base_line]} | (
@@ -387,56 +388,59 @@ class _Outline:
         return lines, last_point
 
     def _draw_rest_of_face(
-        self, start: float, first_point: int, size: float, growth: float
+        self, start_x: float, first_point_tag: int, size: float, growth: float
     ) -> tuple[list[int], int]:
         """Draw the free part of the face, between contact and side, into gmsh's current model: one
         circular arc, one straight line, or a polygon along the profile.
 
         Parameters
         ----------
-        start
+        start_x
             x where the contact ends and the free part begins
-        first_point
-            gmsh tag of the point at `start`
+        first_point_tag
+            gmsh tag of the point at `start_x`
         size, growth
             size of the first element, and its growth per distance
 
         Returns
         -------
-        curves, last_point
+        curve_tags, last_point_tag
             gmsh tags of the curves, and of the point at the end of the face.
 
         Notes
         -----
         In the outline's unit of length the face ends at x = `_half_width`, `_face_drop` below its
-        highest point. `_face.arc` is (x where an arc begins, its radius), None without one.
+        highest point. `_face.arc` is (x where an arc begins, its radius), None without one;
+        `_rounded_depth` the depth of the face at x, to twelve digits.
         """
         geometry = gmsh.model.geo
         face_end_x = self._half_width
 
         # One arc, where the contact ends on it.
         if self._face.arc is not None:
-            arc_begin, radius = lengths_to_twelve_digits(
+            arc_begin_x, radius = lengths_to_twelve_digits(
                 np.array(self._face.arc) / self._length_unit
             ).tolist()
-            if start >= arc_begin:
-                last_point = geometry.addPoint(face_end_x, -self._face_drop, 0)
-                centre_point = geometry.addPoint(arc_begin, -radius, 0)
-                return [geometry.addCircleArc(first_point, centre_point, last_point)], last_point
+            if start_x >= arc_begin_x:
+                last_point_tag = geometry.addPoint(face_end_x, -self._face_drop, 0)
+                centre_tag = geometry.addPoint(arc_begin_x, -radius, 0)
+                return [
+                    geometry.addCircleArc(first_point_tag, centre_tag, last_point_tag)
+                ], last_point_tag
 
         # Else one line of a flat face, or a polygon.
         face_x = np.array([face_end_x])
         if not self._face.is_flat:
-            face_x = self._graded_abscissae(start, face_end_x, size, growth)
-        face_points = [first_point] + [
+            face_x = self._graded_abscissae(start_x, face_end_x, size, growth)
+        face_point_tags = [first_point_tag] + [
             geometry.addPoint(float(x), -float(y), 0)
             for x, y in zip(face_x, self._rounded_depth(face_x), strict=True)
         ]
         polygon = [
-            geometry.addLine(line_begin, line_end)
-            for line_begin, line_end in itertools.pairwise(face_points)
+            geometry.addLine(line_begin_tag, line_end_tag)
+            for line_begin_tag, line_end_tag in itertools.pairwise(face_point_tags)
         ]
-        return polygon, face_points[-1]
+        return polygon, face_point_tags[-1]
 
     def _graded_abscissae(self, start: float, end: float, size: float, growth: float) -> Array:
         """Abscissae x (n,) of points on the face beyond `start`, the last one at `end`: as far

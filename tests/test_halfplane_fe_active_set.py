@@ -386,9 +386,9 @@ def test_bytes_kept_stay_within_the_bound(
     reached = []
     for states in sets(300, n, every):
         assert residual(set_systems, states, (1.0, 0.1), np.arange(2), np.ones(2)) < 1e-10
-        equations = [base.equations for base in set_systems._bases if base.origin is None]
+        factors = [base.factors for base in set_systems._bases if base.origin is None]
         matrices = [
-            matrix for each in equations for matrix in (each.held_by_held[0], each.free_by_held)
+            matrix for each in factors for matrix in (each.held_by_held[0], each.free_by_held)
         ]
         responses = [base.responses for base in set_systems._bases]
         reached.append(sum(array.nbytes for array in matrices + responses))
