@@ -1227,46 +1227,46 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
 
 
 def _largest_with_uncertainty(
-    values: Array, uncertainties_of: Callable[[int], Array]
+    tension: Array, uncertainties_of: Callable[[int], Array]
 ) -> tuple[tuple[int, int, int], float]:
-    """Place of the largest edge tension, as indices of candidate, body and edge, and its
+    """Index of the largest edge tension, by candidate, body and edge, and its
     uncertainty [stress].
 
-    The place is that of the largest value minus its uncertainty, the first of equal ones. What
+    The index is that of the largest value minus its uncertainty, the first of equal ones. What
     another value exceeds it by is added to the uncertainty. A candidate is left out once its value
     alone is below the largest difference of both found so far.
 
     Parameters
     ----------
-    values
+    tension
         (n_candidates, 2, 2) by body and edge [stress]
     uncertainties_of
         number of a candidate -> uncertainties (2, 2) of its values [stress]
     """
-    largest_value = float(values.max())
+    largest_value = float(tension.max())
     # _ROUND_OFF: relative difference by round-off, 1e-9. Two halves of a cycle may mirror each
     # other but for it: the first instant is taken.
     round_off = _ROUND_OFF * abs(largest_value)
-    largest_of_candidates = values.max(axis=(1, 2))
-    best_place = (0, 0, 0)
+    largest_of_candidates = tension.max(axis=(1, 2))
+    best_index = (0, 0, 0)
     uncertainty_of_best = math.inf
     best_lower_bound = -math.inf
     for candidate_number in np.argsort(-largest_of_candidates, kind="stable"):
         if largest_of_candidates[candidate_number] < best_lower_bound - round_off:
             break
         uncertainties = uncertainties_of(int(candidate_number))
-        lower_bounds = values[candidate_number] - uncertainties
+        lower_bounds = tension[candidate_number] - uncertainties
         body_number, edge_number = (
             int(index) for index in np.unravel_index(np.argmax(lower_bounds), (2, 2))
         )
         lower_bound = float(lower_bounds[body_number, edge_number])
-        place = (int(candidate_number), body_number, edge_number)
+        tension_index = (int(candidate_number), body_number, edge_number)
         is_equal = abs(lower_bound - best_lower_bound) <= round_off
-        if lower_bound > best_lower_bound + round_off or (is_equal and place < best_place):
-            best_place = place
+        if lower_bound > best_lower_bound + round_off or (is_equal and tension_index < best_index):
+            best_index = tension_index
             best_lower_bound = lower_bound
             uncertainty_of_best = float(uncertainties[body_number, edge_number])
-    return best_place, uncertainty_of_best + largest_value - float(values[best_place])
+    return best_index, uncertainty_of_best + largest_value - float(tension[best_index])
 
 
 class _Candidates(NamedTuple):
@@ -1902,16 +1902,16 @@ def _nodal_stress(
 
     # Mean over the elements around each node, weighted by their areas.
     element_areas = basis.dx.sum(axis=1)[:, None]
-    cells = cells_of(basis.mesh, condensed_body.order).ravel()
+    node_of_entry = cells_of(basis.mesh, condensed_body.order).ravel()
     n_nodes = basis.mesh.p.shape[1]
-    # the area of its element for each node of each element
-    areas_of_cells = np.broadcast_to(element_areas, stress_at_element_nodes.shape[1:]).ravel()
-    areas = np.bincount(cells, areas_of_cells, n_nodes)
+    # An entry is a node of an element: the node's number, and the area of the element.
+    area_of_entry = np.broadcast_to(element_areas, stress_at_element_nodes.shape[1:]).ravel()
+    areas_around_nodes = np.bincount(node_of_entry, area_of_entry, n_nodes)
     weighted_sums = [
-        np.bincount(cells, (element_areas * component).ravel(), n_nodes)
+        np.bincount(node_of_entry, (element_areas * component).ravel(), n_nodes)
         for component in stress_at_element_nodes
     ]
-    return np.column_stack([weighted_sum / areas for weighted_sum in weighted_sums])
+    return np.column_stack([weighted_sum / areas_around_nodes for weighted_sum in weighted_sums])
 
 
 def _stress_at_quadrature_points(

@@ -594,7 +594,8 @@ class ContactProblem:
             # _TILT_OR_MOMENT: place of tilt or moment among the five loads
             moment = loads[_TILT_OR_MOMENT]
         change_of_loads = np.subtract(loads, start_state.loads)
-        # values and states of the nodes with their number of Newton steps; None without convergence
+        # values of the contact, states of the nodes, number of Newton steps; None without
+        # convergence
         solution = self._return_mapping.equilibrium(
             Start(start_state.values, start_state.node_states, change_of_loads, moment),
             self.max_iterations,
@@ -605,8 +606,10 @@ class ContactProblem:
                 f" {time:.6g}, {self._loads_in_words(loads)}"
             )
         self.work_counts["contact iterations"] += solution.newton_steps
-        state = self._interface_state(time, loads, read_only_copy(solution.values), solution.states)
-        return state, solution.newton_steps
+        end_state = self._interface_state(
+            time, loads, read_only_copy(solution.values), solution.states
+        )
+        return end_state, solution.newton_steps
 
     def state_following(
         self,
@@ -819,15 +822,15 @@ class ContactProblem:
         n_changing = 0  # nodes to which the law gives another state
         try:
             for iteration in range(self.max_iterations + 1):
-                state = self.state_following(start_state, time, loads, node_states)
-                next_node_states = self._states_by_law(state, start_state)
+                solved_state = self.state_following(start_state, time, loads, node_states)
+                next_node_states = self._states_by_law(solved_state, start_state)
                 n_changing = int(np.count_nonzero(next_node_states != node_states))
                 # counted: iterations in which other nodes slide than before the increment
                 self.work_counts["slip iterations"] += iteration > 0 and not np.array_equal(
                     slip_sign(next_node_states), slip_sign(start_state.node_states)
                 )
                 if not n_changing:
-                    return _Outcome(state, max(iteration, 1), 0)
+                    return _Outcome(solved_state, max(iteration, 1), 0)
                 if next_node_states.tobytes() in node_states_chosen:
                     return _Outcome(None, iteration, n_changing)
                 if iteration:
@@ -1030,7 +1033,8 @@ class ContactProblem:
         """States that the laws give the nodes by the trial pressure p - r_n g and the trial shear
         q + r_t s, whatever their round-off; with the slip increment s and the Coulomb limit.
 
-        # notation: p pressure, q shear, g gap; r_n, r_t weights of gap and slip (`trial_weights`)
+        # notation: p, q nodal forces of pressure and shear, g gap; r_n, r_t weights of gap and slip
+        # (`trial_weights`)
 
         Parameters
         ----------
@@ -1040,22 +1044,22 @@ class ContactProblem:
         start_state
             state of the contact before the increment
         """
-        slip, pressure, shear, gap = nodal_values(solved_state.values)
+        slip, normal_forces, tangential_forces, gap = nodal_values(solved_state.values)
         slip_increment = slip - start_state.slip
         r_normal, r_tangential = self.trial_weights  # weights of gap and slip
-        trial_pressure = pressure - r_normal * gap
+        trial_normal_forces = normal_forces - r_normal * gap
         # ROUNDING: round-off of scaled forces and displacements, 1e-11
-        friction_limit = self.friction * np.maximum(trial_pressure, ROUNDING)
+        friction_limit = self.friction * np.maximum(trial_normal_forces, ROUNDING)
         states_of_closed_nodes = np.full_like(solved_state.node_states, STICK)
         if self.has_shear:
             states_of_closed_nodes = states_if_closed(
-                shear + r_tangential * slip_increment, friction_limit
+                tangential_forces + r_tangential * slip_increment, friction_limit
             )
         return _TrialStates(
             slip_increment,
             friction_limit,
             states_of_closed_nodes,
-            np.where(trial_pressure > 0, states_of_closed_nodes, OPEN),
+            np.where(trial_normal_forces > 0, states_of_closed_nodes, OPEN),
         )
 
     def _states_beyond_round_off(

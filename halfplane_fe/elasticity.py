@@ -523,7 +523,8 @@ def _symmetry_subspaces(system: System) -> tuple[Indices, tuple[_Subspace, ...]]
     """Symmetric and antisymmetric displacements of a mirror-symmetric body. They have no elastic
     energy in common, so that each subspace can be condensed by itself on one half.
 
-    Symmetric: u_x is odd in x, u_y and the pressure r are even; antisymmetric: the other way round.
+    Symmetric: u_x is odd in x, u_y and the unknown r/G (r the mixed
+    pressure) are even; antisymmetric: the other way round.
     The stiffness in each is twice that of the half x >= 0. A subspace is spanned by motions: each
     displaces one degree of freedom together with its mirror image, by factors +-sqrt(1/2), or one
     at x = 0 alone, by 1.
@@ -541,14 +542,14 @@ def _symmetry_subspaces(system: System) -> tuple[Indices, tuple[_Subspace, ...]]
     if mirror_images is None or 2 * len(right_elements) != mesh.nelements:
         return np.arange(mesh.nelements), (_Subspace(all_dofs, all_dofs, np.ones(len(all_dofs))),)
 
-    # Sign of the mirror image's displacement or pressure: opposite for u_x if symmetric.
+    # Sign of each unknown's mirror image over its own: -1 for u_x if symmetric, else 1.
     is_on_right = mesh.p[0, system.node_of_dof] >= 0
     signs_if_symmetric = np.ones(len(all_dofs))
     signs_if_symmetric[: 2 * mesh.p.shape[1] : 2] = -1.0  # u_x
     subspaces = []
-    for image_sign in (signs_if_symmetric, -signs_if_symmetric):
-        pair_factor = np.sqrt(0.5) * np.where(is_on_right, 1.0, image_sign)
-        factor_of_dof = np.where(mirror_images == all_dofs, (1 + image_sign) / 2, pair_factor)
+    for image_signs in (signs_if_symmetric, -signs_if_symmetric):
+        pair_factors = np.sqrt(0.5) * np.where(is_on_right, 1.0, image_signs)
+        factor_of_dof = np.where(mirror_images == all_dofs, (1 + image_signs) / 2, pair_factors)
         leading_dofs = np.flatnonzero(
             is_on_right & (factor_of_dof != 0)
         )  # those of x < 0 follow them
@@ -577,10 +578,11 @@ def _mirror_images(system: System) -> Indices | None:
     images_of_nodes = np.empty_like(nodes_left_to_right)
     images_of_nodes[nodes_left_to_right] = nodes_right_to_left
 
-    # Degrees of freedom: u_x and u_y of each node in turn, then the pressures at the corners.
+    # Degrees of freedom: u_x and u_y of each node in turn, then r/G, r the mixed pressure, at the
+    # corners where the elements have it.
     images_of_displacements = (2 * images_of_nodes[:, None] + [0, 1]).ravel()
-    images_of_pressures = 2 * len(images_of_nodes) + images_of_nodes
-    images = np.concatenate([images_of_displacements, images_of_pressures])[
+    images_of_pressure_unknowns = 2 * len(images_of_nodes) + images_of_nodes
+    images = np.concatenate([images_of_displacements, images_of_pressure_unknowns])[
         : len(system.node_of_dof)
     ]
 
@@ -591,7 +593,7 @@ def _mirror_images(system: System) -> Indices | None:
 
     # Elements, contact, reactions and supports must have mirror images among themselves.
     for dofs in (
-        2 * system.cells.T,
+        2 * system.cells.T,  # u_x of the nodes of each element
         system.contact_dofs,
         system.reaction_dofs,
         system.held_dofs[None],

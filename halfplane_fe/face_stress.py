@@ -516,8 +516,8 @@ def _smooth_pressure(
     points
         angles and places x of the points
     inner_x, inner_p
-        places and pressure of the inner nodes, ascending, without outermost ones that the mesh
-        distorts
+        places of the inner nodes, ascending, without outermost ones that the mesh distorts, and the
+        pressure there, or the pressure over a function of x, as is then returned
     fitted_edges
         fits of p^2 at the left edge, and at the right edge of the mirror image in x = 0; None where
         the edges are not fitted
@@ -716,8 +716,8 @@ def _relative_error_per_spacing(nodal_tractions: NodalTractions) -> float:
 def tension_change_by_unseen_slip(
     nodal_tractions: NodalTractions, smooth_tractions: Tractions
 ) -> Array:
-    """Change of the tension s_xx at both edges, (2,) [stress], by a slip zone so narrow that no
-    node lies in it, as there is one just after a load has reversed.
+    """Change of the tension s_xx at both edges of contact, (2,) [stress], by a slip zone so narrow
+    that no node lies in it, as there is one just after a load has reversed.
 
     Such slip changes q by 2 f p with p = K sqrt(d), so s_xx by (8/pi) f K sqrt(w); K sqrt(w) is the
     pressure at the first node inside the three distorted outermost ones. A share of 0.7 of this
@@ -751,7 +751,7 @@ def tension_change_by_unseen_slip(
         )
         may_slip_unseen = shear[[0, -1]] * shear_of_zones < 0
 
-    # Pressure K sqrt(w) on either side.
+    # Pressure K sqrt(w) on either side, at the node that is number `inner_node` from the end.
     # N_DISTORTED_NODES: three outermost nodes on each side, which the mesh distorts
     inner_node = min(N_DISTORTED_NODES, len(x) // 2)
     distances_inside = np.array(
@@ -813,9 +813,9 @@ def _pressure_shape(nodal_tractions: NodalTractions) -> Callable[[Array], Array]
     """Function of x, (n,) -> (n,), that p is divided by before a fit: it has the infinite slopes
     that the pressure p has at jumps of the profile's curvature. Without jumps it is 1 everywhere.
 
-    With a jump k of h'' at x = m + a b, b > 0, the slope of p is infinite there:
+    With a jump c of h'' at x = m + a b, b > 0, the slope of p is infinite there:
 
-        p = E* k/(2 pi) a [R arccos b + (t - b) ln |(1 - b t + R B)/(t - b)|] + R (smooth part),
+        p = E* c/(2 pi) a [R arccos b + (t - b) ln |(1 - b t + R B)/(t - b)|] + R (smooth part),
         t = (x - m)/a,   R = sqrt(1 - t^2),   B = sqrt(1 - b^2)
 
     The function is p/(a R) with the smooth part taken as constant, its mean over the nodes. Where
@@ -827,7 +827,7 @@ def _pressure_shape(nodal_tractions: NodalTractions) -> Callable[[Array], Array]
     states, and `curvature_jumps` (k, 2): places of the jumps and E* times each, left subtracted
     from right.
 
-    Source: Muskhelishvili's integral of h' = k max(x - b, 0) over R.
+    Source: Muskhelishvili's integral of h' = c max(x - b, 0) over R.
     """
     left_edge, right_edge = nodal_tractions.contact_edges
     middle = (left_edge + right_edge) / 2
@@ -837,31 +837,35 @@ def _pressure_shape(nodal_tractions: NodalTractions) -> Callable[[Array], Array]
     if not len(inner_curvature_jumps):
         return np.ones_like
 
-    def pressure_of_jumps(x: Array) -> Array:
+    def pressure_over_root_by_jumps(x: Array) -> Array:
         """Pressure at places x (n,) by the jumps of the profile's curvature, over the half-width
-        times sqrt(1 - u^2), u being the distance from the middle over the half-width.
+        times R.
         """
-        return _pressure_of_curvature_jumps(x, middle, half_width, inner_curvature_jumps)
+        return _pressure_over_root_by_jumps(x, middle, half_width, inner_curvature_jumps)
 
-    # Mean of the smooth part over the nodes, but for the three outermost ones on either side.
-    smooth_part = 0.0
+    # Mean of p/(a R) minus that of the jumps, over the nodes but for the three outermost ones on
+    # either side. The root is a R.
+    smooth_p_over_root = 0.0
     # N_DISTORTED_NODES: three outermost nodes on each side, which the mesh distorts
     if len(nodal_tractions.x) > 3 * N_DISTORTED_NODES:
         inner_x = nodal_tractions.x[N_DISTORTED_NODES:-N_DISTORTED_NODES]
         squared_root = (inner_x - left_edge) * (right_edge - inner_x)
-        root = np.sqrt(np.maximum(squared_root, (_DISTANCE_AT_EDGE * half_width) ** 2))
-        smooth_part = float(
+        half_width_times_root = np.sqrt(
+            np.maximum(squared_root, (_DISTANCE_AT_EDGE * half_width) ** 2)
+        )
+        smooth_p_over_root = float(
             np.mean(
-                nodal_tractions.pressure[N_DISTORTED_NODES:-N_DISTORTED_NODES] / root
-                - pressure_of_jumps(inner_x)
+                nodal_tractions.pressure[N_DISTORTED_NODES:-N_DISTORTED_NODES]
+                / half_width_times_root
+                - pressure_over_root_by_jumps(inner_x)
             )
         )
-    if not np.all(smooth_part + pressure_of_jumps(nodal_tractions.x) > 0):
+    if not np.all(smooth_p_over_root + pressure_over_root_by_jumps(nodal_tractions.x) > 0):
         return np.ones_like
-    return lambda x: smooth_part + pressure_of_jumps(x)
+    return lambda x: smooth_p_over_root + pressure_over_root_by_jumps(x)
 
 
-def _pressure_of_curvature_jumps(
+def _pressure_over_root_by_jumps(
     x: Array, middle: float, half_width: float, curvature_jumps: Array
 ) -> Array:
     """Pressure at places x (n,) by jumps of the profile's curvature inside the contact, over the
@@ -1085,14 +1089,14 @@ def _smooth_shear(
     )
     shear = np.where(places < left_stick_edge, shear_by_left_zone, shear_by_right_zone)
 
-    # Stick zone: between the shear at its edges.
+    # Stick zone: interpolated between the shear at its edges.
     is_in_stick = (places > left_stick_edge) & (places < right_stick_edge)
-    shear_at_edges = (
+    shear_at_stick_edges = (
         float(np.interp(left_stick_edge, places, shear_by_left_zone)),
         float(np.interp(right_stick_edge, places, shear_by_right_zone)),
     )
     shear[is_in_stick] = _shear_in_stick_zone(
-        places[is_in_stick], nodal_tractions, nodes_left_out, shear_at_edges
+        places[is_in_stick], nodal_tractions, nodes_left_out, shear_at_stick_edges
     )
     return np.asarray(shear)
 

@@ -144,13 +144,13 @@ class CurvatureJumpKernels:
         chord_slope = -_divided_differences(depth, depth_at_force, slope_at_force, x, s)
         chord_kernels = kernels_of_slope(chord_slope, self.material)
         poisson_ratio = self.material.poisson_ratio
-        modulus = self.material.young_modulus / (1 - poisson_ratio**2)
+        plane_strain_modulus = self.material.young_modulus / (1 - poisson_ratio**2)
         divided_difference_of_phi = _divided_differences(
             self._phi(x), self._phi(s), self._phi_slope(s), x, s
         )
         tangential_kernel = (
             chord_kernels.x_displacement_by_shear
-            + 4 / (np.pi**2 * modulus) * divided_difference_of_phi
+            + 4 / (np.pi**2 * plane_strain_modulus) * divided_difference_of_phi
         )
         return KernelValues(
             chord_kernels.inward_displacement_by_pressure,

@@ -333,22 +333,24 @@ def _face_at_points(face: Face, x: Array) -> _FaceAtPoints:
     """
     # Element of each segment, by the mean of its points, and x (s, k, 1) of its nodes.
     element_ends = face.x[:: face.order]
-    element = np.clip(np.searchsorted(element_ends, x.mean(axis=1)) - 1, 0, len(element_ends) - 2)
-    nodes = element[:, None] * face.order + np.arange(face.order + 1)
+    element_numbers = np.clip(
+        np.searchsorted(element_ends, x.mean(axis=1)) - 1, 0, len(element_ends) - 2
+    )
+    nodes = element_numbers[:, None] * face.order + np.arange(face.order + 1)
     x_of_nodes = face.x[nodes][:, :, None]
     shape_functions = np.ones((*nodes.shape, x.shape[1]))
-    slopes_of_functions = np.zeros((*nodes.shape, x.shape[1]))
+    slopes_of_shapes = np.zeros((*nodes.shape, x.shape[1]))
     # Lagrange polynomials and their derivatives, by the product rule for each further factor.
     for j in range(face.order + 1):
         for k in range(face.order + 1):
             if k == j:
                 continue
-            distance = x_of_nodes[:, j] - x_of_nodes[:, k]
-            slope_before = slopes_of_functions[:, j]
-            slopes_of_functions[:, j] = (
+            x_difference = x_of_nodes[:, j] - x_of_nodes[:, k]
+            slope_before = slopes_of_shapes[:, j]
+            slopes_of_shapes[:, j] = (
                 slope_before * (x - x_of_nodes[:, k]) + shape_functions[:, j]
-            ) / distance
-            shape_functions[:, j] *= (x - x_of_nodes[:, k]) / distance
+            ) / x_difference
+            shape_functions[:, j] *= (x - x_of_nodes[:, k]) / x_difference
     y_at_points = np.einsum("sk,skm->sm", face.y[nodes], shape_functions)
-    slope_at_points = np.einsum("sk,skm->sm", face.y[nodes], slopes_of_functions)
+    slope_at_points = np.einsum("sk,skm->sm", face.y[nodes], slopes_of_shapes)
     return _FaceAtPoints(nodes, shape_functions, y_at_points, slope_at_points)

@@ -290,7 +290,7 @@ class _NestedCompliance:
         n_held: int,
         n_touching: int,
         known_values: Array,
-        load_or_movement: Array,
+        load_or_actuator_movement: Array,
         actuator_compliance: float | None,
     ) -> tuple[Array, Array, Array]:
         """Nodal forces F, rigid motion r of the body and nodal displacements C F - r under a load,
@@ -312,9 +312,9 @@ class _NestedCompliance:
             number of nodes beyond which the known F is most often 0
         known_values
             (n, m) the known displacement or force of each node
-        load_or_movement
-            (m,) the load, sum of F; or, where an actuator moves the body, its movement
-            r + c times the load
+        load_or_actuator_movement
+            (m,) the load, sum of F; or, where an actuator moves the body, the actuator's
+            movement r + c times the load
         actuator_compliance
             c between actuator and body; None where the load is given
 
@@ -344,16 +344,16 @@ class _NestedCompliance:
             displacements[n_held:] = self.compliance[n_held:, :n_loaded] @ forces[:n_loaded]
             motion_by_known_values = -forces.sum(axis=0) / self.load_per_motion[n_held - 1]
 
-        # The load, where an actuator moves the body: its movement is r + c times the load.
-        load = load_or_movement
+        # The load, where an actuator moves the body: the actuator's movement is r + c times it.
+        load = load_or_actuator_movement
         if actuator_compliance is not None:
-            movement_per_load = 1 / self.load_per_motion[n_held - 1] + actuator_compliance
-            if not movement_per_load > 0:
+            actuator_movement_per_load = 1 / self.load_per_motion[n_held - 1] + actuator_compliance
+            if not actuator_movement_per_load > 0:
                 raise InputError(
                     "rig.datum_length: the contact moves against its load where the displacement is"
                     " prescribed, so that no load follows from it: state a longer distance"
                 )
-            load = (load_or_movement - motion_by_known_values) / movement_per_load
+            load = (load_or_actuator_movement - motion_by_known_values) / actuator_movement_per_load
 
         # Forces and displacements by the rigid motion are added.
         rigid_motion = load / self.load_per_motion[n_held - 1] + motion_by_known_values
@@ -496,31 +496,31 @@ class Systems:
 
         # Gap and slip by the nodal forces p and q; the coupling is slip by p.
         matrix = np.zeros((2 * n + 2, 2 * n + 5))
-        # One range numbers the rows of gap and the columns of p; likewise slip and q.
-        gap = normal_force = slice(0, n)
-        slip = tangential_force = slice(n, 2 * n)
-        matrix[gap, normal_force] = self.normal_compliance
-        matrix[slip, tangential_force] = -self.tangential_compliance
+        # The gaps' rows have the numbers of the columns of p; likewise slip and q.
+        gap_rows = p_columns = slice(0, n)
+        slip_rows = q_columns = slice(n, 2 * n)
+        matrix[gap_rows, p_columns] = self.normal_compliance
+        matrix[slip_rows, q_columns] = -self.tangential_compliance
         if faces.coupling is not None:
-            matrix[gap, tangential_force] = -faces.coupling.T
-            matrix[slip, normal_force] = faces.coupling
+            matrix[gap_rows, q_columns] = -faces.coupling.T
+            matrix[slip_rows, p_columns] = faces.coupling
 
         # Gap and slip by approach, U, bulk stresses and tilt.
-        matrix[gap, 2 * n] = -n_y
-        matrix[slip, 2 * n] = n_x
-        matrix[gap, 2 * n + 1] = n_x
-        matrix[slip, 2 * n + 1] = n_y
+        matrix[gap_rows, 2 * n] = -n_y
+        matrix[slip_rows, 2 * n] = n_x
+        matrix[gap_rows, 2 * n + 1] = n_x
+        matrix[slip_rows, 2 * n + 1] = n_y
         if faces.gap_and_slip_per_stress_and_tilt is not None:
             matrix[: 2 * n, 2 * n + 2 :] = faces.gap_and_slip_per_stress_and_tilt.reshape(2 * n, 3)
 
         # P and Q as resultants of the nodal forces.
-        matrix[2 * n, normal_force] = n_y
-        matrix[2 * n, tangential_force] = n_x
+        matrix[2 * n, p_columns] = n_y
+        matrix[2 * n, q_columns] = n_x
         if self._displacement_is_zero:
             matrix[2 * n + 1, 2 * n + 1] = 1.0
         else:
-            matrix[2 * n + 1, normal_force] = -n_x
-            matrix[2 * n + 1, tangential_force] = n_y
+            matrix[2 * n + 1, p_columns] = -n_x
+            matrix[2 * n + 1, q_columns] = n_y
 
         # Movements of actuators; a compliance is None where the load is given.
         for direction, compliance in enumerate(self.actuators):  # normal, tangential
@@ -1207,7 +1207,7 @@ class Systems:
             self._bases.pop(0)
 
     def _responses_by_equations(
-        self, base: _Base, equations: _HeldEquations, cases: Indices
+        self, base: _Base, factors: _HeldEquations, cases: Indices
     ) -> Array:
         """Responses (c, 2 n + 3) of the contact in one set of node states, the base, to c unit
         cases, by its factorised equations. In each case one equation prescribes 1, or a load is 1.
@@ -1242,9 +1242,9 @@ class Systems:
         # Forces in the held equations, then the displacements of the free ones.
         held_displacements = -displacements_by_force[base.held_equations]
         held_displacements[position_in_held[is_held_case], is_held_case.nonzero()[0]] += 1.0
-        forces = _lu_solve(equations.held_by_held, held_displacements)
+        forces = _lu_solve(factors.held_by_held, held_displacements)
         free_displacements = (
-            equations.free_by_held @ forces + displacements_by_force[base.free_equations]
+            factors.free_by_held @ forces + displacements_by_force[base.free_equations]
         )
 
         responses = np.empty((len(cases), 2 * n + 3))

@@ -398,16 +398,17 @@ def size_formula(
     sharp_corners
         (x, y) of corners of the body with infinite strain; y < 0: below the contact side
     """
-    # Around the zone where edges of contact and stick travel, and the middle of the contact.
-    edge_zone_begin = grading.inner
-    edge_zone_end = grading.outer
+    # Around the fine zone inner <= x <= outer, where edges of contact and stick travel, and the
+    # middle of the contact.
+    fine_zone_begin = grading.inner
+    fine_zone_end = grading.outer
     formula = (
-        f"{grading.edge_size!r} + {growth!r} * Sqrt(Max(Max(x - {edge_zone_end!r},"
-        f" {edge_zone_begin!r} - x), 0)^2 + y^2)"
+        f"{grading.edge_size!r} + {growth!r} * Sqrt(Max(Max(x - {fine_zone_end!r},"
+        f" {fine_zone_begin!r} - x), 0)^2 + y^2)"
     )
-    if edge_zone_begin > 0:
+    if fine_zone_begin > 0:
         formula = (
-            f"Min({formula}, {grading.size!r} + {growth!r} * Sqrt(Max(x - {edge_zone_begin!r}, 0)^2"
+            f"Min({formula}, {grading.size!r} + {growth!r} * Sqrt(Max(x - {fine_zone_begin!r}, 0)^2"
             " + y^2))"
         )
     if grading.halvings:
@@ -418,17 +419,17 @@ def size_formula(
         )
 
     # Around sharp corners, with elements of a 64th of the surrounding size in them.
-    for x, y in sharp_corners:
-        depth = -y
+    for corner_x, corner_y in sharp_corners:
+        depth = -corner_y
         size_without_corner = grading.edge_size + growth * math.hypot(
-            max(x - edge_zone_end, 0.0), y
+            max(corner_x - fine_zone_end, 0.0), corner_y
         )
         # No larger than the corner's distances from the axis and from the contact side.
-        surrounding_size = min(size_without_corner, x, depth)
+        surrounding_size = min(size_without_corner, corner_x, depth)
         corner_size = float(lengths_to_twelve_digits(surrounding_size / _CORNER_REFINEMENT))
         formula = (
-            f"Min({formula}, {corner_size!r} + {corner_growth(growth)!r} * Sqrt((x - {x!r})^2 + (y"
-            f" + {depth!r})^2))"
+            f"Min({formula}, {corner_size!r} + {corner_growth(growth)!r}"
+            f" * Sqrt((x - {corner_x!r})^2 + (y + {depth!r})^2))"
         )
     return formula
 
