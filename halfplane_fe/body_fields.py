@@ -747,7 +747,7 @@ def _size_tension_by_kernels(
     tractions_on_body
         tractions on the body in its own frame at each step, as sine series over the contact
     """
-    modulus = material.young_modulus / (1 - material.poisson_ratio**2)
+    plane_strain_modulus = material.young_modulus / (1 - material.poisson_ratio**2)
     tension = np.zeros((len(tractions_on_body), 2))
     uncertainty = 0.0
     for k, step_tractions in enumerate(tractions_on_body):
@@ -755,8 +755,8 @@ def _size_tension_by_kernels(
         strain, strain_difference = kernels.strain(
             np.array(step_tractions.edges), *_point_forces(step_tractions)
         )
-        tension[k] = modulus * strain
-        uncertainty = max(uncertainty, modulus * float(strain_difference.max()))
+        tension[k] = plane_strain_modulus * strain
+        uncertainty = max(uncertainty, plane_strain_modulus * float(strain_difference.max()))
     return tension, uncertainty
 
 
@@ -1534,8 +1534,8 @@ def _nodal_tractions(solution: ContactSolution, step: int) -> NodalTractions:
 
 
 def profile_kinks(scene: Scene) -> Array:
-    """Places x where the curvature of the profile jumps, and E* times the jump: (k, 2), left side
-    subtracted from right [length, stress/length].
+    """Places x where the curvature of the profile jumps, and the contact modulus E* times the
+    jump: (k, 2), left side subtracted from right [length, stress/length].
 
     Curvatures on either side are second differences of the height h with a spacing of a thousandth
     of the place. Each kink at x > 0 has its mirror image at -x.
@@ -1551,8 +1551,8 @@ def profile_kinks(scene: Scene) -> Array:
         second_difference_right = height_middle - 2 * height_right + height_far_right
         curvature_jump = (second_difference_right - second_difference_left) / spacing**2
         places_and_jumps += [(place, curvature_jump), (-place, -curvature_jump)]
-    modulus = contact_modulus(scene.material.lower, scene.material.upper)
-    return np.array(places_and_jumps).reshape(-1, 2) * [1.0, modulus]
+    e_star = contact_modulus(scene.material.lower, scene.material.upper)
+    return np.array(places_and_jumps).reshape(-1, 2) * [1.0, e_star]
 
 
 @dataclass(frozen=True, eq=False)

@@ -501,9 +501,9 @@ class ContactProblem:
 
         Returns
         -------
-        state, iterations
-            The new state, and the number of iterations: sets of node states and turns between
-            pressure and shear, or Newton steps of the return mapping.
+        new_state, iterations
+            State of the contact at the end of the increment, and the number of iterations: sets of
+            node states and turns between pressure and shear, or Newton steps of the return mapping.
 
         Raises
         ------
@@ -532,32 +532,32 @@ class ContactProblem:
 
         # Each attempt returns the new state (None where it fails), its number of iterations, and
         # the number of nodes that still changed their state at its end.
-        state = None
+        new_state = None
         iterations = 0
         if expected_node_states is not None and not np.array_equal(
             expected_node_states, start_state.node_states
         ):
-            state, iterations, n_changing = self._solve_by_active_set(
+            new_state, iterations, n_changing = self._solve_by_active_set(
                 start_state, time, loads, expected_node_states
             )
-        if state is None:
-            state, more_iterations, n_changing = self._solve_by_active_set(
+        if new_state is None:
+            new_state, more_iterations, n_changing = self._solve_by_active_set(
                 start_state, time, loads, start_state.node_states
             )
             iterations += more_iterations
-        if state is None and (self.has_shear or self.has_given_moment):
-            state, n_turns, n_changing = self._alternate_pressure_and_shear(
+        if new_state is None and (self.has_shear or self.has_given_moment):
+            new_state, n_turns, n_changing = self._alternate_pressure_and_shear(
                 start_state, time, loads
             )
             iterations += n_turns
 
         self.work_counts["contact iterations"] += iterations
-        if state is None:
+        if new_state is None:
             raise ConvergenceError(
                 f"contact: {n_changing} nodes still change state after {iterations} iterations at"
                 f" time {time:.6g}, {self._loads_in_words(loads)}"
             )
-        return state, iterations
+        return new_state, iterations
 
     def _loads_in_words(self, loads: tuple[float, ...]) -> str:
         """Normal and tangential load with their names, for a message: "normal load 0.5, ...". Where
@@ -634,13 +634,17 @@ class ContactProblem:
         # (3 + 4 n,) approach, shift and tilt, then slip, p, q and gap of the nodes
         values = self.values_following(start_state, loads, node_states)
         # The solution of the linear system leaves round-off in these: set them exactly.
-        slip, pressure, shear, gap = nodal_values(values)  # views
+        slip, normal_forces, tangential_forces, gap = nodal_values(values)  # views
         is_stuck = (node_states == STICK) & self.has_shear
         is_open = node_states == OPEN
         np.copyto(slip, start_state.slip, where=is_stuck)
-        np.copyto(pressure, 0.0, where=is_open)
+        np.copyto(normal_forces, 0.0, where=is_open)
         np.copyto(gap, 0.0, where=~is_open)
-        np.copyto(shear, self._shear_over_pressure(node_states) * pressure, where=~is_stuck)
+        np.copyto(
+            tangential_forces,
+            self._shear_over_pressure(node_states) * normal_forces,
+            where=~is_stuck,
+        )
         values.flags.writeable = False
         return self._interface_state(time, loads, values, node_states)
 

@@ -236,8 +236,8 @@ def _held_dofs(
         held_dofs += [boundary_dofs[name][component] for component in _COMPONENTS_HELD[support]]
         if support == "rollers" and "guided" not in supports.values():
             dofs_along_x = boundary_dofs[name][0]
-            number_of_middle = np.argmin(np.abs(mesh.p[0, dofs_along_x // 2]))
-            held_dofs.append(dofs_along_x[[number_of_middle]])
+            index_of_middle = np.argmin(np.abs(mesh.p[0, dofs_along_x // 2]))
+            held_dofs.append(dofs_along_x[[index_of_middle]])
     return np.unique(np.concatenate(held_dofs))
 
 
@@ -621,13 +621,13 @@ def _elimination_ranks(system: System, stiffness: sparse.csr_matrix) -> Indices:
     inner_nodes = stiff_nodes[~np.isin(2 * stiff_nodes, remaining_dofs)]
     # The mixed pressure r of contact nodes has the last rank too: ranked first, it would fill the
     # factors.
-    ranks = np.full(n_nodes, n_nodes)
+    rank_of_node = np.full(n_nodes, n_nodes)
     if len(inner_nodes):
         # `perm_c` of the sparse factors is the rank of each row in the order of elimination.
-        ranks[inner_nodes] = factorise(
+        rank_of_node[inner_nodes] = factorise(
             stiffness[2 * inner_nodes][:, 2 * inner_nodes].tocsc()
         ).perm_c
-    return ranks[system.node_of_dof]
+    return rank_of_node[system.node_of_dof]
 
 
 class _CondensedSubspace(NamedTuple):
@@ -1057,17 +1057,17 @@ def arc_loads(system: System, datum_length: float) -> ArcLoads:
         displacements of the half-plane at points of the arc.
     """
     # x of the contact nodes, and places (2, m) of those on the arc or ends
-    contact_places = system.mesh.p[0, system.node_of_dof[system.contact_dofs[0]]]
+    contact_x = system.mesh.p[0, system.node_of_dof[system.contact_dofs[0]]]
     arc_places = system.mesh.p[:, system.node_of_dof[system.reaction_dofs[0]]]
     if system.half_plane_arcs:
         return ArcLoads(
-            *arc_forces(arc_places, system.order, contact_places, system.material, datum_length)
+            *arc_forces(arc_places, system.order, contact_x, system.material, datum_length)
         )
     nodal_forces = np.zeros((system.reaction_dofs.size, system.contact_dofs.size))
     if system.reaction_dofs.size:
         # In proportion to the nodal forces of tension: half on either end.
         end_forces = np.abs(system.tension_forces[system.reaction_dofs.ravel()])
-        nodal_forces[:, : len(contact_places)] = -(end_forces / end_forces.sum())[:, None]
+        nodal_forces[:, : len(contact_x)] = -(end_forces / end_forces.sum())[:, None]
     no_points = np.zeros((0, system.contact_dofs.size))  # of an arc
     return ArcLoads(nodal_forces, tractions=no_points, displacements=no_points)
 

@@ -555,9 +555,9 @@ def edge_tension_by_nodal_shear(nodal_tractions: NodalTractions) -> float:
     shear = nodal_tractions.shear[is_inside]
     if not len(shear):
         return 0.0
-    tangent = np.tan(angles / 2)
+    half_angle_tangent = np.tan(angles / 2)
     tensions = []
-    for weighted_shear in (shear / tangent, shear * tangent):
+    for weighted_shear in (shear / half_angle_tangent, shear * half_angle_tangent):
         integral_between_nodes = np.trapezoid(weighted_shear, angles)
         integral_to_edges = weighted_shear[0] * angles[0] + weighted_shear[-1] * (
             math.pi - angles[-1]
@@ -685,9 +685,9 @@ def _uncertainty_by_other_fits(
         distance of the nodes over the contact half-width
     """
     largest_coulomb_limit = nodal_tractions.friction * float(nodal_tractions.pressure.max())
-    # _LEAST_TENSION_ERROR: fitted share of f p0 and the root of the relative spacing
+    # _LEAST_TENSION_ERROR: share of f p0 and the root of the relative spacing
     least_uncertainty = _LEAST_TENSION_ERROR * math.sqrt(spacing_ratio) * largest_coulomb_limit
-    # Fitted factors: 3.6 of a tabulated profile, else 1.9.
+    # Factors chosen on many solutions: 3.6 of a tabulated profile, else 1.9.
     factor_of_other_fits = (
         _FACTOR_OF_OTHER_FITS_OF_TABLE
         if nodal_tractions.has_tabulated_profile
@@ -776,13 +776,17 @@ def _tension_change_by_moved_stick_edges(
     left_stick_edge, right_stick_edge = nodal_tractions.stick_edges
     changes = []
     for inward_distance in (distance, -distance):
-        moved_left_edge = max(left_stick_edge + inward_distance, nodal_tractions.contact_edges[0])
-        moved_right_edge = min(right_stick_edge - inward_distance, nodal_tractions.contact_edges[1])
-        if moved_left_edge < moved_right_edge:
-            tractions_with_moved_edges = replace(
-                nodal_tractions, stick_edges=(moved_left_edge, moved_right_edge)
+        moved_left_stick_edge = max(
+            left_stick_edge + inward_distance, nodal_tractions.contact_edges[0]
+        )
+        moved_right_stick_edge = min(
+            right_stick_edge - inward_distance, nodal_tractions.contact_edges[1]
+        )
+        if moved_left_stick_edge < moved_right_stick_edge:
+            tractions_with_moved_stick = replace(
+                nodal_tractions, stick_edges=(moved_left_stick_edge, moved_right_stick_edge)
             )
-            moved_tension = sampled_tractions(tractions_with_moved_edges).edge_tension()
+            moved_tension = sampled_tractions(tractions_with_moved_stick).edge_tension()
             changes.append(np.abs(moved_tension - tension))
     return np.asarray(np.max(changes, axis=0, initial=0.0))
 
@@ -1132,7 +1136,7 @@ def _shear_in_stick_zone(
     places: Array,
     nodal_tractions: NodalTractions,
     nodes_left_out: int,
-    shear_at_edges: tuple[float, float],
+    shear_at_stick_edges: tuple[float, float],
 ) -> Array:
     """Shear q at places (n,) in the stick zone [stress]: interpolated over the angle across it,
     between its edges and its undistorted nodes.
@@ -1145,7 +1149,7 @@ def _shear_in_stick_zone(
         shear at the nodes that touch (`x` their places, ascending), and both stick edges
     nodes_left_out
         number of outermost nodes of the contact, on either side, whose q is left out
-    shear_at_edges
+    shear_at_stick_edges
         q at the left and right stick edge [stress]
     """
     x = nodal_tractions.x
@@ -1154,16 +1158,18 @@ def _shear_in_stick_zone(
     is_stick_node[:nodes_left_out] = False
     is_stick_node[len(x) - nodes_left_out :] = False
 
-    def angle(x: Array) -> Array:
-        """Angle across the stick zone at places x: 0 at its left edge, pi at its right one."""
-        cosine = (left_stick_edge + right_stick_edge - 2 * x) / (right_stick_edge - left_stick_edge)
+    def angle_in_zone(x_in_zone: Array) -> Array:
+        """Angle across the stick zone at places: 0 at its left edge, pi at its right one."""
+        cosine = (left_stick_edge + right_stick_edge - 2 * x_in_zone) / (
+            right_stick_edge - left_stick_edge
+        )
         return np.arccos(np.clip(cosine, -1, 1))
 
-    shear_at_left_edge, shear_at_right_edge = shear_at_edges
+    shear_at_left_edge, shear_at_right_edge = shear_at_stick_edges
     shear_at_nodes = nodal_tractions.shear[is_stick_node]
     return np.interp(
-        angle(places),
-        np.concatenate([[0.0], angle(x[is_stick_node]), [math.pi]]),
+        angle_in_zone(places),
+        np.concatenate([[0.0], angle_in_zone(x[is_stick_node]), [math.pi]]),
         np.concatenate([[shear_at_left_edge], shear_at_nodes, [shear_at_right_edge]]),
     )
 

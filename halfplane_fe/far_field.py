@@ -46,7 +46,7 @@ def surface_force_displacement(
                         u_z = -c [2 (1-nu) ln(r/L) - z^2/r^2]
 
     so that the surface at distance L (`datum_length`) from the force does not move along the force.
-    With x the distance from the force and w = z + i x, ln r + i theta = ln w and (z^2 - i x z)/r^2
+    Here x is counted from the force. With w = z + i x, ln r + i theta = ln w and (z^2 - i x z)/r^2
     = z/w.
 
     Parameters
@@ -85,15 +85,15 @@ def surface_force_displacement(
     ln_w = np.log(w)
     z_over_w = -y[:, None] / w
     logarithm = (1 + k) * (ln_w.real - np.log(datum_length))
-    rotation = k * ln_w.imag
+    k_theta = k * ln_w.imag
     z_squared_over_r_squared = z_over_w.real
     x_z_over_r_squared = -z_over_w.imag
     displacement_by_force_x = np.stack(
-        [-c * (logarithm + z_squared_over_r_squared), -c * (x_z_over_r_squared + rotation)]
+        [-c * (logarithm + z_squared_over_r_squared), -c * (x_z_over_r_squared + k_theta)]
     )
     # A force along +y is a force along -z, and u_y = -u_z.
     displacement_by_force_y = np.stack(
-        [-c * (x_z_over_r_squared - rotation), -c * (logarithm - z_squared_over_r_squared)]
+        [-c * (x_z_over_r_squared - k_theta), -c * (logarithm - z_squared_over_r_squared)]
     )
     return np.stack([displacement_by_force_x, displacement_by_force_y], axis=2)
 

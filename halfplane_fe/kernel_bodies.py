@@ -227,18 +227,18 @@ class FaceKernels:
     ----------
     reach
         half-width of the side that may touch [length]
-    inward_displacement_by_pressure, x_displacement_by_shear
+    normal_coefficients, tangential_coefficients
         (d+1, d+1) coefficients of k_nn and k_tt, symmetric [1 / stress]
-    x_displacement_by_pressure
+    coupling_coefficients
         (d+1, d+1) coefficients of k_tn [1 / stress]
     jump_kernels
         singular part, added to the series; None for a flat face
     """
 
     reach: float
-    inward_displacement_by_pressure: Array
-    x_displacement_by_shear: Array
-    x_displacement_by_pressure: Array
+    normal_coefficients: Array
+    tangential_coefficients: Array
+    coupling_coefficients: Array
     jump_kernels: CurvatureJumpKernels | None = None
 
     def kernels_at(self, x: Array, s: Array) -> KernelValues:
@@ -248,17 +248,17 @@ class FaceKernels:
 
         Each is a Chebyshev series, a sum of coefficients times T_i(x/r) T_j(s/r), plus a singular
         part (`jump_kernels`) where the curvature of the face jumps; r is `reach`, the half-width of
-        the side that may touch. `inward_displacement_by_pressure`, `x_displacement_by_shear` and
-        `x_displacement_by_pressure` are the coefficients (d+1, d+1) of the three series, d their
-        degree in x and in s.
+        the side that may touch. `normal_coefficients`, `tangential_coefficients` and
+        `coupling_coefficients` are those of the three series, (d+1, d+1) each, d their degree in x
+        and in s.
         """
-        degree = len(self.inward_displacement_by_pressure) - 1
+        degree = len(self.normal_coefficients) - 1
         polynomials_of_x = np.polynomial.chebyshev.chebvander(x / self.reach, degree)
         polynomials_of_s = np.polynomial.chebyshev.chebvander(s / self.reach, degree)
         smooth_kernels = KernelValues(
-            polynomials_of_x @ self.inward_displacement_by_pressure @ polynomials_of_s.T,
-            polynomials_of_x @ self.x_displacement_by_shear @ polynomials_of_s.T,
-            polynomials_of_x @ self.x_displacement_by_pressure @ polynomials_of_s.T,
+            polynomials_of_x @ self.normal_coefficients @ polynomials_of_s.T,
+            polynomials_of_x @ self.tangential_coefficients @ polynomials_of_s.T,
+            polynomials_of_x @ self.coupling_coefficients @ polynomials_of_s.T,
         )
         if self.jump_kernels is None:
             return smooth_kernels
@@ -278,7 +278,7 @@ class FaceKernels:
 
         It is the derivative along x of the displacement along x, which is a Chebyshev series in
         x/r and s/r, of degree d in each; r is `reach`, the half-width of the side that may touch.
-        `x_displacement_by_pressure` and `x_displacement_by_shear` (d+1, d+1) are its coefficients
+        `coupling_coefficients` and `tangential_coefficients` (d+1, d+1) are its coefficients
         by a pressing force and by a force along x.
 
         Parameters
@@ -289,14 +289,14 @@ class FaceKernels:
             (m,) forces at s into the body, and along +x [force per thickness]
         """
         derivative = np.polynomial.chebyshev.chebder
-        degree = len(self.inward_displacement_by_pressure) - 1
+        degree = len(self.normal_coefficients) - 1
         polynomials_of_x = np.polynomial.chebyshev.chebvander(x / self.reach, degree - 1)
         polynomials_of_s = np.polynomial.chebyshev.chebvander(s / self.reach, degree)
         series_by_pressing = (
-            derivative(self.x_displacement_by_pressure) @ polynomials_of_s.T @ pressing_force
+            derivative(self.coupling_coefficients) @ polynomials_of_s.T @ pressing_force
         )
         series_by_shear = (
-            derivative(self.x_displacement_by_shear) @ polynomials_of_s.T @ force_along_x
+            derivative(self.tangential_coefficients) @ polynomials_of_s.T @ force_along_x
         )
         return np.asarray(polynomials_of_x @ (series_by_pressing + series_by_shear) / self.reach)
 
@@ -551,11 +551,11 @@ class KernelPair:
         normal_compliance = zeros
         tangential_compliance = zeros
         coupling = zeros
-        for body, sign in ((self.lower, -1.0), (self.upper, 1.0)):
-            if body is None:
+        for kernels_of_body, sign in ((self.lower, -1.0), (self.upper, 1.0)):
+            if kernels_of_body is None:
                 continue
-            kernels: FaceKernels = getattr(body, mesh)
-            displacements = kernels.kernels_at(x, x)  # by unit forces at all nodes
+            kernels_of_mesh: FaceKernels = getattr(kernels_of_body, mesh)
+            displacements = kernels_of_mesh.kernels_at(x, x)  # by unit forces at all nodes
             normal_compliance = normal_compliance + displacements.inward_displacement_by_pressure
             tangential_compliance = tangential_compliance + displacements.x_displacement_by_shear
             if self.lower is not self.upper:

@@ -261,14 +261,14 @@ class _DualFunctions(NamedTuple):
         """
         dual_integrals = self.integrals_with(np.ones(directions.shape[2:]))
         operator = np.zeros((2, self.n_nodes, 2, n_face_nodes))
-        for direction, unit_vector in enumerate(directions):
-            for xy, component in enumerate(unit_vector):
+        for direction_number, unit_vector in enumerate(directions):
+            for axis_number, component in enumerate(unit_vector):
                 # by segment, dual function and node of that face
                 integrals = np.einsum(
                     "skm,sm,slm->skl", self.weighted_values, component, face_at_points.shapes
                 )
                 np.add.at(
-                    operator[direction, :, xy],
+                    operator[direction_number, :, axis_number],
                     (self.nodes[:, :, None], face_at_points.nodes[:, None, :]),
                     integrals / dual_integrals[self.nodes][:, :, None],
                 )
@@ -295,12 +295,18 @@ def _weighted_dual_functions(
         (s, m) Gauss weight of each point, along the line half-way between the faces [length]
     """
     phi = face_at_points.shapes  # (s, k, m)
-    element = face_at_points.nodes[:, 0] // face.order  # number of the element of each segment
+    element_of_segment = face_at_points.nodes[:, 0] // face.order  # its number
     n_elements = (len(face.x) - 1) // face.order
     mass_matrices = np.zeros((n_elements, face.order + 1, face.order + 1))
-    np.add.at(mass_matrices, element, np.einsum("skm,sm,slm->skl", phi, weights_along_line, phi))
+    np.add.at(
+        mass_matrices,
+        element_of_segment,
+        np.einsum("skm,sm,slm->skl", phi, weights_along_line, phi),
+    )
     dual_matrices = mass_matrices.sum(axis=2)[:, :, None] * np.linalg.inv(mass_matrices)
-    return np.asarray(np.einsum("skl,slm,sm->skm", dual_matrices[element], phi, weights_along_line))
+    return np.asarray(
+        np.einsum("skl,slm,sm->skm", dual_matrices[element_of_segment], phi, weights_along_line)
+    )
 
 
 class _FaceAtPoints(NamedTuple):

@@ -35,14 +35,15 @@ def check_bulk_stress(scene: Scene) -> None:
         segment.bulk for segment in prescribed_path(scene).segments(1) if segment.bulk is not None
     ]
     for body_number, name in enumerate(("lower", "upper")):
-        body = getattr(scene.bodies, name)
-        # Is the bulk stress other than 0 at any of 25 instants of a segment?
+        shape = getattr(scene.bodies, name)
+        # Is the bulk stress other than 0 at any of 25 instants of a segment? `loads` of a stress
+        # history are the stresses of the lower and of the upper body.
         is_pulled = any(
-            np.any(history.loads(sampled_times(history, _N_INSTANTS))[body_number])
-            for history in stress_histories
+            np.any(stress_history.loads(sampled_times(stress_history, _N_INSTANTS))[body_number])
+            for stress_history in stress_histories
         )
-        if is_pulled and not (body.kind == "half_plane" or has_free_ends(body)):
-            kind = f"{body.kind} with guided sides" if isinstance(body, Block) else body.kind
+        if is_pulled and not (shape.kind == "half_plane" or has_free_ends(shape)):
+            kind = f"{shape.kind} with guided sides" if isinstance(shape, Block) else shape.kind
             raise InputError(
                 f"load.bulk_stress_{name}: nothing pulls the ends of the {name} body, a {kind};"
                 " half-planes take bulk stress, and blocks with sides = 'free'"

@@ -1133,17 +1133,18 @@ class Systems:
         """
         self.work_counts["factorisations"] += 1
         # contact_matrix: gap and slip of the nodes, P and Q, by p and q, approach, U, bulk, tilt.
-        # Where a node slides q = (+-f) p is no unknown: what it displaces is added to that of p.
+        # Where a node slides q = (+-f) p is no unknown: what q displaces is added to what p
+        # displaces. `positions_of_p`: of these nodes' p among the held equations.
         sliding_nodes = slip_sign(node_states).nonzero()[0]
         signed_friction = slip_sign(node_states[sliding_nodes]) * self.friction
-        places_of_pressure = np.searchsorted(held_equations, sliding_nodes)
-        columns_of_shear = len(node_states) + sliding_nodes
+        positions_of_p = np.searchsorted(held_equations, sliding_nodes)
+        columns_of_q = len(node_states) + sliding_nodes
 
         def displacements_by_held_forces(equation_numbers: Indices) -> Array:
             """Displacements of some equations by unit forces of the k held ones, (m, k)."""
             displacements = self.contact_matrix[np.ix_(equation_numbers, held_equations)]
-            displacements_by_shear = self.contact_matrix[np.ix_(equation_numbers, columns_of_shear)]
-            displacements[:, places_of_pressure] += displacements_by_shear * signed_friction
+            displacements_by_q = self.contact_matrix[np.ix_(equation_numbers, columns_of_q)]
+            displacements[:, positions_of_p] += displacements_by_q * signed_friction
             return displacements
 
         return _HeldEquations(

@@ -359,17 +359,17 @@ class _Outline:
         first and the last point.
         """
         geometry = gmsh.model.geo
-        points = [
+        point_tags = [
             geometry.addPoint(float(x), -float(y), 0)
             for x, y in zip(surface_x, self._rounded_depth(surface_x), strict=True)
         ]
-        lines = [
-            geometry.addLine(first_point, second_point)
-            for first_point, second_point in itertools.pairwise(points)
+        line_tags = [
+            geometry.addLine(first_tag, second_tag)
+            for first_tag, second_tag in itertools.pairwise(point_tags)
         ]
-        for line in lines:
-            geometry.mesh.setTransfiniteCurve(line, 2)
-        return lines, points[0], points[-1]
+        for line_tag in line_tags:
+            geometry.mesh.setTransfiniteCurve(line_tag, 2)
+        return line_tags, point_tags[0], point_tags[-1]
 
     def _draw_sides(self, face_end_point: int) -> tuple[list[int], int]:
         """Draw the side of the body into gmsh's current model: from the point at the end of the

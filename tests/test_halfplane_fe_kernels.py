@@ -332,26 +332,20 @@ def test_bodies_of_unlike_materials(material: Elastic, bodies: str, history: str
 
 # ---------------------------------------------------------------------------------- planted faults
 def without_tangential_kernel(kernels: FaceKernels) -> FaceKernels:
-    return dataclasses.replace(kernels, x_displacement_by_shear=0 * kernels.x_displacement_by_shear)
+    return dataclasses.replace(kernels, tangential_coefficients=0 * kernels.tangential_coefficients)
 
 
 def without_normal_kernel(kernels: FaceKernels) -> FaceKernels:
-    return dataclasses.replace(
-        kernels, inward_displacement_by_pressure=0 * kernels.inward_displacement_by_pressure
-    )
+    return dataclasses.replace(kernels, normal_coefficients=0 * kernels.normal_coefficients)
 
 
 def with_coupling_turned(kernels: FaceKernels) -> FaceKernels:
-    return dataclasses.replace(
-        kernels, x_displacement_by_pressure=-kernels.x_displacement_by_pressure
-    )
+    return dataclasses.replace(kernels, coupling_coefficients=-kernels.coupling_coefficients)
 
 
 def with_places_exchanged(kernels: FaceKernels) -> FaceKernels:
     """Where the force is and where the face moves."""
-    return dataclasses.replace(
-        kernels, x_displacement_by_pressure=kernels.x_displacement_by_pressure.T
-    )
+    return dataclasses.replace(kernels, coupling_coefficients=kernels.coupling_coefficients.T)
 
 
 FAULTS = {
@@ -438,7 +432,7 @@ def test_the_fit_is_the_kernels_of_the_mesh() -> None:
     of_fit = np.polynomial.chebyshev.chebgrid2d(
         kernels.x / fitted.reach,
         kernels.x_of_forces / fitted.reach,
-        fitted.x_displacement_by_pressure,
+        fitted.coupling_coefficients,
     )
     largest = np.abs(kernels.x_displacement_by_pressure).max()
     np.testing.assert_allclose(of_fit, kernels.x_displacement_by_pressure, atol=2e-3 * largest)
