@@ -60,14 +60,14 @@ def prescribed_path(scene: Scene) -> LoadPath:
     return scene.load.path_of_actuators() if scene.load.is_driven else scene.load.path()
 
 
-def actuators_of(scene: Scene, datum: float) -> Actuators:
+def actuators_of(scene: Scene, datum_length: float) -> Actuators:
     """Which loads of a scene are prescribed as movements of actuators, and the compliance between
     actuator and contact, dimensionless: times E*.
 
     It is the compliance of the rig's spring plus that of half-planes between two distances from the
-    contact. One is `datum` [length], where the finite elements count displacement from. The other
-    is where the actuator's movement counts from. Where loads are given, no movement is prescribed.
-    A normal actuator is there only where the loads state an approach, not P.
+    contact. One is `datum_length` [length], where the finite elements count displacement from. The
+    other is where the actuator's movement counts from. Where loads are given, no movement is
+    prescribed. A normal actuator is there only where the loads state an approach, not P.
 
     `scene` has the loads (`is_driven` where they are movements), the rig with the stiffnesses of
     its springs and the distance that movements count from, bodies and materials.
@@ -77,9 +77,12 @@ def actuators_of(scene: Scene, datum: float) -> Actuators:
         return LOADS_ARE_GIVEN
     rig = scene.rig
     modulus = 1 / _sum_of_compliances(scene, half_planes_alone=False)  # E*
+    # `compliance_beyond`: of the half-planes of the scene, between both distances [1 / stress].
     # Where the rig states no distance, displacement counts from where it does in every answer.
-    datum_of_motion = rig.datum_length or scene.profile.datum_length
-    compliance_of_half_planes = compliance_beyond(scene, datum_of_motion / datum) * modulus
+    datum_length_of_movement = rig.datum_length or scene.profile.datum_length
+    compliance_of_half_planes = (
+        compliance_beyond(scene, datum_length_of_movement / datum_length) * modulus
+    )
     # A rig without a stiffness is rigid.
     normal_compliance = compliance_of_half_planes + modulus / (rig.normal_stiffness or math.inf)
     tangential_compliance = compliance_of_half_planes + modulus / (

@@ -394,14 +394,16 @@ def edge_tension(solution: ContactSolution, steps: Sequence[int]) -> tuple[Array
             "edge_tension: the answer has no meshes, so what the size of its bodies adds is not"
             " known; solve it again, with meshed bodies"
         )
-    # values, uncertainties, and possible change by slip zones narrower than the node spacing
-    tension = _edge_tension(solution, steps)
+    # its values, uncertainties, and possible change by slip zones narrower than the node spacing
+    tension_record = _edge_tension(solution, steps)
     # A narrow strip of new contact, or of slip, may lie between the nodes at an edge. (n_steps, 2)
     change_by_new_contact = np.array(
         [_tension_change_by_new_contact(solution, step) for step in steps]
     )
-    uncertainties = tension.uncertainties + change_by_new_contact.reshape(-1, 1, 2)
-    return tension.values, np.maximum(uncertainties, tension.tension_change_by_unseen_slip)
+    uncertainties = tension_record.uncertainties + change_by_new_contact.reshape(-1, 1, 2)
+    return tension_record.values, np.maximum(
+        uncertainties, tension_record.tension_change_by_unseen_slip
+    )
 
 
 def _has_data_of_size_effect(solution: ContactSolution) -> bool:
@@ -467,7 +469,7 @@ def _tension_change_by_new_contact(solution: ContactSolution, step: int) -> Arra
 
 
 def _jumps_of_shear_ratio(
-    solution: ContactSolution, start_of_growth: int, step: int, ratio_at_rim: Array
+    solution: ContactSolution, first_step: int, last_step: int, ratio_at_rim: Array
 ) -> Array:
     """Jumps |c| of q/p between the newest strip of contact and the contact before each increment,
     at the left and the right edge, (n_increments, 2), while P grows in full stick.
@@ -479,13 +481,13 @@ def _jumps_of_shear_ratio(
     ----------
     solution
         its loads P and Q at the stored steps
-    start_of_growth, step
+    first_step, last_step
         indices of the steps at which the growth of P began, and up to which it lasts
     ratio_at_rim
         (2,) q/p next to the left and right edge before the first of these increments
     """
-    p_increments = np.diff(solution.normal_load[start_of_growth : step + 1])
-    q_increments = np.diff(solution.tangential_load[start_of_growth : step + 1])
+    p_increments = np.diff(solution.normal_load[first_step : last_step + 1])
+    q_increments = np.diff(solution.tangential_load[first_step : last_step + 1])
     ratio_in_strips = q_increments / p_increments
     ratio_before = np.tile(np.append(np.nan, ratio_in_strips[:-1])[:, None], 2)
     ratio_before[0] = ratio_at_rim
@@ -498,14 +500,14 @@ def _start_of_growth_in_stick(solution: ContactSolution, step: int) -> int:
     does not stick in full.
     """
     p_increments = np.diff(solution.normal_load[: step + 1])
-    start_of_growth = step
+    first_step = step
     while (
-        start_of_growth > 0
-        and p_increments[start_of_growth - 1] > 0
-        and _sticks_in_full(solution, start_of_growth)
+        first_step > 0
+        and p_increments[first_step - 1] > 0
+        and _sticks_in_full(solution, first_step)
     ):
-        start_of_growth -= 1
-    return start_of_growth
+        first_step -= 1
+    return first_step
 
 
 def _sticks_in_full(solution: ContactSolution, step: int) -> bool:
@@ -1414,7 +1416,7 @@ def _steps_of_large_tension(solution: ContactSolution) -> list[int]:
 
 
 def _steps_of_highest_estimates(
-    upper_bounds: Mapping[int, float], estimate: Callable[[int], float], n_highest: int
+    upper_bounds: Mapping[int, float], estimate_at_step: Callable[[int], float], n_highest: int
 ) -> set[int]:
     """Steps with the `n_highest` highest estimates of tension, and those that equal the lowest of
     these but for round-off. There are at least `n_highest` steps.
@@ -1426,7 +1428,7 @@ def _steps_of_highest_estimates(
     ----------
     upper_bounds
         index of a stored step -> upper bound of its estimate [stress]
-    estimate
+    estimate_at_step
         estimate at a step, given its index [stress]
     n_highest
         number of estimates to find
@@ -1436,7 +1438,7 @@ def _steps_of_highest_estimates(
         highest_estimates = sorted(estimates.values(), reverse=True)[:n_highest]
         if len(highest_estimates) == n_highest and upper_bounds[step] < highest_estimates[-1]:
             break
-        estimates[step] = estimate(step)
+        estimates[step] = estimate_at_step(step)
     highest_estimates = sorted(estimates.values(), reverse=True)[:n_highest]
 
     # Instants that are alike but for round-off are all candidates, or none.

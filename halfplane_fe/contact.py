@@ -150,19 +150,19 @@ class InterfaceState:
         return np.array([*self.loads[_BULK_STRESSES], self.tilt])
 
     def changed(
-        self, *, node_states: ArrayLike | None = None, **parts: ArrayLike
+        self, *, node_states: ArrayLike | None = None, **new_values: ArrayLike
     ) -> InterfaceState:
         """Copy of the state with other values, by name (`tilt`, `slip`, ...), or with other states
         of the nodes (open, stick, slip).
         """
         values = self.values.copy()
-        for name, part in parts.items():
+        for name, new_value in new_values.items():
             # _RIGID_NAMES: "approach", "shift", "tilt", the first three values
             if name in _RIGID_NAMES:
-                values[_RIGID_NAMES.index(name)] = part
+                values[_RIGID_NAMES.index(name)] = new_value
             else:
                 # _NODAL_NAMES: "slip", "pressure", "shear", "gap"
-                nodal_values(values)[_NODAL_NAMES.index(name)] = part
+                nodal_values(values)[_NODAL_NAMES.index(name)] = new_value
         changed_node_states = (
             self.node_states if node_states is None else read_only_copy(node_states, np.int8)
         )
@@ -463,8 +463,10 @@ class ContactProblem:
         """
         resultants = None
         if self.actuators.prescribe_movements:
-            _, pressure, shear, _ = nodal_values(values)
-            normal_load, tangential_load = self.interface.resultants(pressure, shear)
+            _, normal_forces, tangential_forces, _ = nodal_values(values)
+            normal_load, tangential_load = self.interface.resultants(
+                normal_forces, tangential_forces
+            )
             resultants = (float(normal_load), float(tangential_load))
         return InterfaceState(time, loads, values, read_only_copy(node_states, np.int8), resultants)
 
@@ -906,6 +908,7 @@ class ContactProblem:
         `loads` are P and Q, with bulk stress or tilt also the bulk stresses, and tilt or moment;
         without these all three are 0.
         """
+        # A contact state takes its bulk stresses from its loads, its tilt from its values.
         stresses_and_tilt = replace(start_state, loads=loads).stresses_and_tilt
         if len(loads) > 2 and not self.has_given_moment:
             # _TILT_OR_MOMENT: place of tilt or moment among the five loads

@@ -356,7 +356,7 @@ def _displacement_matrices(gradients: Array, point_areas: Array, lame: SplitLame
 
 
 def _pressure_matrices(
-    gradients: Array, point_areas: Array, corner_functions: Array, lame: SplitLame
+    gradients: Array, point_areas: Array, corner_shape_functions: Array, lame: SplitLame
 ) -> tuple[Array, Array]:
     """Blocks G B (n_elements, n_corners, 2 n) and -G^2 M/lambda_1 (n_elements, n_corners,
     n_corners) of the element matrices that the mixed pressure r adds, for n nodes and n_corners
@@ -374,18 +374,21 @@ def _pressure_matrices(
         [1/length]
     point_areas
         (n_elements, 1, q) area of each point
-    corner_functions
+    corner_shape_functions
         (n_corners, q) linear functions, each 1 at its corner and 0 at the others
     lame
         Lame's constants; used are the part lambda_1 of the pressure, and G
     """
     shear_modulus = lame.shear_modulus
-    weighted_functions = corner_functions * point_areas
-    coupling_block = shear_modulus * weighted_functions @ gradients.transpose(0, 2, 1)
-    pressure_block = (
-        -(shear_modulus**2) / lame.lambda_of_pressure * weighted_functions @ corner_functions.T
+    weighted_shape_functions = corner_shape_functions * point_areas
+    coupling_blocks = shear_modulus * weighted_shape_functions @ gradients.transpose(0, 2, 1)
+    mass_blocks = (
+        -(shear_modulus**2)
+        / lame.lambda_of_pressure
+        * weighted_shape_functions
+        @ corner_shape_functions.T
     )
-    return coupling_block, pressure_block
+    return coupling_blocks, mass_blocks
 
 
 def _gradients_and_areas(
@@ -508,13 +511,13 @@ class _Subspace(NamedTuple):
         motion_numbers
             (n,) numbers of the motions among the k
         """
-        # Position of each motion among the n; -1 of all others.
-        position = np.full(len(self.leading_dofs), -1)
-        position[motion_numbers] = np.arange(len(motion_numbers))
-        column = position[self.column_of_dof[moved_dofs]]
-        factor = np.where(column >= 0, self.factor_of_dof[moved_dofs], 0.0)
+        # Position of each motion among the n; -1 of all others. Each row has one entry, perhaps 0.
+        position_of_motion = np.full(len(self.leading_dofs), -1)
+        position_of_motion[motion_numbers] = np.arange(len(motion_numbers))
+        column_of_row = position_of_motion[self.column_of_dof[moved_dofs]]
+        factor_of_row = np.where(column_of_row >= 0, self.factor_of_dof[moved_dofs], 0.0)
         return sparse.csr_matrix(
-            (factor, np.maximum(column, 0), np.arange(len(moved_dofs) + 1)),
+            (factor_of_row, np.maximum(column_of_row, 0), np.arange(len(moved_dofs) + 1)),
             shape=(len(moved_dofs), len(motion_numbers)),
         )
 

@@ -378,8 +378,12 @@ class SampledTractions:
             2 sum_k B_k = (2/n) sum_j q_j cot(theta_j/2),
             2 sum_k (-1)^k B_k = -(2/n) sum_j q_j tan(theta_j/2)
         """
-        tangent = np.tan(self.theta / 2)
-        return 2 / len(shear) * np.array([np.sum(shear / tangent), -np.sum(shear * tangent)])
+        half_angle_tangent = np.tan(self.theta / 2)
+        return (
+            2
+            / len(shear)
+            * np.array([np.sum(shear / half_angle_tangent), -np.sum(shear * half_angle_tangent)])
+        )
 
     def sine_series(self) -> Tractions:
         """Pressure p and shear q as sine series of the angle across the contact; q with the part
@@ -942,10 +946,12 @@ def _fitted_edges(
     is_mirrored = np.array_equal(mirrored_x, x) and bool(
         np.max(np.abs(mirrored_p - p)) <= _SAME_PRESSURE * np.max(p)
     )
-    right_edge = left_edge if is_mirrored else _fitted_edge(mirrored_x, mirrored_p, fit_settings)
-    if left_edge is None or right_edge is None:
+    mirrored_right_edge = (
+        left_edge if is_mirrored else _fitted_edge(mirrored_x, mirrored_p, fit_settings)
+    )
+    if left_edge is None or mirrored_right_edge is None:
         return None
-    return left_edge, right_edge
+    return left_edge, mirrored_right_edge
 
 
 def _fitted_edge(x: Array, p: Array, fit_settings: EdgeFit) -> _FittedEdge | None:
@@ -1041,11 +1047,11 @@ def _squared_pressure_polynomial(distance: Array, squared_p: Array, degree: int)
     n_nodes = len(distance)
     node_number = np.arange(n_nodes)
     exponents = np.arange(degree, -1, -1)
-    # Scaled powers keep the matrix well-conditioned.
+    # Terms over p^2, whose sum is to be 1. Scaled powers keep the matrix well-conditioned.
     largest_powers = distance[-1] ** exponents
-    polynomial = (distance[:, None] ** exponents / largest_powers).T / squared_p
-    mesh_error = (-1.0) ** node_number / (node_number + 4)
-    matrix = np.stack([*polynomial, mesh_error], axis=1) * squared_p[-1]
+    polynomial_terms = (distance[:, None] ** exponents / largest_powers).T / squared_p
+    mesh_error_term = (-1.0) ** node_number / (node_number + 4)
+    matrix = np.stack([*polynomial_terms, mesh_error_term], axis=1) * squared_p[-1]
     scaled_coefficients = np.linalg.lstsq(matrix, np.ones(n_nodes), rcond=None)[0]
     return np.asarray(scaled_coefficients[: degree + 1] * squared_p[-1] / largest_powers)
 

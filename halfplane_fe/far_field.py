@@ -148,14 +148,14 @@ class LineElements(NamedTuple):
         (k, g) shape functions at the Gauss points
     places
         (2, e, g) x and y of the Gauss points [length]
-    tangents
+    weighted_tangents
         (2, e, g) unit tangent times the length of line that a Gauss point stands for [length]
     """
 
     nodes: Indices
     shapes: Array
     places: Array
-    tangents: Array
+    weighted_tangents: Array
 
 
 def line_elements(line: Array, order: int, n_gauss_points: int) -> LineElements:
@@ -166,13 +166,13 @@ def line_elements(line: Array, order: int, n_gauss_points: int) -> LineElements:
     return curve_elements(line, nodes, n_gauss_points)
 
 
-def curve_elements(points: Array, nodes: Indices, n_gauss_points: int) -> LineElements:
+def curve_elements(places_of_nodes: Array, nodes: Indices, n_gauss_points: int) -> LineElements:
     """Line elements of order 1 or 2 along a curve: shape functions, places, and tangents times the
     quadrature weight, at Gauss points.
 
     Parameters
     ----------
-    points
+    places_of_nodes
         (2, n) x and y of all nodes [length]
     nodes
         (e, k) numbers of the nodes of each of e elements, k = 2 or 3, in order along the curve
@@ -184,7 +184,7 @@ def curve_elements(points: Array, nodes: Indices, n_gauss_points: int) -> LineEl
     if nodes.shape[1] == 2:
         half_slopes = np.full_like(gauss_points, 0.5)
         shape_functions = np.array([(1 - gauss_points) / 2, (1 + gauss_points) / 2])
-        slopes = np.array([-half_slopes, half_slopes])
+        shape_slopes = np.array([-half_slopes, half_slopes])
     else:
         shape_functions = np.array(
             [
@@ -193,12 +193,12 @@ def curve_elements(points: Array, nodes: Indices, n_gauss_points: int) -> LineEl
                 gauss_points * (gauss_points + 1) / 2,
             ]
         )
-        slopes = np.array([gauss_points - 0.5, -2 * gauss_points, gauss_points + 0.5])
+        shape_slopes = np.array([gauss_points - 0.5, -2 * gauss_points, gauss_points + 0.5])
     return LineElements(
         nodes=nodes,
         shapes=shape_functions,
-        places=points[:, nodes] @ shape_functions,
-        tangents=points[:, nodes] @ slopes * weights,
+        places=places_of_nodes[:, nodes] @ shape_functions,
+        weighted_tangents=places_of_nodes[:, nodes] @ shape_slopes * weights,
     )
 
 
@@ -233,7 +233,7 @@ def arc_forces(
     # Gauss points of the arc, nine an element, and the outward normal there.
     elements = line_elements(arc, order, _N_GAUSS_POINTS)
     x, y = elements.places.reshape(2, -1)
-    tangent_x, tangent_y = elements.tangents
+    tangent_x, tangent_y = elements.weighted_tangents
     # outward, times the length of arc of each Gauss point
     normals_by_length = np.stack([tangent_y.ravel(), -tangent_x.ravel()])
 

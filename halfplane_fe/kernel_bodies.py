@@ -463,7 +463,7 @@ class BodyKernels:
     fine: FaceKernels
     coarse: FaceKernels
 
-    def strain(
+    def fine_strain(
         self, x: Array, s: Array, pressing_force: Array, force_along_x: Array
     ) -> tuple[Array, Array]:
         """Strain e_xx (n,) that the finite size of the body adds to that of a half-plane, at places
@@ -472,9 +472,9 @@ class BodyKernels:
         The error is the difference of the strains by the fine and by the coarse mesh. Both are
         caused by forces (m,) at s (m,), into the body and along +x [force per thickness].
         """
-        strain = self.fine.strain(x, s, pressing_force, force_along_x)
+        fine_strain = self.fine.strain(x, s, pressing_force, force_along_x)
         coarse_strain = self.coarse.strain(x, s, pressing_force, force_along_x)
-        return strain, np.abs(strain - coarse_strain)
+        return fine_strain, np.abs(fine_strain - coarse_strain)
 
 
 _FLAT_FACE = Face(np.zeros_like, is_flat=True)
@@ -501,11 +501,12 @@ class KernelPair:
         `coupling` (slip by pressure) is None where it is zero.
         """
         # (n, n) each, by the kernels of the fine mesh
-        added_normal_compliance, added_tangential_compliance, total_coupling = (
+        added_normal_compliance, added_tangential_compliance, added_coupling = (
             self.added_compliances(half_planes.x, "fine")
         )
+        total_coupling = added_coupling
         if half_planes.coupling is not None:
-            total_coupling = total_coupling + half_planes.coupling
+            total_coupling = added_coupling + half_planes.coupling
         interface_along_axes = replace(
             half_planes,
             normal_compliance=read_only_copy(

@@ -366,7 +366,7 @@ def _forces_of_tractions(system: System, forces: _SurfaceForces) -> Array:
     # (2, e, g) times the length that each stands for; `nodes` (e, 3) of the sides, and their shape
     # functions `shapes` (3, g).
     sides = curve_elements(mesh.p, _outline_nodes(mesh, loaded_facets), n_points)
-    tangent_x, tangent_y = sides.tangents
+    tangent_x, tangent_y = sides.weighted_tangents
     # outward, times the length that each Gauss point stands for
     normals_by_length = np.stack([tangent_y.ravel(), -tangent_x.ravel()])
     x, y = sides.places.reshape(2, -1)

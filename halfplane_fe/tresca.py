@@ -255,9 +255,13 @@ class _ShearAtDisplacement:
         of `systems`.
         """
         n_y = self.systems.interface.face_normals[1]
-        slip_not_by_shear = self.slip_deficit - n_y * displacement
+        deficit_at_displacement = self.slip_deficit - n_y * displacement
         tangential_forces, self.node_states = _shear_within_limits(
-            self.systems, self.coulomb_limit, slip_not_by_shear, self.node_states, self.round_off
+            self.systems,
+            self.coulomb_limit,
+            deficit_at_displacement,
+            self.node_states,
+            self.round_off,
         )
         return tangential_forces
 

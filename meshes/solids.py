@@ -371,21 +371,21 @@ class _Outline:
             geometry.mesh.setTransfiniteCurve(line_tag, 2)
         return line_tags, point_tags[0], point_tags[-1]
 
-    def _draw_sides(self, face_end_point: int) -> tuple[list[int], int]:
+    def _draw_sides(self, face_end_tag: int) -> tuple[list[int], int]:
         """Draw the side of the body into gmsh's current model: from the point at the end of the
         face down to the base, by the corners of a step, if there is one.
 
         Returned are gmsh's tags of the lines, and of the last point. A half-cylinder has no sides:
         its face goes down to the base.
         """
-        lines: list[int] = []
-        last_point = face_end_point
+        line_tags: list[int] = []
+        last_tag = face_end_tag
         if self._face_drop < self._height * (1 - 1e-9):
             for x, y in (*self._step_corners, self._side_end):
-                corner_point = gmsh.model.geo.addPoint(x, y, 0)
-                lines.append(gmsh.model.geo.addLine(last_point, corner_point))
-                last_point = corner_point
-        return lines, last_point
+                corner_tag = gmsh.model.geo.addPoint(x, y, 0)
+                line_tags.append(gmsh.model.geo.addLine(last_tag, corner_tag))
+                last_tag = corner_tag
+        return line_tags, last_tag
 
     def _draw_rest_of_face(
         self, start_x: float, first_point_tag: int, size: float, growth: float
@@ -484,7 +484,7 @@ def check(
     grading
         sizes of the surface elements, and the |x| up to which nodes may touch [length]
     mesh
-        growth of the element size per distance, and order of the elements
+        settings of the mesh: growth of the element size per distance, and order of the elements
 
     Raises
     ------
@@ -514,7 +514,8 @@ def build(
     grading
         sizes of the surface elements, and the |x| up to which nodes may touch [length]
     mesh
-        growth of the element size per distance, order and form of the elements
+        settings of the mesh: growth of the element size per distance, order and form of its
+        elements
 
     Raises
     ------
