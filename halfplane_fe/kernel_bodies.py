@@ -463,7 +463,7 @@ class BodyKernels:
     fine: FaceKernels
     coarse: FaceKernels
 
-    def fine_strain(
+    def strain(
         self, x: Array, s: Array, pressing_force: Array, force_along_x: Array
     ) -> tuple[Array, Array]:
         """Strain e_xx (n,) that the finite size of the body adds to that of a half-plane, at places
