@@ -76,16 +76,16 @@ def actuators_of(scene: Scene, datum_length: float) -> Actuators:
     if not scene_load.is_driven:
         return LOADS_ARE_GIVEN
     rig = scene.rig
-    modulus = 1 / _sum_of_compliances(scene, half_planes_alone=False)  # E*
+    e_star = 1 / _sum_of_compliances(scene, half_planes_alone=False)  # contact modulus E*
     # `compliance_beyond`: of the half-planes of the scene, between both distances [1 / stress].
     # Where the rig states no distance, displacement counts from where it does in every answer.
     datum_length_of_movement = rig.datum_length or scene.profile.datum_length
     compliance_of_half_planes = (
-        compliance_beyond(scene, datum_length_of_movement / datum_length) * modulus
+        compliance_beyond(scene, datum_length_of_movement / datum_length) * e_star
     )
     # A rig without a stiffness is rigid.
-    normal_compliance = compliance_of_half_planes + modulus / (rig.normal_stiffness or math.inf)
-    tangential_compliance = compliance_of_half_planes + modulus / (
+    normal_compliance = compliance_of_half_planes + e_star / (rig.normal_stiffness or math.inf)
+    tangential_compliance = compliance_of_half_planes + e_star / (
         rig.tangential_stiffness or math.inf
     )
     return Actuators(

@@ -543,7 +543,7 @@ def _edge_tension(solution: ContactSolution, steps: Sequence[int]) -> _EdgeTensi
     steps
         (n_steps,) indices of stored instants
     """
-    values = np.zeros((len(steps), 2, 2))
+    tension = np.zeros((len(steps), 2, 2))
     uncertainties = np.zeros((len(steps), 2, 2))
     tension_changes_by_unseen_slip = np.zeros((len(steps), 2, 2))
 
@@ -555,11 +555,11 @@ def _edge_tension(solution: ContactSolution, steps: Sequence[int]) -> _EdgeTensi
         if fit_of_step.tractions is not None:
             tractions_in_contact[k] = fit_of_step.tractions
             # lower body, then upper one
-            values[k] = np.outer([1.0, -1.0], fit_of_step.tractions.edge_tension())
+            tension[k] = np.outer([1.0, -1.0], fit_of_step.tractions.edge_tension())
             uncertainties[k] = fit_of_step.tension_uncertainty
             tension_changes_by_unseen_slip[k] = fit_of_step.tension_change_by_unseen_slip
         elif solution.normal_load[step] > 0:
-            values[k] = math.nan
+            tension[k] = math.nan
             uncertainties[k] = math.nan
 
     # Tension by bulk stress and by the finite size of the bodies.
@@ -568,9 +568,9 @@ def _edge_tension(solution: ContactSolution, steps: Sequence[int]) -> _EdgeTensi
         added_tension, added_uncertainty = _added_edge_tension(
             solution, [steps[k] for k in positions], list(tractions_in_contact.values())
         )
-        values[positions] += added_tension
+        tension[positions] += added_tension
         uncertainties[positions] += added_uncertainty[:, None]
-    return _EdgeTension(values, uncertainties, tension_changes_by_unseen_slip)
+    return _EdgeTension(tension, uncertainties, tension_changes_by_unseen_slip)
 
 
 def _added_edge_tension(
@@ -777,8 +777,8 @@ def _point_forces(tractions_on_body: Tractions) -> tuple[Array, Array, Array]:
         @ sine_coefficients
         * point_lengths
         for sine_coefficients in (
-            tractions_on_body.pressure[:_N_ANGLES],
-            tractions_on_body.shear[:_N_ANGLES],
+            tractions_on_body.pressure_coefficients[:_N_ANGLES],
+            tractions_on_body.shear_coefficients[:_N_ANGLES],
         )
     )
     return x_in_contact, pressing_forces, shear_forces
@@ -1251,7 +1251,7 @@ def _largest_with_uncertainty(
     round_off = _ROUND_OFF * abs(largest_value)
     largest_of_candidates = tension.max(axis=(1, 2))
     best_index = (0, 0, 0)
-    uncertainty_of_best = math.inf
+    best_uncertainty = math.inf
     best_lower_bound = -math.inf
     for candidate_number in np.argsort(-largest_of_candidates, kind="stable"):
         if largest_of_candidates[candidate_number] < best_lower_bound - round_off:
@@ -1267,8 +1267,8 @@ def _largest_with_uncertainty(
         if lower_bound > best_lower_bound + round_off or (is_equal and tension_index < best_index):
             best_index = tension_index
             best_lower_bound = lower_bound
-            uncertainty_of_best = float(uncertainties[body_number, edge_number])
-    return best_index, uncertainty_of_best + largest_value - float(tension[best_index])
+            best_uncertainty = float(uncertainties[body_number, edge_number])
+    return best_index, best_uncertainty + largest_value - float(tension[best_index])
 
 
 class _Candidates(NamedTuple):
@@ -1770,7 +1770,8 @@ def _tractions_on_body(tractions_on_lower_body: Tractions, body_number: int) -> 
     shear on the upper one has the opposite sign.
     """
     return replace(
-        tractions_on_lower_body, shear=_sign_of_y(body_number) * tractions_on_lower_body.shear
+        tractions_on_lower_body,
+        shear_coefficients=_sign_of_y(body_number) * tractions_on_lower_body.shear_coefficients,
     )
 
 
@@ -1963,22 +1964,22 @@ def _matrix_of_extrapolation_to_nodes(basis: skfem.Basis, order: int) -> Array:
     # nodes and the middle where the element has them.
     refdom = basis.mesh.refdom
     corners = np.asarray(refdom.p, dtype=float)
-    groups_of_nodes = [corners]
+    places_of_nodes = [corners]
     if basis.facet_dofs.size:
-        groups_of_nodes.append(corners[:, np.array(refdom.facets).T].mean(axis=1))
+        places_of_nodes.append(corners[:, np.array(refdom.facets).T].mean(axis=1))
     if basis.interior_dofs.size:
-        groups_of_nodes.append(corners.mean(axis=1, keepdims=True))
+        places_of_nodes.append(corners.mean(axis=1, keepdims=True))
     n_terms = 1 if order == 1 else refdom.nnodes  # monomials of the polynomial
 
-    def polynomial(points: Array) -> Array:
+    def monomials_at(points: Array) -> Array:
         """Monomials 1, x, y, x y at points, (n_points, n_terms)."""
         monomials = [np.ones(points.shape[1]), *points, points[0] * points[1]]
         return np.column_stack(monomials[:n_terms])
 
     # Least squares with the quadrature weights `basis.W` at the quadrature points `basis.X`.
     root_of_weights = np.sqrt(basis.W)[:, None]
-    least_squares = np.linalg.pinv(root_of_weights * polynomial(basis.X)) * root_of_weights.T
-    return np.asarray(polynomial(np.hstack(groups_of_nodes)) @ least_squares)
+    least_squares = np.linalg.pinv(root_of_weights * monomials_at(basis.X)) * root_of_weights.T
+    return np.asarray(monomials_at(np.hstack(places_of_nodes)) @ least_squares)
 
 
 def _von_mises(stress: Array) -> Array:

@@ -437,8 +437,8 @@ class ContactProblem:
         """
         stresses_and_tilt = np.zeros(3)
         if len(loads) > 2:
-            # _BULK_STRESSES: places of both bulk stresses among the five loads; _TILT_OR_MOMENT:
-            # the last place
+            # _BULK_STRESSES: slice of both bulk stresses among the five loads; _TILT_OR_MOMENT:
+            # index of the last
             stresses_and_tilt[:2] = loads[_BULK_STRESSES]
             stresses_and_tilt[2] = (
                 self._resting_tilt(x_of_load) if self.has_given_moment else loads[_TILT_OR_MOMENT]
@@ -593,7 +593,7 @@ class ContactProblem:
 
         moment = None  # the tilt is given, or there is none
         if self.has_given_moment and len(loads) > 2:
-            # _TILT_OR_MOMENT: place of tilt or moment among the five loads
+            # _TILT_OR_MOMENT: index of tilt or moment among the five loads
             moment = loads[_TILT_OR_MOMENT]
         change_of_loads = np.subtract(loads, start_state.loads)
         # values of the contact, states of the nodes, number of Newton steps; None without
@@ -679,7 +679,7 @@ class ContactProblem:
         )
         # Nodes that change their state at constant tilt change the moment: a tilt restores it.
         if self.has_given_moment and len(loads) > 2:
-            # _TILT_OR_MOMENT: place of tilt or moment among the five loads
+            # _TILT_OR_MOMENT: index of tilt or moment among the five loads
             missing_moment = loads[_TILT_OR_MOMENT] - self._moments(values)
             values += missing_moment * rates[_TILT_OR_MOMENT]
         return values
@@ -737,7 +737,7 @@ class ContactProblem:
                 raise SingularSet("one node alone holds no moment")
             # The last factor turns the row of the tilt into that of the moment.
             load_factors = [*moments_by_load, moment_by_tilt - 1]
-            # _TILT_OR_MOMENT: place of tilt or moment among the five loads
+            # _TILT_OR_MOMENT: index of tilt or moment among the five loads
             rates_by_load = (
                 rates_by_load
                 - np.outer(load_factors, rates_by_load[_TILT_OR_MOMENT]) / moment_by_tilt
@@ -911,7 +911,7 @@ class ContactProblem:
         # A contact state takes its bulk stresses from its loads, its tilt from its values.
         stresses_and_tilt = replace(start_state, loads=loads).stresses_and_tilt
         if len(loads) > 2 and not self.has_given_moment:
-            # _TILT_OR_MOMENT: place of tilt or moment among the five loads
+            # _TILT_OR_MOMENT: index of tilt or moment among the five loads
             stresses_and_tilt[2] = loads[_TILT_OR_MOMENT]
         return stresses_and_tilt
 
@@ -1024,13 +1024,13 @@ class ContactProblem:
             state of the contact before the increment
         """
         node_states = solved_state.node_states
-        trial = self._trial_states(solved_state, start_state)
-        changing_nodes = (trial.by_law != node_states).nonzero()[0]
+        trial_states = self._trial_states(solved_state, start_state)
+        changing_nodes = (trial_states.by_law != node_states).nonzero()[0]
         if not len(changing_nodes):
             return node_states
         next_states = node_states.copy()
         next_states[changing_nodes] = self._states_beyond_round_off(
-            solved_state, trial, changing_nodes
+            solved_state, trial_states, changing_nodes
         )
         return next_states
 
@@ -1070,7 +1070,7 @@ class ContactProblem:
         )
 
     def _states_beyond_round_off(
-        self, solved_state: InterfaceState, trial: _TrialStates, changing_nodes: Indices
+        self, solved_state: InterfaceState, trial_states: _TrialStates, changing_nodes: Indices
     ) -> States:
         """New states (m,) of the nodes that are to change theirs by the trial forces. Within
         round-off of touching or of the Coulomb limit a node keeps the state it has.
@@ -1082,7 +1082,7 @@ class ContactProblem:
         ----------
         solved_state
             solution of an increment, with the states of its nodes
-        trial
+        trial_states
             states of all nodes by trial forces (`by_law`), and the same as if each node were closed
             (`if_closed`); slip increments and Coulomb limits
         changing_nodes
@@ -1096,14 +1096,16 @@ class ContactProblem:
         has_no_normal_force = np.abs(normal_forces[changing_nodes]) <= _ROUNDING_OF_FORCE
         just_touches = has_no_normal_force & (np.abs(gap[changing_nodes]) <= ROUNDING)
         force_beyond_limit = (
-            np.abs(tangential_forces[changing_nodes]) - trial.friction_limit[changing_nodes]
+            np.abs(tangential_forces[changing_nodes]) - trial_states.friction_limit[changing_nodes]
         )
-        has_not_moved = np.abs(trial.slip_increment[changing_nodes]) <= ROUNDING * self._shear_scale
+        has_not_moved = (
+            np.abs(trial_states.slip_increment[changing_nodes]) <= ROUNDING * self._shear_scale
+        )
         is_at_limit = np.abs(force_beyond_limit) <= _ROUNDING_OF_FORCE * self._shear_scale
         keeps_state = was_closed & is_at_limit & has_not_moved
-        is_closed = np.where(just_touches, was_closed, trial.by_law[changing_nodes] != OPEN)
+        is_closed = np.where(just_touches, was_closed, trial_states.by_law[changing_nodes] != OPEN)
         states_of_closed_nodes = np.where(
-            keeps_state, present_states, trial.if_closed[changing_nodes]
+            keeps_state, present_states, trial_states.if_closed[changing_nodes]
         )
         new_states = np.where(is_closed, states_of_closed_nodes, OPEN)
         has_turned = (
@@ -1128,7 +1130,7 @@ class ContactProblem:
         gap_without_pressure
             (n,) initial gap plus what the known shear and the tangential displacement add to it
         shear
-            (n,) known nodal forces along x
+            (n,) known nodal forces along the tangent
         is_closed
             (n,) nodes that are assumed to touch first
         stresses_and_tilt
@@ -1143,7 +1145,7 @@ class ContactProblem:
         """
         # P minus the part of it that the shear carries on curved faces
         load_of_pressure = loads[0] - float(self.interface.face_normals[0] @ shear)
-        # _TILT_OR_MOMENT: place of tilt or moment among the five loads
+        # _TILT_OR_MOMENT: index of tilt or moment among the five loads
         moment = loads[_TILT_OR_MOMENT]
 
         def excess_moment(tilt: float) -> float:
@@ -1226,14 +1228,14 @@ class ContactProblem:
         """
         if self.interface.gap_and_slip_per_stress_and_tilt is None or not stresses_and_tilt.any():
             return np.zeros_like(self.initial_gap), np.zeros_like(self.initial_gap)
-        gap, slip = np.moveaxis(
+        added_gap, added_slip = np.moveaxis(
             np.tensordot(
                 stresses_and_tilt, self.interface.gap_and_slip_per_stress_and_tilt, (-1, -1)
             ),
             -2,
             0,
         )
-        return gap, slip
+        return added_gap, added_slip
 
     def _moments(self, values: Array) -> Array:
         """Moment (...) of the nodal forces about x = 0, in values (..., 3 + 4 n) of interface

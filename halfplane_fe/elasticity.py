@@ -275,7 +275,7 @@ def split_lame(material: Elastic, order: int) -> SplitLame:
     return SplitLame(lam, 0.0, shear_modulus)
 
 
-def _stiffness(system: System, elements: Indices) -> sparse.csr_matrix:
+def _stiffness(system: System, element_numbers: Indices) -> sparse.csr_matrix:
     """Plane-strain stiffness matrix of some elements of a body, (n_dofs, n_dofs) [stress].
 
     Unknowns are the displacement u and, in a nearly incompressible material, r/G with the mixed
@@ -284,14 +284,14 @@ def _stiffness(system: System, elements: Indices) -> sparse.csr_matrix:
         K_iajb = lambda D_iajb + G (D_ibja + delta_ab sum_c D_icjc).
 
     With r the matrix is [[K, G B^T], [G B, -G^2 M/lambda_1]] in (u, r/G): symmetric,
-    quasi-definite. `elements` are the numbers of the elements.
+    quasi-definite. `element_numbers` are those of the elements.
 
     # notation: phi_i shape functions; a, b, c directions x, y; lambda the part of Lame's first
     # constant that acts through u, lambda_1 the part that acts through r; G shear modulus;
     # B divergence, M mass matrix of r
     """
     mesh = system.mesh
-    cells = system.cells[elements]  # (n_elements, n_nodes) node numbers
+    cells = system.cells[element_numbers]  # (n_elements, n_nodes) node numbers
     lame = split_lame(system.material, system.order)
 
     # Gradients of the shape functions (n_elements, 2 n_nodes, q) at q quadrature points, and the
@@ -526,15 +526,14 @@ def _symmetry_subspaces(system: System) -> tuple[Indices, tuple[_Subspace, ...]]
     """Symmetric and antisymmetric displacements of a mirror-symmetric body. They have no elastic
     energy in common, so that each subspace can be condensed by itself on one half.
 
-    Symmetric: u_x is odd in x, u_y and the unknown r/G (r the mixed
-    pressure) are even; antisymmetric: the other way round.
-    The stiffness in each is twice that of the half x >= 0. A subspace is spanned by motions: each
-    displaces one degree of freedom together with its mirror image, by factors +-sqrt(1/2), or one
-    at x = 0 alone, by 1.
+    Symmetric: u_x is odd in x, u_y and the unknown r/G (r the mixed pressure) are even;
+    antisymmetric: the other way round. The stiffness in each is twice that of the half x >= 0. A
+    subspace is spanned by motions: each displaces one degree of freedom together with its mirror
+    image, by factors +-sqrt(1/2), or one at x = 0 alone, by 1.
 
     Returns
     -------
-    elements, subspaces
+    element_numbers, subspaces
         Numbers of the elements at x >= 0, and the two subspaces. Of a body that is not its own
         mirror image to the last bit: all elements, and one subspace of all displacements.
     """
@@ -1344,8 +1343,8 @@ def _solved_unknowns(system: System, nodal_forces: Array) -> Array:
     if system.half_plane_arcs:
         left_x_dof, left_y_dof = system.reaction_dofs[:, 0]
         right_y_dof = system.reaction_dofs[1, -1]
-        ends_of_arc = [left_x_dof, left_y_dof, right_y_dof]
-        held_dofs = np.concatenate([held_dofs, ends_of_arc])
+        end_dofs = [left_x_dof, left_y_dof, right_y_dof]
+        held_dofs = np.concatenate([held_dofs, end_dofs])
     free_dofs = np.setdiff1d(np.arange(len(nodal_forces)), held_dofs)
     unknowns = np.zeros_like(nodal_forces)
     unknowns[free_dofs] = factorise(system.stiffness[free_dofs][:, free_dofs].tocsc()).solve(
@@ -1380,7 +1379,7 @@ def _missing_rigid_motion(
         balancing_loads.displacements @ forces_on_contact
     )
     missing_displacement = work_on_arc - work_in_half_plane
-    motions = rigid_motions(system.mesh)
-    motions_of_contact = motions[system.contact_dofs.ravel()]
-    amplitudes = np.linalg.lstsq(motions_of_contact, missing_displacement, rcond=None)[0]
-    return np.asarray(motions @ amplitudes)
+    unit_motions = rigid_motions(system.mesh)
+    unit_motions_of_contact = unit_motions[system.contact_dofs.ravel()]
+    amplitudes = np.linalg.lstsq(unit_motions_of_contact, missing_displacement, rcond=None)[0]
+    return np.asarray(unit_motions @ amplitudes)

@@ -149,7 +149,7 @@ class Tractions:
     ----------
     edges
         x at the left and right edge of contact [length]
-    pressure, shear
+    pressure_coefficients, shear_coefficients
         (k,) coefficients A_k and B_k from k = 1 on [stress]
     has_unfitted_edges
         whether too few nodes touch to find the edges from p^2: those of the solution stand
@@ -159,8 +159,8 @@ class Tractions:
     """
 
     edges: tuple[float, float]
-    pressure: Array
-    shear: Array
+    pressure_coefficients: Array
+    shear_coefficients: Array
     has_unfitted_edges: bool
     tension_by_missing_shear: float = 0.0
 
@@ -176,10 +176,13 @@ class Tractions:
 
     def edge_tension(self) -> Array:
         """Tension s_xx of the lower body at the left and right edge of contact, (2,) [stress]:
-        2 sum B_k and 2 sum (-1)^k B_k, B_k the coefficients of the sine series of shear (`shear`).
+        2 sum B_k and 2 sum (-1)^k B_k, B_k the coefficients of the sine series of shear.
         """
         return np.array(
-            [2 * self.shear.sum(), 2 * self.shear[1::2].sum() - 2 * self.shear[::2].sum()]
+            [
+                2 * self.shear_coefficients.sum(),
+                2 * self.shear_coefficients[1::2].sum() - 2 * self.shear_coefficients[::2].sum(),
+            ]
         )
 
     def moments(self) -> Array:
@@ -193,7 +196,7 @@ class Tractions:
         half_width = self.half_width
         moments_of_both: list[float] = []
         # coefficients of sin(k theta) from k = 1 on, with x = middle - half_width cos(theta)
-        for series in (self.pressure, self.shear):
+        for series in (self.pressure_coefficients, self.shear_coefficients):
             resultant = math.pi / 2 * half_width * series[0]
             first_about_middle = -math.pi / 4 * half_width**2 * series[1]
             second_about_middle = math.pi / 8 * half_width**3 * (series[0] + series[2])
@@ -212,7 +215,7 @@ class Tractions:
             s_xy = -Im B - Im(y A') - Re(y B')
 
         # notation: A = sum A_k w^k of the pressure, B = sum B_k w^k of the shear, with the
-        # coefficients A_k, B_k of their sine series (`pressure`, `shear`); A', B' derivatives in
+        # coefficients A_k, B_k of their sine series; A', B' derivatives in
         # z = x + i y; w = v - sqrt(v^2 - 1), v = (m - x + i |y|)/h, m middle, h half-width of the
         # contact
         """
@@ -222,7 +225,9 @@ class Tractions:
         root = np.sqrt(v - 1) * np.sqrt(v + 1)
         w = v - root
         # A, B, w dA/dw and w dB/dw at each point
-        A, B, w_slope_A, w_slope_B = _power_sums(np.stack([self.pressure, self.shear]), w)
+        A, B, w_slope_A, w_slope_B = _power_sums(
+            np.stack([self.pressure_coefficients, self.shear_coefficients]), w
+        )
         with np.errstate(divide="ignore", invalid="ignore"):
             # y dA/dz = y (w dA/dw)/(h root), since dw/dz = w/(h root)
             y_slope_A, y_slope_B = np.where(
@@ -391,8 +396,8 @@ class SampledTractions:
         """
         return Tractions(
             self.edges,
-            pressure=_sine_series(self.pressure),
-            shear=_sine_series(self.shear) + _sine_series(self.missing_shear),
+            pressure_coefficients=_sine_series(self.pressure),
+            shear_coefficients=_sine_series(self.shear) + _sine_series(self.missing_shear),
             has_unfitted_edges=self.has_unfitted_edges,
             tension_by_missing_shear=self.tension_by_missing_shear(),
         )
@@ -406,7 +411,9 @@ def tractions(nodal_tractions: NodalTractions) -> Tractions:
 
 
 def sampled_tractions(
-    nodal_tractions: NodalTractions, fit: EdgeFit = _USUAL_FIT, constant_ratio: bool = False
+    nodal_tractions: NodalTractions,
+    fit_settings: EdgeFit = _USUAL_FIT,
+    constant_ratio: bool = False,
 ) -> SampledTractions:
     """Smooth pressure and shear at equal angles across the contact, from their values at the nodes
     that touch. The mesh distorts those at the outermost nodes, which are left out.
@@ -425,7 +432,7 @@ def sampled_tractions(
         pressure and shear at the nodes that touch (`x` their places), edges of contact and stick
         that the solution states, friction, load Q (`tangential_load`), and jumps of the profile's
         curvature
-    fit
+    fit_settings
         how p^2 is fitted inside the edges, after `nodes_left_out` outermost nodes on each side
     constant_ratio
         whether q/p stays constant from the outermost node to the edge, instead of following its
@@ -435,14 +442,14 @@ def sampled_tractions(
     x = nodal_tractions.x
     pressure_shape = _pressure_shape(nodal_tractions)
     p_over_shape = nodal_tractions.pressure / pressure_shape(x)
-    fitted_edges = _fitted_edges(x, p_over_shape, fit)
+    fitted_edges = _fitted_edges(x, p_over_shape, fit_settings)
     if fitted_edges is None:
         edges = nodal_tractions.contact_edges
         nodes_left_out = 0
     else:
         # The right edge is found as the left one of p(-x).
         edges = (fitted_edges[0].edge, -fitted_edges[1].edge)
-        nodes_left_out = fit.nodes_left_out
+        nodes_left_out = fit_settings.nodes_left_out
     # Smooth pressure and shear, and the part of Q that this lacks as a shear at the stick edges.
     points = _PointsAcross.between(edges, len(x))
     inner_nodes = slice(nodes_left_out, len(x) - nodes_left_out)
@@ -904,8 +911,8 @@ def _pressure_over_root_by_jumps(
         distance_from_jump = np.where(t == b, 1.0, t - b)
         logarithm = np.log(np.abs((1 - b * t + root * root_at_b) / distance_from_jump))
         logarithm[t == b] = 0.0
-        pressure_of_unit_jump = math.acos(b) + (t - b) * logarithm / root
-        pressure_over_root += side * modulus_times_jump / (2 * math.pi) * pressure_of_unit_jump
+        ratio_by_unit_jump = math.acos(b) + (t - b) * logarithm / root
+        pressure_over_root += side * modulus_times_jump / (2 * math.pi) * ratio_by_unit_jump
     return pressure_over_root
 
 
@@ -1204,11 +1211,11 @@ def _ratio_in_slip_zone(
     zone_nodes = np.flatnonzero(is_in_zone)
     n_nodes = len(nodal_tractions.x)
     is_at_left = zone_nodes[0] == 0
-    without_stick_node = zone_nodes[:-1] if is_at_left else zone_nodes[1:]
-    is_undistorted = (without_stick_node >= nodes_left_out) & (
-        without_stick_node < n_nodes - nodes_left_out
+    nodes_but_next_to_stick = zone_nodes[:-1] if is_at_left else zone_nodes[1:]
+    is_undistorted = (nodes_but_next_to_stick >= nodes_left_out) & (
+        nodes_but_next_to_stick < n_nodes - nodes_left_out
     )
-    inner_nodes = without_stick_node[is_undistorted]
+    inner_nodes = nodes_but_next_to_stick[is_undistorted]
     if not len(inner_nodes):
         sign = np.sign(nodal_tractions.shear[zone_nodes].sum())
         return np.full(len(places), sign * nodal_tractions.friction)

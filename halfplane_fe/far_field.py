@@ -212,7 +212,7 @@ def arc_forces(
     Parameters
     ----------
     arc
-        (2, k) nodes of the arc by ascending x [length]
+        (2, k) places of the nodes of the arc, by ascending x [length]
     order
         1 or 2, of the elements of the arc
     x_of_forces

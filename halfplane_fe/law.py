@@ -47,13 +47,13 @@ def project(
     -------
     pressure, shear
         p and q, inside the cone or on it
-    state
+    states
         0 open, 1 stick, 2 slip forward (q > 0), 3 slip reverse (q < 0), int8
 
     Examples
     --------
-    >>> p, q, state = project([-1.0, 2.0, 2.0], [0.3, 0.5, -3.0], 0.5)
-    >>> p.tolist(), q.tolist(), state.tolist()
+    >>> p, q, states = project([-1.0, 2.0, 2.0], [0.3, 0.5, -3.0], 0.5)
+    >>> p.tolist(), q.tolist(), states.tolist()
     ([0.0, 2.0, 2.0], [0.0, 0.5, -1.0], [0, 1, 3])
     """
     pressure = np.maximum(np.asarray(trial_pressure, dtype=float), 0.0)
@@ -62,8 +62,8 @@ def project(
     # Several times as fast as np.clip.
     shear = np.minimum(np.maximum(unlimited_shear, -limit), limit)
     is_closed = np.asarray(trial_pressure) > 0
-    state = np.where(is_closed, states_if_closed(unlimited_shear, limit), _OPEN)
-    return pressure, shear, state
+    states = np.where(is_closed, states_if_closed(unlimited_shear, limit), _OPEN)
+    return pressure, shear, states
 
 
 def states_if_closed(trial_shear: Array, limit: Array) -> States:

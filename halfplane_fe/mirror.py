@@ -186,7 +186,7 @@ def _states_at_all_nodes(
         ]
     )
     # by node state: open, stick, and slip in the opposite sense
-    states_of_image = np.array([OPEN, STICK, SLIP_REVERSE, SLIP_FORWARD], dtype=np.int8)
+    image_of_node_state = np.array([OPEN, STICK, SLIP_REVERSE, SLIP_FORWARD], dtype=np.int8)
 
     def at_all_nodes(contact_state: InterfaceState) -> InterfaceState:
         """One contact state at all n nodes, from that at the nodes with x >= 0. The values of a
@@ -194,14 +194,14 @@ def _states_at_all_nodes(
 
         Each value at all nodes is the value of number `index_in_half` in the half, times its
         `factors`. A state that is not complete ends with the slip. Node states are those of the
-        image; at x < 0 slip has the opposite sense (`states_of_image`) if shear is odd in x.
+        image; at x < 0 slip has the opposite sense (`image_of_node_state`) if shear is odd in x.
         """
         n_values = len(index_in_half) if contact_state.is_complete else 3 + len(images.node_of_half)
         values_at_all_nodes = contact_state.values[index_in_half[:n_values]] * factors[:n_values]
         values_at_all_nodes.flags.writeable = False
         node_states_at_all = contact_state.node_states[images.node_of_half]
         node_states_at_all = np.where(
-            images.shear_sign < 0, states_of_image[node_states_at_all], node_states_at_all
+            images.shear_sign < 0, image_of_node_state[node_states_at_all], node_states_at_all
         )
         return replace(
             contact_state,
@@ -229,7 +229,7 @@ def run_at_all_nodes(run: PathRun, faces: Interface) -> PathRun:
         contact compliance of all n nodes
     """
     images = _images(faces)
-    middle = len(faces.x) // 2  # number of the node at x = 0
+    middle_node = len(faces.x) // 2  # number of the node at x = 0
     return replace(
         run,
         states=_states_at_all_nodes(run.states, images),
@@ -240,6 +240,6 @@ def run_at_all_nodes(run: PathRun, faces: Interface) -> PathRun:
             edge_excess._replace(stick_zone=edge_excess.stick_zone.mirrored())
             for edge_excess in run.edge_excess_by_cycle
         ],
-        contact_edges=[edges.mirrored(middle) for edges in run.contact_edges],
-        stick_edges=[edges.mirrored(middle) for edges in run.stick_edges],
+        contact_edges=[edges.mirrored(middle_node) for edges in run.contact_edges],
+        stick_edges=[edges.mirrored(middle_node) for edges in run.stick_edges],
     )

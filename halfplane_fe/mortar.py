@@ -157,10 +157,10 @@ def _points_of_refinement(lower_face: Face, upper_face: Face) -> tuple[Array, Ar
     # ends closer than round-off are one
     is_new_end = np.concatenate([[True], np.diff(segment_ends) > 1e-12 * face_length])
     segment_ends = segment_ends[is_new_end]
-    middle = (segment_ends[1:] + segment_ends[:-1])[:, None] / 2
-    half_length = np.diff(segment_ends)[:, None] / 2
+    middles = (segment_ends[1:] + segment_ends[:-1])[:, None] / 2
+    half_lengths = np.diff(segment_ends)[:, None] / 2
     # _POINTS: five Gauss points from -1 to 1; _WEIGHTS: their weights
-    return middle + half_length * _POINTS, half_length * _WEIGHTS
+    return middles + half_lengths * _POINTS, half_lengths * _WEIGHTS
 
 
 class _LineHalfWay(NamedTuple):

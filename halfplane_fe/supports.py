@@ -70,13 +70,13 @@ def check_supports(scene: Scene) -> None:
         For such a body; the message names supports that would hold it.
     """
     is_pushed = has_tangential_load(scene)
-    for name, body in (("lower", scene.bodies.lower), ("upper", scene.bodies.upper)):
-        if not is_pushed or not isinstance(body, Block | Pad):
+    for name, shape in (("lower", scene.bodies.lower), ("upper", scene.bodies.upper)):
+        if not is_pushed or not isinstance(shape, Block | Pad):
             continue
-        is_held_by_ends = has_free_ends(body) and has_bulk_stress(prescribed_path(scene))
-        if body.base == "rollers" and body.sides == "free" and not is_held_by_ends:
+        is_held_by_ends = has_free_ends(shape) and has_bulk_stress(prescribed_path(scene))
+        if shape.base == "rollers" and shape.sides == "free" and not is_held_by_ends:
             raise InputError(
-                f"bodies.{name}: nothing holds the {body.kind} against the tangential load, it"
+                f"bodies.{name}: nothing holds the {shape.kind} against the tangential load, it"
                 " slides off: its base is on rollers and its sides are free; take base = 'fixed'"
                 " or sides = 'guided'"
             )

@@ -971,11 +971,11 @@ class Systems:
         """Factorised equations of one set of node states (n,); those of the last eight sets are
         cached, of which the one used last comes last.
         """
-        key = node_states.tobytes()
-        factorised_set = self._factorised_sets.pop(key, None)
+        states_bytes = node_states.tobytes()
+        factorised_set = self._factorised_sets.pop(states_bytes, None)
         if factorised_set is None:
             factorised_set = self._new_base(np.concatenate([node_states, node_states]), None)
-        self._factorised_sets[key] = factorised_set
+        self._factorised_sets[states_bytes] = factorised_set
         if len(self._factorised_sets) > _MOST_FACTORISED_SETS:
             del self._factorised_sets[next(iter(self._factorised_sets))]
         return factorised_set
@@ -1002,10 +1002,11 @@ class Systems:
 
         # A cached base, that of these states before or the nearest one. Equation bits: type of each
         # equation; two differ if they have no bit in common.
-        key = node_states.tobytes()
+        states_bytes = node_states.tobytes()
         equation_bits = _equation_bits(np.concatenate([node_states, node_states]))
         base = next(
-            (cached_base for cached_base in self._bases if key in cached_base.sets_served), None
+            (cached_base for cached_base in self._bases if states_bytes in cached_base.sets_served),
+            None,
         )
         if base is None:
             base = self._nearest_base(self._bases, equation_bits, _MOST_UPDATED_EQUATIONS)
@@ -1028,7 +1029,7 @@ class Systems:
                 self._bases.remove(used_base)
             if used_base is not None:
                 self._bases.append(used_base)
-        base.sets_served.add(key)
+        base.sets_served.add(states_bytes)
         return base, (base.equation_bits & equation_bits) == 0
 
     @staticmethod
@@ -1214,12 +1215,13 @@ class Systems:
         cases, by its factorised equations. In each case one equation prescribes 1, or a load is 1.
 
         An equation is held where it prescribes a displacement, free where it prescribes a force;
-        the other of the two is its response. Prescribed forces displace all nodes
-        (`displacements_by_force`). Forces in the held equations make up for what is missing to
-        the prescribed displacements there; then the free displacements follow:
+        the other of the two is its response. Cases that prescribe a force, a bulk stress or the
+        tilt displace all nodes (`displacements_by_free_case`). Forces in the held equations make up
+        for what is missing to the prescribed displacements there; then the free displacements
+        follow:
 
-            held_by_held @ forces = prescribed displacements - held displacements_by_force
-            free displacements = free_by_held @ forces + free displacements_by_force
+            held_by_held @ forces = prescribed displacements - held displacements_by_free_case
+            free displacements = free_by_held @ forces + free displacements_by_free_case
 
         `cases` are numbers of equations (i normal, n + i tangential) and, from 2 n on, loads.
         `base.signed_friction` (n,) is +-f of the nodes that slide in the base, else 0.
@@ -1228,24 +1230,24 @@ class Systems:
         position_in_held = base.position_in_held[cases]  # -1 of the free cases
         is_held_case = position_in_held >= 0
 
-        # Displacements by the forces that are prescribed. The contact matrix is gap and slip of the
-        # nodes, P and Q, by p and q of the nodes, approach, U, bulk stresses and tilt.
-        displacements_by_force = np.zeros((2 * n + 2, len(cases)))
-        displacements_by_force[:, ~is_held_case] = self.contact_matrix[:, cases[~is_held_case]]
+        # Displacements by what is prescribed in these cases. The contact matrix is gap and slip of
+        # the nodes, P and Q, by p and q of the nodes, approach, U, bulk stresses and tilt.
+        displacements_by_free_case = np.zeros((2 * n + 2, len(cases)))
+        displacements_by_free_case[:, ~is_held_case] = self.contact_matrix[:, cases[~is_held_case]]
         # A unit p of an open node: where it counts as sliding in the base, q = (+-f) p acts too.
         has_unit_pressure = ~is_held_case & (cases < n)
         open_nodes = cases[has_unit_pressure]
-        displacements_by_shear = self.contact_matrix[:, n + open_nodes]
-        displacements_by_force[:, has_unit_pressure] += (
-            displacements_by_shear * base.signed_friction[open_nodes]
+        displacements_by_q = self.contact_matrix[:, n + open_nodes]
+        displacements_by_free_case[:, has_unit_pressure] += (
+            displacements_by_q * base.signed_friction[open_nodes]
         )
 
         # Forces in the held equations, then the displacements of the free ones.
-        held_displacements = -displacements_by_force[base.held_equations]
+        held_displacements = -displacements_by_free_case[base.held_equations]
         held_displacements[position_in_held[is_held_case], is_held_case.nonzero()[0]] += 1.0
         forces = _lu_solve(factors.held_by_held, held_displacements)
         free_displacements = (
-            factors.free_by_held @ forces + displacements_by_force[base.free_equations]
+            factors.free_by_held @ forces + displacements_by_free_case[base.free_equations]
         )
 
         responses = np.empty((len(cases), 2 * n + 3))

@@ -92,20 +92,22 @@ def _draw_quarter(grading: SurfaceGrading) -> dict[str, list[int]]:
     # gmsh returns a tag, a number, for each point and curve. `surface_points`: abscissae of the
     # ends of the surface elements.
     geometry = gmsh.model.geo
-    tags_of_surface_points = [geometry.addPoint(float(x), 0, 0) for x in surface_points(grading)]
-    end_point_of_surface = geometry.addPoint(grading.radius, 0, 0)
-    bottom_point = geometry.addPoint(0, -grading.radius, 0)
-    contact_lines = [
-        geometry.addLine(first_point, second_point)
-        for first_point, second_point in itertools.pairwise(tags_of_surface_points)
+    surface_point_tags = [geometry.addPoint(float(x), 0, 0) for x in surface_points(grading)]
+    face_end_tag = geometry.addPoint(grading.radius, 0, 0)
+    bottom_tag = geometry.addPoint(0, -grading.radius, 0)
+    contact_line_tags = [
+        geometry.addLine(first_tag, second_tag)
+        for first_tag, second_tag in itertools.pairwise(surface_point_tags)
     ]
-    free_line = geometry.addLine(tags_of_surface_points[-1], end_point_of_surface)
-    arc = geometry.addCircleArc(end_point_of_surface, tags_of_surface_points[0], bottom_point)
-    axis_line = geometry.addLine(bottom_point, tags_of_surface_points[0])
-    geometry.addPlaneSurface([geometry.addCurveLoop([*contact_lines, free_line, arc, axis_line])])
-    for line in contact_lines:
-        geometry.mesh.setTransfiniteCurve(line, 2)  # two nodes: one element on each line
-    return {"contact": contact_lines, "free": [free_line], "far_field": [arc]}
+    free_line_tag = geometry.addLine(surface_point_tags[-1], face_end_tag)
+    arc_tag = geometry.addCircleArc(face_end_tag, surface_point_tags[0], bottom_tag)
+    axis_line_tag = geometry.addLine(bottom_tag, surface_point_tags[0])
+    geometry.addPlaneSurface(
+        [geometry.addCurveLoop([*contact_line_tags, free_line_tag, arc_tag, axis_line_tag])]
+    )
+    for line_tag in contact_line_tags:
+        geometry.mesh.setTransfiniteCurve(line_tag, 2)  # two nodes: one element on each line
+    return {"contact": contact_line_tags, "free": [free_line_tag], "far_field": [arc_tag]}
 
 
 Indices = NDArray[np.int64]
@@ -158,6 +160,7 @@ def solid(
     unit_grading = scaled_grading(grading, 1 / length_unit).grading_for_gmsh(cells)
     outline = _Outline(shape, face, length_unit)
     formula_of_size = size_formula(unit_grading, growth, outline.sharp_corners)
+    # `outline.points_on_true_face` moves mid-side nodes from chords onto the profile
     unit_mesh = mirrored_mesh(
         lambda: outline.draw(unit_grading, growth),
         formula_of_size,
@@ -337,18 +340,24 @@ class _Outline:
         # gmsh numbers points and curves by tags. `edge_size`: of an element at the contact's end.
         geometry = gmsh.model.geo
         surface_x = surface_points(grading)
-        contact_lines, first_point_tag, contact_end_tag = self._draw_contact(surface_x)
-        free_curves, face_end_tag = self._draw_rest_of_face(
+        contact_line_tags, first_point_tag, contact_end_tag = self._draw_contact(surface_x)
+        free_curve_tags, face_end_tag = self._draw_rest_of_face(
             float(surface_x[-1]), contact_end_tag, grading.edge_size, growth
         )
         axis_end_tag = geometry.addPoint(0, -self._height, 0)
-        side_lines, side_end_tag = self._draw_sides(face_end_tag)
-        base_line = geometry.addLine(side_end_tag, axis_end_tag)
-        axis_line = geometry.addLine(axis_end_tag, first_point_tag)
-        curves_around = [*contact_lines, *free_curves, *side_lines, base_line, axis_line]
-        geometry.addPlaneSurface([geometry.addCurveLoop(curves_around)])
-        return {"contact": contact_lines, "free": free_curves, "base": [base_line]} | (
-            {"sides": side_lines} if side_lines else {}
+        side_line_tags, side_end_tag = self._draw_sides(face_end_tag)
+        base_line_tag = geometry.addLine(side_end_tag, axis_end_tag)
+        axis_line_tag = geometry.addLine(axis_end_tag, first_point_tag)
+        outline_tags = [
+            *contact_line_tags,
+            *free_curve_tags,
+            *side_line_tags,
+            base_line_tag,
+            axis_line_tag,
+        ]
+        geometry.addPlaneSurface([geometry.addCurveLoop(outline_tags)])
+        return {"contact": contact_line_tags, "free": free_curve_tags, "base": [base_line_tag]} | (
+            {"sides": side_line_tags} if side_line_tags else {}
         )
 
     def _draw_contact(self, surface_x: Array) -> tuple[list[int], int, int]:
@@ -436,11 +445,11 @@ class _Outline:
             geometry.addPoint(float(x), -float(y), 0)
             for x, y in zip(face_x, self._rounded_depth(face_x), strict=True)
         ]
-        polygon = [
+        line_tags = [
             geometry.addLine(line_begin_tag, line_end_tag)
             for line_begin_tag, line_end_tag in itertools.pairwise(face_point_tags)
         ]
-        return polygon, face_point_tags[-1]
+        return line_tags, face_point_tags[-1]
 
     def _graded_abscissae(self, start: float, end: float, size: float, growth: float) -> Array:
         """Abscissae x (n,) of points on the face beyond `start`, the last one at `end`: as far
