@@ -206,17 +206,17 @@ class Edge:
         problem: ContactProblem,
         side: int,
         last_stuck: int,
-        turn: TurnOfSlip,
+        slip_beside_edge: SlipBesideEdge,
         rates_by_load: Array,
     ) -> Edge:
         """The edge of stick between the last stuck node and the first sliding one, as it moves
         inwards.
 
         The change of Q since the sliding node was met is its slip over its rate. That to the stuck
-        node is its force to the Coulomb limit, f p - s q, over its rate. For permanent stick `turn`
-        has both between the two turning points of slip: locked-in shear drops out. At an instant
-        between them it does not. Beside an older stick edge the place is then wrong by up to the
-        distance of the nodes.
+        node is its force to the Coulomb limit, f p - s q, over its rate. For permanent stick
+        `slip_beside_edge` has both between the two turning points of slip: locked-in shear drops
+        out. At an instant between them it does not. Beside an older stick edge the place is then
+        wrong by up to the distance of the nodes.
 
         # notation: p normal and q shear force of a node, s sense of slip, f friction
 
@@ -228,19 +228,21 @@ class Edge:
             1 on the right of x = 0, -1 on the left
         last_stuck
             outermost node of the stick zone; the next one outwards slides
-        turn
+        slip_beside_edge
             sense of slip, slip of the first sliding node, and force of the last stuck one to the
             Coulomb limit
         rates_by_load
             (4, n) derivatives by Q of slip, normal force, shear force and gap of the nodes
         """
-        node = last_stuck + side  # the first sliding one
+        first_sliding = last_stuck + side  # number of that node
         slip_rates, pressure_rates, shear_rates, _ = rates_by_load
-        force_rates = force_to_limit(pressure_rates, shear_rates, turn.sense, problem.friction)
-        load_from_node = _load_to(turn.slip, slip_rates[node])
-        load_to_last_stuck = _load_to(turn.force_to_limit, force_rates[last_stuck])
+        force_rates = force_to_limit(
+            pressure_rates, shear_rates, slip_beside_edge.sense, problem.friction
+        )
+        load_from_node = _load_to(slip_beside_edge.slip, slip_rates[first_sliding])
+        load_to_last_stuck = _load_to(slip_beside_edge.force_to_limit, force_rates[last_stuck])
         load_between = load_from_node + load_to_last_stuck
-        return cls(problem.interface, side, node, last_stuck, load_from_node, load_between)
+        return cls(problem.interface, side, first_sliding, last_stuck, load_from_node, load_between)
 
     @property
     def is_moved(self) -> bool:
@@ -330,7 +332,7 @@ class Edge:
         return _D if self._is_at_corner == is_inwards else 1 - _D
 
 
-class TurnOfSlip(NamedTuple):
+class SlipBesideEdge(NamedTuple):
     """Slip and force to the Coulomb limit beside a stick edge, at an instant, or from one turning
     point of the slip to the other; scaled.
 
@@ -407,15 +409,17 @@ class EdgesByLoad(NamedTuple):
         """Edges on both sides from the right ones of a half that was solved alone; the left ones
         are mirror images. Its first node is number `middle` of all nodes.
         """
-        right_node = self.last_node[:, 1:]
-        outwards = np.array([-1, 1])
+        right_last_node = self.last_node[:, 1:]
+        outward_signs = np.array([-1, 1])
         return EdgesByLoad(
-            last_node=np.where(right_node < 0, -1, middle + outwards * right_node),
-            places=outwards * self.places[:, 1:],
+            last_node=np.where(right_last_node < 0, -1, middle + outward_signs * right_last_node),
+            places=outward_signs * self.places[:, 1:],
             uncertainty=np.repeat(self.uncertainty[:, 1:], 2, axis=1),
         )
 
-    def put(self, row: int, last_node: int, edge: Edge, unevenness: Array, share: float) -> None:
+    def put(
+        self, row: int, last_node: int, edge: Edge, unevenness: Array, uncertainty_share: float
+    ) -> None:
         """Store the place and the uncertainty of an edge at one instant, in the arrays of this
         object.
 
@@ -430,16 +434,18 @@ class EdgesByLoad(NamedTuple):
         unevenness
             (3,) how unevenly the load takes it on, by nodes behind it; or (4,) with the nodes
             ahead: its place is corrected by that
-        share
+        uncertainty_share
             uncertainty over the distance of the edge's places at both nodes; 1 at most
         """
         column = 0 if edge.side < 0 else 1
         self.last_node[row, column] = last_node
         self.places[row, column] = _place_put_right(edge, last_node, unevenness)
-        self.uncertainty[row, column] = edge.spacing * min(share, 1.0)
+        self.uncertainty[row, column] = edge.spacing * min(uncertainty_share, 1.0)
 
 
-def contact_by_load(problem: ContactProblem, states: Sequence[InterfaceState]) -> EdgesByLoad:
+def contact_by_load(
+    problem: ContactProblem, contact_states: Sequence[InterfaceState]
+) -> EdgesByLoad:
     """Left and right edge of contact at k instants, located between two nodes by the load P that
     moves it, with an uncertainty; none where P is not positive, where fewer than six nodes touch on
     a side, where elements are not quadratic, and where no finite load moves the edge.
@@ -448,11 +454,11 @@ def contact_by_load(problem: ContactProblem, states: Sequence[InterfaceState]) -
     ----------
     problem
         the contact problem, with the derivatives of all nodal values by the loads (`rates`)
-    states
+    contact_states
         the k contact states
     """
-    edges = EdgesByLoad.nowhere(len(states))  # none yet; `put` stores one at an instant
-    for row, state in enumerate(states):
+    edges = EdgesByLoad.nowhere(len(contact_states))  # none yet; `put` stores one at an instant
+    for row, state in enumerate(contact_states):
         if not state.normal_load > 0:
             continue
         for side in (-1, 1):  # left and right of x = 0
@@ -474,14 +480,16 @@ def contact_by_load(problem: ContactProblem, states: Sequence[InterfaceState]) -
                     _unevenness(edge, last_closed_node, state.pressure, pressure_rates),
                     _unevenness_ahead(edge, last_closed_node, state.gap, gap_rates),
                 )
-                share = math.hypot(*_shares_of_spacing(edge, last_closed_node, unevenness))
-                edges.put(row, last_closed_node, edge, unevenness, share)
+                uncertainty_share = math.hypot(
+                    *_shares_of_spacing(edge, last_closed_node, unevenness)
+                )
+                edges.put(row, last_closed_node, edge, unevenness, uncertainty_share)
     return edges
 
 
 def stick_by_load(
     problem: ContactProblem,
-    states: Sequence[InterfaceState],
+    contact_states: Sequence[InterfaceState],
     travels: Array,
     passed_nodes: dict[int, PassedNodes],
 ) -> EdgesByLoad:
@@ -496,7 +504,7 @@ def stick_by_load(
     ----------
     problem
         the contact problem, with friction and the derivatives of nodal values by the loads
-    states
+    contact_states
         (k + 1,) contact states: the one before, and k that follow
     travels
         (k, n) distance that each node has slipped since it last stuck or turned round
@@ -508,7 +516,7 @@ def stick_by_load(
     if not problem.has_shear:
         return edges
     for row, (state_before, state, travel) in enumerate(
-        zip(states[:-1], states[1:], travels, strict=True)
+        zip(contact_states[:-1], contact_states[1:], travels, strict=True)
     ):
         for side in (-1, 1):  # left and right of x = 0
             # last node that sticks, and number of nodes that the edge has passed since slip began
@@ -525,10 +533,10 @@ def stick_by_load(
             )
             # `is_moved`: a finite load takes it to the next node
             if edge.is_moved and _comes_to_limit(problem, state_before, state, edge):
-                share, passed_nodes[side] = _uncertainty_share_of_stick_edge(
+                uncertainty_share, passed_nodes[side] = _uncertainty_share_of_stick_edge(
                     problem, state, edge, unevenness, passed_nodes[side], n_nodes_passed
                 )
-                edges.put(row, last_stuck_node, edge, unevenness, share)
+                edges.put(row, last_stuck_node, edge, unevenness, uncertainty_share)
     return edges
 
 
@@ -537,7 +545,7 @@ def _uncertainty_share_of_stick_edge(
     state: InterfaceState,
     edge: Edge,
     unevenness: Array,
-    passed_before: PassedNodes,
+    record_before: PassedNodes,
     n_nodes_passed: int,
 ) -> tuple[float, PassedNodes]:
     """Uncertainty of the place of a stick edge at an instant, over the distance of its two nodes,
@@ -565,14 +573,14 @@ def _uncertainty_share_of_stick_edge(
     unevenness
         (3,) how unevenly the load moves the edge, by three nodes behind it; or (4,) with the nodes
         ahead
-    passed_before
+    record_before
         how uncertain it was between the nodes that it had passed at the instant before
     n_nodes_passed
         number of nodes that it has passed since slip began
     """
     *other_shares, share_by_unevenness = _shares_of_spacing(edge, edge.next_node, unevenness)
     share_by_late_start = _share_by_late_start(unevenness[:3])
-    passed_now = passed_before.followed_by(edge.next_node, n_nodes_passed).with_share(
+    record_now = record_before.followed_by(edge.next_node, n_nodes_passed).with_share(
         max(min(share_by_unevenness, 1.0), share_by_late_start)
     )
     # The uncertainty that the edge had as it met the sliding node fades linearly, to 0 where it
@@ -580,10 +588,10 @@ def _uncertainty_share_of_stick_edge(
     fading = 1 - edge.fraction_passed()
     share_left = max(
         share_by_late_start * fading,
-        passed_now.share_left * (1.0 if passed_now.has_passed_several else fading),
+        record_now.share_left * (1.0 if record_now.has_passed_several else fading),
     )
     # _BY_FEW_NODES: fitted share where slip began a single node away
-    share_by_few_nodes = _BY_FEW_NODES / passed_now.n_nodes_since_jump(n_nodes_passed) ** 3
+    share_by_few_nodes = _BY_FEW_NODES / record_now.n_nodes_since_jump(n_nodes_passed) ** 3
     share = math.hypot(
         *other_shares,
         share_by_few_nodes,
@@ -591,10 +599,10 @@ def _uncertainty_share_of_stick_edge(
         _BY_LEVERAGE * _leverage(problem, state, edge),
         max(share_by_unevenness, share_left),
     )
-    return share, passed_now
+    return share, record_now
 
 
-def _leverage(problem: ContactProblem, state: InterfaceState, edge: Edge) -> float:
+def _leverage(problem: ContactProblem, state: InterfaceState, stick_edge: Edge) -> float:
     """How much farther a small change of the load takes an edge of stick than one of contact: f
     times the load that takes the edge of contact some way, over the load that takes that of stick
     as far; 0 where no finite load moves the edge of contact.
@@ -610,20 +618,20 @@ def _leverage(problem: ContactProblem, state: InterfaceState, edge: Edge) -> flo
         the contact problem: friction, and derivatives of nodal values by the loads (`rates`)
     state
         contact state: nodal forces and gaps, and open, stick or slip of the nodes
-    edge
+    stick_edge
         of stick; `side` is 1 on the right of x = 0, -1 on the left
     """
-    last_closed_node = int(_closed_nodes_inwards(problem, state, edge.side)[0])
+    last_closed_node = int(_closed_nodes_inwards(problem, state, stick_edge.side)[0])
     if not 2 <= last_closed_node < len(state.gap) - 2:
         return 0.0
     rates_by_load = nodal_values(problem.rates(state.node_states, len(state.loads))[0])  # cached
-    contact_edge = Edge.of_contact(problem, edge.side, last_closed_node, state, rates_by_load)
+    contact_edge = Edge.of_contact(problem, stick_edge.side, last_closed_node, state, rates_by_load)
     if not contact_edge.is_moved or contact_edge.place == 0:
         return 0.0
-    load_of_contact = contact_edge.load_between / contact_edge.spacing
-    load_of_stick = edge.load_between / edge.spacing
-    ratio_of_places = abs(edge.place / contact_edge.place)
-    return problem.friction * load_of_contact / load_of_stick * ratio_of_places
+    contact_load_over_way = contact_edge.load_between / contact_edge.spacing
+    stick_load_over_way = stick_edge.load_between / stick_edge.spacing
+    ratio_of_places = abs(stick_edge.place / contact_edge.place)
+    return problem.friction * contact_load_over_way / stick_load_over_way * ratio_of_places
 
 
 class PassedNodes(NamedTuple):
@@ -668,8 +676,8 @@ class PassedNodes(NamedTuple):
         landing_node = last_stuck_node if n_nodes_of_increment > JUMP else self.landing_node
         # _LEFT_AT_NEXT_NODE: share that is left at the next node
         has_passed_several = n_nodes_of_increment > 1
-        share = 1.0 if has_passed_several else _LEFT_AT_NEXT_NODE
-        share_left = share * max(self.largest_share, self.share_left)
+        part_left = 1.0 if has_passed_several else _LEFT_AT_NEXT_NODE
+        share_left = part_left * max(self.largest_share, self.share_left)
         return PassedNodes(last_stuck_node, landing_node, 0.0, share_left, has_passed_several)
 
     def with_share(self, share: float) -> PassedNodes:
@@ -706,16 +714,16 @@ def _comes_to_limit(
     nearer to the Coulomb limit from one contact state (`state_before`) to the next.
 
     `edge` is that of stick: its `node` slides, its `next_node` is the last one that sticks. The
-    distance from the limit is f p - s q, s the sense of slip.
+    force to the limit is f p - s q, s the sense of slip.
     """
     sense = int(slip_sign(state_after.node_states[edge.node]))
-    distance_before, distance_after = (
+    force_before, force_after = (
         force_to_limit(
             state.pressure[edge.next_node], state.shear[edge.next_node], sense, problem.friction
         )
         for state in (state_before, state_after)
     )
-    return bool(distance_after < distance_before)
+    return bool(force_after < force_before)
 
 
 def _closed_nodes_inwards(problem: ContactProblem, state: InterfaceState, side: int) -> Indices:
@@ -767,11 +775,11 @@ def _last_stuck_and_nodes_passed(
 
 
 def _stick_edge_and_unevenness(
-    problem: ContactProblem, state: InterfaceState, travel: Array, side: int, last_stuck: int
+    problem: ContactProblem, state: InterfaceState, travel: Array, side: int, last_stuck_node: int
 ) -> tuple[Edge, Array]:
-    """The stick edge on its way inwards to the node `last_stuck`, and how unevenly the load Q moves
-    it, 0 where evenly: by three sticking nodes, and by the two sliding ones that it has passed
-    last, (4,); (3,) where it has passed a single node.
+    """The stick edge on its way inwards to the node `last_stuck_node`, and how unevenly the load Q
+    moves it, 0 where evenly: by three sticking nodes, and by the two sliding ones that it has
+    passed last, (4,); (3,) where it has passed a single node.
 
     Parameters
     ----------
@@ -783,24 +791,26 @@ def _stick_edge_and_unevenness(
         (n,) distance that each node has slipped since it last stuck or turned round
     side
         1 on the right of x = 0, -1 on the left
-    last_stuck
+    last_stuck_node
         outermost node of the stick zone; the next one outwards slides
     """
-    node = last_stuck + side  # the first sliding one
-    sense = int(slip_sign(state.node_states[node]))
+    first_sliding_node = last_stuck_node + side
+    sense = int(slip_sign(state.node_states[first_sliding_node]))
     # by Q, (4, n): slip, pressure, shear and gap
-    rates_by_load = nodal_values(problem.rates(state.node_states, len(state.loads))[1])
-    slip_rates, pressure_rates, shear_rates, _ = rates_by_load
+    rates_by_q = nodal_values(problem.rates(state.node_states, len(state.loads))[1])
+    slip_rates, pressure_rates, shear_rates, _ = rates_by_q
     # f p - s q of the nodes (n,), s the sense of slip, and its derivative by Q
     forces_to_limit = force_to_limit(state.pressure, state.shear, sense, problem.friction)
     rates_to_limit = force_to_limit(pressure_rates, shear_rates, sense, problem.friction)
-    turn = TurnOfSlip(sense, sense * float(travel[node]), float(forces_to_limit[last_stuck]))
-    edge = Edge.of_stick(problem, side, last_stuck, turn, rates_by_load)
-    unevenness_behind = _unevenness(edge, last_stuck, forces_to_limit, rates_to_limit)
+    slip_beside_edge = SlipBesideEdge(
+        sense, sense * float(travel[first_sliding_node]), float(forces_to_limit[last_stuck_node])
+    )
+    edge = Edge.of_stick(problem, side, last_stuck_node, slip_beside_edge, rates_by_q)
+    unevenness_behind = _unevenness(edge, last_stuck_node, forces_to_limit, rates_to_limit)
     # by the nodes ahead too, unless the edge has passed a single node
-    if slip_sign(state.node_states[node + side]) != sense:
+    if slip_sign(state.node_states[first_sliding_node + side]) != sense:
         return edge, unevenness_behind
-    unevenness_ahead = _unevenness_ahead(edge, last_stuck, sense * travel, slip_rates)
+    unevenness_ahead = _unevenness_ahead(edge, last_stuck_node, sense * travel, slip_rates)
     return edge, np.append(unevenness_behind, unevenness_ahead)
 
 
@@ -825,17 +835,22 @@ def _unevenness(edge: Edge, last_node: int, force: Array, force_rates: Array) ->
         (n,) nodal force that is zero at the edge, and its derivative by the load: the pressure at
         an edge of contact, f p - s q at one of stick
     """
-    even_loads = np.array(_LOADS_BEHIND[_is_corner(edge.interface, last_node)])
+    # of the load between two nodes
+    even_multiples = np.array(_LOADS_BEHIND[_is_corner(edge.interface, last_node)])
     if not edge.is_moved:  # no finite load takes it to the next node
-        return np.full(len(even_loads), math.inf)
-    nodes = last_node - edge.side * np.arange(len(even_loads) + 1)
-    loads = np.array([_load_to(max(force[k], 0.0), force_rates[k]) for k in nodes.tolist()])
-    ratios = (loads[1:] - loads[0]) / (edge.load_between * even_loads)
+        return np.full(len(even_multiples), math.inf)
+    nodes = last_node - edge.side * np.arange(len(even_multiples) + 1)
+    loads_since_met = np.array(
+        [_load_to(max(force[k], 0.0), force_rates[k]) for k in nodes.tolist()]
+    )
+    ratios = (loads_since_met[1:] - loads_since_met[0]) / (edge.load_between * even_multiples)
     # _LEAST_SHARE: least ratio, so that its logarithm is finite
     return np.asarray(np.log(np.maximum(ratios, _LEAST_SHARE)))
 
 
-def _unevenness_ahead(edge: Edge, last_node: int, distance: Array, distance_rates: Array) -> float:
+def _unevenness_ahead(
+    edge: Edge, last_node: int, gap_or_slip: Array, gap_or_slip_rates: Array
+) -> float:
     """How unevenly the load moves an edge of contact or stick, by the two nodes ahead, beyond its
     zone: 0 where it does so evenly, infinite where it does not move the edge at all.
 
@@ -852,18 +867,18 @@ def _unevenness_ahead(edge: Edge, last_node: int, distance: Array, distance_rate
         the right of x = 0, -1 on the left
     last_node
         of the zone that ends at the edge
-    distance, distance_rates
+    gap_or_slip, gap_or_slip_rates
         (n,) gap at an edge of contact, slip at one of stick, and its derivative by the load
     """
     if not edge.is_moved:  # no finite load takes it to the next node
         return math.inf
-    load_of_first, load_of_second = (
-        _load_to(max(distance[node], 0.0), distance_rates[node])
+    load_to_first, load_to_second = (
+        _load_to(max(gap_or_slip[node], 0.0), gap_or_slip_rates[node])
         for node in (last_node + edge.side, last_node + 2 * edge.side)
     )
     even_load = _LOAD_AHEAD[_is_corner(edge.interface, last_node)] * edge.load_between
     # _LEAST_SHARE: least ratio, so that its logarithm is finite
-    return math.log(max((load_of_second - load_of_first) / even_load, _LEAST_SHARE))
+    return math.log(max((load_to_second - load_to_first) / even_load, _LEAST_SHARE))
 
 
 def _place_put_right(edge: Edge, last_node: int, unevenness: Array) -> float:
@@ -911,13 +926,16 @@ def _correction(edge: Edge, last_node: int, unevenness: Array) -> float:
     """
     if not np.isfinite(unevenness).all():
         return math.inf
-    first, second, third, *ahead = unevenness.tolist()
+    first_unevenness, second_unevenness, third_unevenness, *unevenness_ahead = unevenness.tolist()
     if not _is_corner(edge.interface, last_node):
-        return float(_OFF_MID_SIDE * (first - second))
-    if not ahead:
+        return float(_OFF_MID_SIDE * (first_unevenness - second_unevenness))
+    if not unevenness_ahead:
         return 0.0
     share_by_third, share_by_ahead = _OFF_CORNER
-    return float(share_by_third * (first - third) + share_by_ahead * (first - ahead[0]))
+    return float(
+        share_by_third * (first_unevenness - third_unevenness)
+        + share_by_ahead * (first_unevenness - unevenness_ahead[0])
+    )
 
 
 def _shares_of_spacing(
@@ -1004,11 +1022,11 @@ class StickZone(NamedTuple):
         only the right half of the nodes was solved. Its attributes have an entry for each end, left
         and right: places by nodes and by loads, and the instants at the turning points of slip.
         """
-        outwards = np.array([-1.0, 1.0])
+        outward_signs = np.array([-1.0, 1.0])
         return StickZone(
-            place_at_last_stuck=outwards * self.place_at_last_stuck[1],
-            place_at_first_sliding=outwards * self.place_at_first_sliding[1],
-            places_by_load=outwards * self.places_by_load[1],
+            place_at_last_stuck=outward_signs * self.place_at_last_stuck[1],
+            place_at_first_sliding=outward_signs * self.place_at_first_sliding[1],
+            places_by_load=outward_signs * self.places_by_load[1],
             uncertainty_by_load=np.repeat(self.uncertainty_by_load[1], 2),
             turn_times=(self.turn_times[1], self.turn_times[1]),
         )
@@ -1080,7 +1098,7 @@ class Excess(NamedTuple):
         work in excess of the true one, to be subtracted
     rms
         root mean square of that over all places of the edges between their nodes
-    edges
+    n_edges
         number of edges that it is of
     is_unplaced
         whether there is a permanent stick zone, and none of its edges could be located
@@ -1090,12 +1108,12 @@ class Excess(NamedTuple):
 
     value: float
     rms: float
-    edges: int
+    n_edges: int
     is_unplaced: bool = False
     stick_zone: StickZone = NO_ZONE
 
 
-def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
+def excess(problem: ContactProblem, contact_states: Sequence[InterfaceState]) -> Excess:
     """Error of the friction work of a load cycle because edges of stick and contact move from node
     to node: positive where the discrete solution dissipates too much; scaled.
 
@@ -1108,7 +1126,7 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
     ----------
     problem
         the contact problem that the states solve
-    states
+    contact_states
         contact states of the cycle, from that at its start on
 
     Returns
@@ -1123,9 +1141,9 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
     if not problem.has_shear:
         return no_excess
 
-    slip = np.stack([state.slip for state in states])
-    sticks_all_along = _sticks_all_along(states, slip)
-    nodes_of_stick_zone = np.flatnonzero(sticks_all_along)
+    slip = np.stack([state.slip for state in contact_states])
+    is_always_stuck = _sticks_all_along(contact_states, slip)
+    nodes_of_stick_zone = np.flatnonzero(is_always_stuck)
     # _ZONE: three nodes, fewest of a zone
     if len(nodes_of_stick_zone) < _ZONE or np.diff(nodes_of_stick_zone).max() > 1:
         return no_excess
@@ -1134,15 +1152,17 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
     stick_edges: dict[int, _StickEdgeAtTurns] = {}  # by the side, 1 or -1
     works_at_contact_edges: list[_ExcessWork] = []
     for side in (1, -1):
-        stick_edge = _stick_edge_at_turns(problem, states, slip, sticks_all_along, side)
+        stick_edge = _stick_edge_at_turns(problem, contact_states, slip, is_always_stuck, side)
         if stick_edge is None:
             continue
         stick_edges[side] = stick_edge
-        work_at_contact_edge = _excess_at_contact_edge(problem, states, slip, side)
+        work_at_contact_edge = _excess_at_contact_edge(problem, contact_states, slip, side)
         if work_at_contact_edge is not None:
             works_at_contact_edges.append(work_at_contact_edge)
 
-    works_at_stick_edges = [edge.excess for edge in stick_edges.values()]
+    works_at_stick_edges = [
+        stick_edge_at_turns.excess for stick_edge_at_turns in stick_edges.values()
+    ]
     works_at_edges = works_at_stick_edges + works_at_contact_edges
     problem.work_counts[TAKEN_OFF] = len(works_at_edges)
     # The two edges of a zone mostly stand alike in their elements, so their errors add up.
@@ -1153,9 +1173,9 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
     return Excess(
         value=sum(work_at_edge.work for work_at_edge in works_at_edges),
         rms=rms_of_all,
-        edges=len(works_at_edges),
+        n_edges=len(works_at_edges),
         is_unplaced=not works_at_edges,
-        stick_zone=_permanent_stick_zone(problem, sticks_all_along, stick_edges),
+        stick_zone=_permanent_stick_zone(problem, is_always_stuck, stick_edges),
     )
 
 
@@ -1260,7 +1280,7 @@ class _StickEdgeAtTurns(NamedTuple):
 
 def _stick_edge_at_turns(
     problem: ContactProblem,
-    states: Sequence[InterfaceState],
+    contact_states: Sequence[InterfaceState],
     slip: Array,
     is_always_stuck: Mask,
     side: int,
@@ -1281,7 +1301,7 @@ def _stick_edge_at_turns(
     ----------
     problem
         the contact problem that the states solve
-    states
+    contact_states
         contact states of a load cycle, from that at its start on
     slip
         (k, n) slip of the nodes at these states, scaled
@@ -1290,47 +1310,56 @@ def _stick_edge_at_turns(
     side
         1 for the right edge, -1 for the left one
     """
-    nodes = _NodesAtEdge.of_zone(is_always_stuck, side)
-    if not _has_equal_elements(problem, nodes.first_sliding):
+    nodes_at_edge = _NodesAtEdge.of_zone(is_always_stuck, side)
+    if not _has_equal_elements(problem, nodes_at_edge.first_sliding):
         return None
-    turns = _TurnsOfNode.found(states, slip, nodes.first_sliding)
+    turns = _TurnsOfNode.found(contact_states, slip, nodes_at_edge.first_sliding)
     if turns is None:
         return None
 
     forces_to_limit_of_both = turns.added_forces_to_limit(problem.friction)
-    n_loads = len(states[0].loads)
+    n_loads = len(contact_states[0].loads)
 
-    def rates_by_load(node_states: States) -> Array:
+    def rates_of_states(node_states: States) -> Array:
         """Derivatives (4, n) by Q of slip, normal force, shear force and gap of the nodes, for
         given `node_states` (n,).
         """
         return nodal_values(problem.rates(node_states, n_loads)[1])
 
     excess_work = 0.0
-    rms = 0.0
+    rms_of_excess = 0.0
     edges_at_turns: list[_EdgeAtTurn] = []
-    for sense, turning_state in turns.states_by_sense.items():
-        turn = TurnOfSlip(sense, turns.slip_range, float(forces_to_limit_of_both[nodes.last_stuck]))
-        # Nodes that have only reached the Coulomb limit stick.
-        is_stuck = is_always_stuck & (turning_state.node_states != OPEN)
-        node_states = np.where(is_stuck, STICK, turning_state.node_states).astype(np.int8)
+    for sense, state_at_turn in turns.states_by_sense.items():
+        slip_beside_edge = SlipBesideEdge(
+            sense, turns.slip_range, float(forces_to_limit_of_both[nodes_at_edge.last_stuck])
+        )
+        # Of the nodes at the turn, those that have only reached the Coulomb limit stick.
+        sticks_at_turn = is_always_stuck & (state_at_turn.node_states != OPEN)
+        node_states = np.where(sticks_at_turn, STICK, state_at_turn.node_states).astype(np.int8)
         edge_at_turn = _edge_at_turn(
-            problem, nodes, turn, node_states, forces_to_limit_of_both, rates_by_load
+            problem,
+            nodes_at_edge,
+            slip_beside_edge,
+            node_states,
+            forces_to_limit_of_both,
+            rates_of_states,
         )
         if edge_at_turn is None:
             return None
         edges_at_turns.append(edge_at_turn)
         excess_at_turn = _excess_at_turn(
-            nodes,
+            nodes_at_edge,
             edge_at_turn.edge,
             node_states,
             problem.friction,
-            turning_state.pressure,
-            rates_by_load,
+            state_at_turn.pressure,
+            rates_of_states,
         )
         excess_work += excess_at_turn.work
-        rms += excess_at_turn.rms
-    return _StickEdgeAtTurns.mean_of(edges_at_turns, _ExcessWork(excess_work, rms), turns.times)
+        rms_of_excess += excess_at_turn.rms
+    return _StickEdgeAtTurns.mean_of(
+        edges_at_turns, _ExcessWork(excess_work, rms_of_excess), turns.times
+    )
 
 
 class _NodesAtEdge(NamedTuple):
@@ -1391,13 +1420,15 @@ class _TurnsOfNode(NamedTuple):
     slip_range: float
 
     @classmethod
-    def found(cls, states: Sequence[InterfaceState], slip: Array, node: int) -> _TurnsOfNode | None:
-        """Turning points of the slip (k, n) of a node at the k contact `states` of a cycle; None
-        where it does not slide in both senses, or a long run has dropped the forces there.
+    def found(
+        cls, contact_states: Sequence[InterfaceState], slip: Array, node: int
+    ) -> _TurnsOfNode | None:
+        """Turning points of the slip (k, n) of a node at k `contact_states` of a cycle; None where
+        it does not slide in both senses, or a long run has dropped the forces there.
         """
         slip_of_node = slip[:, node]
         slip_range = float(np.ptp(slip_of_node))
-        senses = slip_sign(np.array([state.node_states[node] for state in states]))
+        senses = slip_sign(np.array([state.node_states[node] for state in contact_states]))
         states_by_sense: dict[int, InterfaceState] = {}
         times: list[float] = []
         for sense in (1, -1):
@@ -1406,10 +1437,10 @@ class _TurnsOfNode(NamedTuple):
                 np.max(sense * slip_of_node) - _TURNED * slip_range
             )
             turning_steps = np.flatnonzero((senses == sense) & is_at_turn)
-            if not len(turning_steps) or not states[turning_steps[-1]].is_complete:
+            if not len(turning_steps) or not contact_states[turning_steps[-1]].is_complete:
                 return None
-            states_by_sense[sense] = states[turning_steps[-1]]
-            times += [states[step].time for step in turning_steps.tolist()]
+            states_by_sense[sense] = contact_states[turning_steps[-1]]
+            times += [contact_states[step].time for step in turning_steps.tolist()]
         return cls(states_by_sense, tuple(times), slip_range)
 
     def added_forces_to_limit(self, friction: float) -> Array:
@@ -1443,11 +1474,11 @@ class _EdgeAtTurn(NamedTuple):
 
 def _edge_at_turn(
     problem: ContactProblem,
-    nodes: _NodesAtEdge,
-    turn: TurnOfSlip,
+    nodes_at_edge: _NodesAtEdge,
+    slip_beside_edge: SlipBesideEdge,
     node_states: States,
     forces_to_limit: Array,
-    rates: Callable[[States], Array],
+    rates_of_states: Callable[[States], Array],
 ) -> _EdgeAtTurn | None:
     """Edge of permanent stick at a turning point of slip, by the slip and the force to the Coulomb
     limit from one turning point to the other, and their derivatives by Q. None where no finite load
@@ -1457,46 +1488,53 @@ def _edge_at_turn(
     ----------
     problem
         the contact problem, with its nodes and friction
-    nodes
+    nodes_at_edge
         around the edge
-    turn
+    slip_beside_edge
         sense and range of the slip of the first sliding node; force of the last stuck one to the
         limit
     node_states
         (n,) open, stick or slip of all nodes
     forces_to_limit
         (n,) forces of all nodes to the Coulomb limit, added up over both turning points
-    rates
+    rates_of_states
         function from node states to the derivatives (4, n) by Q of slip, normal force, shear force
         and gap
     """
     # a single sliding node does not locate the edge; _ZONE: 3
-    if nodes.number_beyond_edge(slip_sign(node_states) == turn.sense) < _ZONE - 1:
+    if (
+        nodes_at_edge.number_beyond_edge(slip_sign(node_states) == slip_beside_edge.sense)
+        < _ZONE - 1
+    ):
         return None
-    rates_by_load = rates(node_states)
-    edge = Edge.of_stick(problem, nodes.side, nodes.last_stuck, turn, rates_by_load)
+    rates_by_q = rates_of_states(node_states)
+    edge = Edge.of_stick(
+        problem, nodes_at_edge.side, nodes_at_edge.last_stuck, slip_beside_edge, rates_by_q
+    )
     if not edge.is_moved:  # no finite load takes it to the next node
         return None
-    _, pressure_rates, shear_rates, _ = rates_by_load
-    rates_to_limit = force_to_limit(pressure_rates, shear_rates, turn.sense, problem.friction)
-    unevenness = _unevenness(edge, nodes.last_stuck, forces_to_limit, rates_to_limit)
+    _, pressure_rates, shear_rates, _ = rates_by_q
+    rates_to_limit = force_to_limit(
+        pressure_rates, shear_rates, slip_beside_edge.sense, problem.friction
+    )
+    unevenness = _unevenness(edge, nodes_at_edge.last_stuck, forces_to_limit, rates_to_limit)
     # _AT_TURNS: factor on the uncertainty of single edges at turning points
-    share_at_nodes, *other_shares = _shares_of_spacing(edge, nodes.last_stuck, unevenness)
-    share = _AT_TURNS * (share_at_nodes + math.hypot(*other_shares))
+    share_at_nodes, *other_shares = _shares_of_spacing(edge, nodes_at_edge.last_stuck, unevenness)
+    uncertainty_share = _AT_TURNS * (share_at_nodes + math.hypot(*other_shares))
     return _EdgeAtTurn(
         edge,
-        place=_place_put_right(edge, nodes.last_stuck, unevenness),
-        uncertainty=edge.spacing * min(share, 1.0),
+        place=_place_put_right(edge, nodes_at_edge.last_stuck, unevenness),
+        uncertainty=edge.spacing * min(uncertainty_share, 1.0),
     )
 
 
 def _excess_at_turn(
-    nodes: _NodesAtEdge,
+    nodes_at_edge: _NodesAtEdge,
     edge: Edge,
     node_states: States,
     friction: float,
-    pressure: Array,
-    rates: Callable[[States], Array],
+    normal_forces: Array,
+    rates_of_states: Callable[[States], Array],
 ) -> _ExcessWork:
     """Excess friction work at one turning point of slip, by the place of the stick edge between two
     nodes: change of the slip rates as the edge meets its node, and the opposite edge its own, times
@@ -1504,7 +1542,7 @@ def _excess_at_turn(
 
     Parameters
     ----------
-    nodes
+    nodes_at_edge
         around the edge, and the first one beyond the opposite edge: it counts if it slides in the
         same sense
     edge
@@ -1513,25 +1551,27 @@ def _excess_at_turn(
         (n,) open, stick or slip of all nodes
     friction
         coefficient f
-    pressure
+    normal_forces
         (n,) nodal normal forces at the turning point
-    rates
+    rates_of_states
         function from node states to the derivatives (4, n) by Q of slip, normal force, shear force
         and gap
     """
-    opposite_slides = 0 <= nodes.opposite_sliding < len(node_states) and (
-        node_states[nodes.opposite_sliding] == node_states[nodes.first_sliding]
+    opposite_slides = 0 <= nodes_at_edge.opposite_sliding < len(node_states) and (
+        node_states[nodes_at_edge.opposite_sliding] == node_states[nodes_at_edge.first_sliding]
     )
     changed_nodes = (
-        (nodes.first_sliding, nodes.opposite_sliding) if opposite_slides else (nodes.first_sliding,)
+        (nodes_at_edge.first_sliding, nodes_at_edge.opposite_sliding)
+        if opposite_slides
+        else (nodes_at_edge.first_sliding,)
     )
 
-    def slip_by_load(states: States) -> Array:
+    def slip_by_load(states_of_nodes: States) -> Array:
         """(n,) derivative of the nodal slip by Q, for given states of the nodes."""
-        return np.asarray(rates(states)[0])
+        return np.asarray(rates_of_states(states_of_nodes)[0])
 
     change_of_slip_rates = _change_of_rates(slip_by_load, node_states, changed_nodes, STICK)
-    work_by_load = friction * float(pressure @ change_of_slip_rates)
+    work_by_load = friction * float(normal_forces @ change_of_slip_rates)
     # `load_over_rate_jump`: load between the nodes over the dimensionless change of rates;
     # `fraction_passed`: way of the edge from its node to its place, over that to the next node
     work_of_unit_excess = work_by_load * edge.load_over_rate_jump
@@ -1541,7 +1581,7 @@ def _excess_at_turn(
 
 
 def _excess_at_contact_edge(
-    problem: ContactProblem, states: Sequence[InterfaceState], slip: Array, side: int
+    problem: ContactProblem, contact_states: Sequence[InterfaceState], slip: Array, side: int
 ) -> _ExcessWork | None:
     """Excess friction work of a load cycle by the place of the contact edge between two nodes, on
     one side of x = 0; None where the edge cannot be located at some increment in which nodes slip.
@@ -1558,29 +1598,30 @@ def _excess_at_contact_edge(
     problem
         the contact problem that the states solve; its `rates` are derivatives of nodal values by
         the loads at given node states, its `interface.coupling` is None of like bodies
-    states
+    contact_states
         contact states of a load cycle, from that at its start on
     slip
         (k, n) slip of the nodes at these states, scaled
     side
         1 for the right edge, -1 for the left one
     """
-    rates = _RatesByNormalLoad(problem, len(states[0].loads), {})
-    for state in states:
+    rates = _RatesByNormalLoad(problem, len(contact_states[0].loads), {})
+    for state in contact_states:
         rates.by_load(state.node_states)  # cached in the order of the states
     excess_work = 0.0
     unit_works_at_nodes: dict[int, float] = {}  # by the node inside the edge
-    slip_increments = np.abs(np.diff(slip, axis=0))
-    for start_state, end_state, node_slips in zip(
-        states[:-1], states[1:], slip_increments, strict=True
+    slip_sizes_of_increments = np.abs(np.diff(slip, axis=0))
+    for start_state, end_state, slip_sizes in zip(
+        contact_states[:-1], contact_states[1:], slip_sizes_of_increments, strict=True
     ):
-        if not node_slips.any():
+        if not slip_sizes.any():
             continue
         edge = _contact_edge_at(rates, start_state, side)
         if edge is None:
             return None
-        work_of_unit_excess = _work_of_unit_excess(rates, edge, start_state, node_slips)
-        # Way of the edge during the increment, as fractions of that from node to node.
+        work_of_unit_excess = _work_of_unit_excess(rates, edge, start_state, slip_sizes)
+        # Places of the edge in the increment: fractions of the way from node to node that it has
+        # passed at start, middle and end.
         fraction_at_start = edge.fraction_passed()
         fraction_at_end = edge.fraction_passed(end_state.loads[0] - start_state.loads[0])
         fraction_in_middle = (fraction_at_start + fraction_at_end) / 2
@@ -1653,7 +1694,7 @@ def _contact_edge_at(rates: _RatesByNormalLoad, state: InterfaceState, side: int
 
 
 def _work_of_unit_excess(
-    rates: _RatesByNormalLoad, edge: Edge, start_state: InterfaceState, node_slips: Array
+    rates: _RatesByNormalLoad, edge: Edge, start_state: InterfaceState, slip_sizes: Array
 ) -> float:
     """Friction work of an increment by a unit of the dimensionless excess of pressure: f |slip|
     times the change of the pressure rates as the contact edge meets its node, and the opposite edge
@@ -1667,18 +1708,18 @@ def _work_of_unit_excess(
         of contact, located by P at the start of the increment
     start_state
         contact state at the start of the increment
-    node_slips
+    slip_sizes
         (n,) |slip| of the nodes in the increment
     """
     problem = rates.problem
     opposite_node = int(np.flatnonzero(start_state.is_closed)[0 if edge.side > 0 else -1])
-    nodes = (
+    changing_nodes = (
         (edge.node, opposite_node) if _has_equal_elements(problem, opposite_node) else (edge.node,)
     )
     change_of_pressure_rates = _change_of_rates(
-        rates.pressure_by_load, start_state.node_states, nodes, OPEN
+        rates.pressure_by_load, start_state.node_states, changing_nodes, OPEN
     )
-    work_by_load = problem.friction * float(node_slips @ change_of_pressure_rates)
+    work_by_load = problem.friction * float(slip_sizes @ change_of_pressure_rates)
     # `load_over_rate_jump`: load between the nodes over the dimensionless change of rates
     return work_by_load * edge.load_over_rate_jump
 
@@ -1691,9 +1732,9 @@ def _load_to(distance: float, rate: float) -> float:
 
 
 def _change_of_rates(
-    rates: Callable[[States], Array],
+    rates_of_states: Callable[[States], Array],
     node_states: States,
-    nodes: tuple[int, ...],
+    changed_nodes: tuple[int, ...],
     earlier_state: int,
 ) -> Array:
     """Change (n,) of the derivatives of a nodal quantity by the load, when a node touches or starts
@@ -1703,24 +1744,24 @@ def _change_of_rates(
 
     Parameters
     ----------
-    rates
+    rates_of_states
         function from the states of the nodes (n,) to the derivatives (n,)
     node_states
         (n,) open, stick or slip of the nodes, after the change
-    nodes
+    changed_nodes
         the node that changed, and if there is one, the other that did so with it
     earlier_state
         state of these nodes before the change: open or stick
     """
-    node, *second_node = nodes
+    node, *second_node = changed_nodes
     changes = []
     # the second node changes before the first one, or after it
-    for nodes_not_changed_yet in {(), tuple(second_node)}:
-        states_after = node_states.copy()
-        states_after[list(nodes_not_changed_yet)] = earlier_state
-        states_before = states_after.copy()
-        states_before[node] = earlier_state
-        changes.append(rates(states_after) - rates(states_before))
+    for unchanged_nodes in {(), tuple(second_node)}:
+        node_states_after = node_states.copy()
+        node_states_after[list(unchanged_nodes)] = earlier_state
+        node_states_before = node_states_after.copy()
+        node_states_before[node] = earlier_state
+        changes.append(rates_of_states(node_states_after) - rates_of_states(node_states_before))
     return np.asarray(sum(changes) / len(changes))
 
 

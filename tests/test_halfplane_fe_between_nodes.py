@@ -143,7 +143,7 @@ def test_w_scatters_less_over_the_places_of_the_edges(name: str, left: float) ->
     for run, square, unit in at_many_places(name):
         work = float(run.nodal_work_by_cycle[-1].sum()) * unit
         excess = run.edge_excess_by_cycle[-1]
-        assert excess.edges == 2  # of stick and of contact, on the half that is solved
+        assert excess.n_edges == 2  # of stick and of contact, on the half that is solved
         assert run.values_of_increments("dissipation")[
             run.cycle_starts[-1] :
         ].sum() * unit == pytest.approx(work, rel=1e-12)
@@ -168,7 +168,7 @@ def test_edges_that_are_not_between_quadratic_nodes_of_one_size_are_left_alone()
 
         with mock.patch("halfplane_fe.run.excess", spy):
             halfplane_fe.solve("cattaneo-mindlin", **options)
-        return [record.edges for record in excesses]
+        return [record.n_edges for record in excesses]
 
     # two revolutions of the coarse run, two of the answer
     assert counted(mesh=MeshSettings.coarse()) == [2] * 4
@@ -205,8 +205,8 @@ def test_what_is_taken_off_and_counted_is_what_the_last_revolution_had() -> None
     assert states[-1].time - states[0].time == pytest.approx(answer.scene.load.path().period)
     assert len(states) == len(answer.last_cycle)
     last = excesses[-1]
-    assert last.edges > 0
-    assert answer.work.counts[between_nodes.TAKEN_OFF] == last.edges
+    assert last.n_edges > 0
+    assert answer.work.counts[between_nodes.TAKEN_OFF] == last.n_edges
     assert abs(last.value) > 1e-6 * works[-1]
     unit = answer.scales.load**2 / answer.scales.modulus
     assert answer.dissipation == pytest.approx((works[-1] - last.value) * unit, rel=1e-12)
