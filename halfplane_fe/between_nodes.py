@@ -173,7 +173,7 @@ class Edge:
         side: int,
         node: int,
         state: InterfaceState,
-        rates_by_load: Array,
+        rates_by_p: Array,
     ) -> Edge:
         """The edge of contact between a closed node and the open one farther out.
 
@@ -190,11 +190,11 @@ class Edge:
             outermost closed node; the next one outwards is open
         state
             nodal forces and gaps at the instant
-        rates_by_load
+        rates_by_p
             (4, n) derivatives by P of slip, normal force, shear force and gap of the nodes
         """
         next_node = node + side
-        _, pressure_rates, _, gap_rates = rates_by_load
+        _, pressure_rates, _, gap_rates = rates_by_p
         load_from_node = _load_to(state.pressure[node], pressure_rates[node])
         load_to_next_node = _load_to(state.gap[next_node], gap_rates[next_node])
         load_between = load_from_node + load_to_next_node
@@ -207,7 +207,7 @@ class Edge:
         side: int,
         last_stuck: int,
         slip_beside_edge: SlipBesideEdge,
-        rates_by_load: Array,
+        rates_by_q: Array,
     ) -> Edge:
         """The edge of stick between the last stuck node and the first sliding one, as it moves
         inwards.
@@ -231,11 +231,11 @@ class Edge:
         slip_beside_edge
             sense of slip, slip of the first sliding node, and force of the last stuck one to the
             Coulomb limit
-        rates_by_load
+        rates_by_q
             (4, n) derivatives by Q of slip, normal force, shear force and gap of the nodes
         """
         first_sliding = last_stuck + side  # number of that node
-        slip_rates, pressure_rates, shear_rates, _ = rates_by_load
+        slip_rates, pressure_rates, shear_rates, _ = rates_by_q
         force_rates = force_to_limit(
             pressure_rates, shear_rates, slip_beside_edge.sense, problem.friction
         )
@@ -470,12 +470,12 @@ def contact_by_load(
                 continue
 
             # Place by pressure, gap and their rates; uncertainty as a share of the node distance.
-            rates_by_load = nodal_values(
+            rates_by_p = nodal_values(
                 problem.rates(state.node_states, len(state.loads))[0]
             )  # cached
-            edge = Edge.of_contact(problem, side, last_closed_node, state, rates_by_load)
+            edge = Edge.of_contact(problem, side, last_closed_node, state, rates_by_p)
             if edge.is_moved:  # a finite load takes it to the next node
-                _, pressure_rates, _, gap_rates = rates_by_load
+                _, pressure_rates, _, gap_rates = rates_by_p
                 unevenness = np.append(
                     _unevenness(edge, last_closed_node, state.pressure, pressure_rates),
                     _unevenness_ahead(edge, last_closed_node, state.gap, gap_rates),
@@ -619,13 +619,13 @@ def _leverage(problem: ContactProblem, state: InterfaceState, stick_edge: Edge) 
     state
         contact state: nodal forces and gaps, and open, stick or slip of the nodes
     stick_edge
-        of stick; `side` is 1 on the right of x = 0, -1 on the left
+        the edge of stick; its `side` is 1 on the right of x = 0, -1 on the left
     """
     last_closed_node = int(_closed_nodes_inwards(problem, state, stick_edge.side)[0])
     if not 2 <= last_closed_node < len(state.gap) - 2:
         return 0.0
-    rates_by_load = nodal_values(problem.rates(state.node_states, len(state.loads))[0])  # cached
-    contact_edge = Edge.of_contact(problem, stick_edge.side, last_closed_node, state, rates_by_load)
+    rates_by_p = nodal_values(problem.rates(state.node_states, len(state.loads))[0])  # cached
+    contact_edge = Edge.of_contact(problem, stick_edge.side, last_closed_node, state, rates_by_p)
     if not contact_edge.is_moved or contact_edge.place == 0:
         return 0.0
     contact_load_over_way = contact_edge.load_between / contact_edge.spacing
@@ -946,6 +946,8 @@ def _shares_of_spacing(
     correction; and by how unevenly the load moves it, `unevenness` (3,) or (4,), 0 where evenly.
     The root of the sum of their squares counts, as they have nothing to do with each other.
     """
+    # Constants fitted to many solutions: shares beyond a corner and beyond a mid-side node; the
+    # others are factors. _MOST_CORRECTION: beyond it nothing is corrected.
     is_corner = _is_corner(edge.interface, last_node)
     share_at_nodes = _BEYOND_CORNER if is_corner else _BEYOND_MID_SIDE
     nodes_from_middle = max(abs(edge.place) / edge.spacing, 1.0)
@@ -1776,9 +1778,9 @@ def _has_equal_elements(problem: ContactProblem, node: int) -> bool:
     if not 2 <= node < len(lengths) - 2:
         return False
     # The node and those two nodes away are of one kind, its neighbours of the other kind.
-    lengths_of_kind = lengths[node - 2 : node + 3 : 2].tolist()
+    lengths_of_own_kind = lengths[node - 2 : node + 3 : 2].tolist()
     lengths_beside = lengths[node - 1 : node + 2 : 2].tolist()
-    corner_lengths, mid_side_lengths = sorted((lengths_of_kind, lengths_beside), key=max)
+    corner_lengths, mid_side_lengths = sorted((lengths_of_own_kind, lengths_beside), key=max)
     least_ratio, largest_ratio = _SIMPSON
     if min(mid_side_lengths) < least_ratio * max(corner_lengths):
         return False
