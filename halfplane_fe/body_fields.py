@@ -421,14 +421,15 @@ def _tension_change_by_new_contact(solution: ContactSolution, step: int) -> Arra
     because the contact has grown by a strip so narrow that no node shows the shear there.
 
     While P grows in full stick, q/p in the new strip is dQ/dP; behind it q/p is what earlier slip
-    has left. With p = K sqrt(d) near the edge, a jump c of q/p at the distance w changes s_xx by
-    (4/pi) c K sqrt(w). Strips are those since each earlier instant; the largest change counts. Of a
-    strip that reaches the outermost node a quarter counts, beyond the rim node nothing. Zero where
-    not all of the contact sticks, where P does not grow, and where too few nodes touch.
+    has left. With p = K sqrt(d) near the edge of contact, a jump c of q/p at the distance w changes
+    s_xx by (4/pi) c K sqrt(w). Strips are those since each earlier instant; the largest change
+    counts. Of a strip that reaches the outermost node a quarter counts, beyond the rim node
+    nothing. Zero where not all of the contact sticks, where P does not grow, and where too few
+    nodes touch.
 
-    # notation: d distance from the edge, K constant of the pressure there, w width of the strip;
-    # the rim node is the first one whose tractions the mesh leaves undisturbed, next to the three
-    # outermost ones on either side
+    # notation: d distance from the edge of contact, K constant of the pressure there, w width of
+    # the strip; the rim node is the first one whose tractions the mesh leaves undisturbed, next to
+    # the three outermost ones on either side
 
     Parameters
     ----------
@@ -472,10 +473,10 @@ def _jumps_of_shear_ratio(
     solution: ContactSolution, first_step: int, last_step: int, ratio_at_rim: Array
 ) -> Array:
     """Jumps |c| of q/p between the newest strip of contact and the contact before each increment,
-    at the left and the right edge, (n_increments, 2), while P grows in full stick.
+    at its left and right edge, (n_increments, 2), while P grows in full stick.
 
     An increment adds a strip in which q/p is dQ/dP of that increment. So before each increment but
-    the first, q/p at the edge is that of the strip before.
+    the first, q/p at the edge of contact is that of the strip before.
 
     Parameters
     ----------
@@ -484,7 +485,7 @@ def _jumps_of_shear_ratio(
     first_step, last_step
         indices of the steps at which the growth of P began, and up to which it lasts
     ratio_at_rim
-        (2,) q/p next to the left and right edge before the first of these increments
+        (2,) q/p next to the left and right edge of contact before the first of these increments
     """
     p_increments = np.diff(solution.normal_load[first_step : last_step + 1])
     q_increments = np.diff(solution.tangential_load[first_step : last_step + 1])
@@ -1494,8 +1495,8 @@ def _nodal_tractions(solution: ContactSolution, step: int) -> NodalTractions:
     Parameters
     ----------
     solution
-        used are its tractions, loads and edges at the step, and the scene: friction, profile, and
-        bodies, whose `faces_are_true` where curved faces are meshed as such
+        used are its tractions, loads, edges of contact and stick at the step, and the scene:
+        friction, profile, and bodies, whose `faces_are_true` where curved faces are meshed as such
     step
         index of a stored instant
     """
@@ -1523,7 +1524,7 @@ def _nodal_tractions(solution: ContactSolution, step: int) -> NodalTractions:
         contact_edges=(left_contact_edge, right_contact_edge),
         friction=friction,
         tangential_load=tangential_load,
-        # Whether the contact grows in full stick. With bulk stress or tilt each edge grows by a law
+        # Whether the contact grows in full stick. With bulk stress or tilt each edge moves by a law
         # of its own: False then, which makes the uncertainty larger, not smaller.
         load_grows_in_stick=rise_of_normal_load > 0
         and abs(rise_of_tangential_load) <= friction * rise_of_normal_load

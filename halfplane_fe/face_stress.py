@@ -419,10 +419,10 @@ def sampled_tractions(
     that touch. The mesh distorts those at the outermost nodes, which are left out.
 
     At n angles theta, x = m - h cos(theta). The edges of contact are where p^2, fitted inside the
-    outermost nodes, is zero. Where either edge has no such fit, both are those that the solution
-    states, and no node is left out. Before the fit p is divided by a function with the same steep
-    slopes at kinks of the profile (`_pressure_shape`). What the smooth shear lacks of the load Q is
-    returned apart, as a shear traction at the stick edges.
+    outermost nodes, is zero. Where either edge of contact has no such fit, both are those that the
+    solution states, and no node is left out. Before the fit p is divided by a function with the
+    same steep slopes at kinks of the profile (`_pressure_shape`). What the smooth shear lacks of
+    the load Q is returned apart, as a shear traction at the stick edges.
 
     # notation: m middle, h half-width of the contact
 
@@ -433,10 +433,11 @@ def sampled_tractions(
         that the solution states, friction, load Q (`tangential_load`), and jumps of the profile's
         curvature
     fit_settings
-        how p^2 is fitted inside the edges, after `nodes_left_out` outermost nodes on each side
+        how p^2 is fitted inside the edges of contact, after `nodes_left_out` outermost nodes on
+        each side
     constant_ratio
-        whether q/p stays constant from the outermost node to the edge, instead of following its
-        slope, where the whole contact sticks or slips
+        whether q/p stays constant from the outermost node to the edge of contact, instead of
+        following its slope, where the whole contact sticks or slips
     """
     # Edges of contact by the fit. `pressure_shape` is the function of x that p is divided by.
     x = nodal_tractions.x
@@ -444,14 +445,14 @@ def sampled_tractions(
     p_over_shape = nodal_tractions.pressure / pressure_shape(x)
     fitted_edges = _fitted_edges(x, p_over_shape, fit_settings)
     if fitted_edges is None:
-        edges = nodal_tractions.contact_edges
+        contact_edges = nodal_tractions.contact_edges
         nodes_left_out = 0
     else:
-        # The right edge is found as the left one of p(-x).
-        edges = (fitted_edges[0].edge, -fitted_edges[1].edge)
+        # The right edge of contact is found as the left one of p(-x).
+        contact_edges = (fitted_edges[0].edge, -fitted_edges[1].edge)
         nodes_left_out = fit_settings.nodes_left_out
     # Smooth pressure and shear, and the part of Q that this lacks as a shear at the stick edges.
-    points = _PointsAcross.between(edges, len(x))
+    points = _PointsAcross.between(contact_edges, len(x))
     inner_nodes = slice(nodes_left_out, len(x) - nodes_left_out)
     smooth_p_over_shape = _smooth_pressure(
         points, x[inner_nodes], p_over_shape[inner_nodes], fitted_edges
@@ -463,7 +464,12 @@ def sampled_tractions(
         _unit_missing_shear(points.places, pressure, points.lengths, nodal_tractions) * missing_load
     )
     return SampledTractions(
-        edges, points.theta, pressure, shear, missing_shear, has_unfitted_edges=fitted_edges is None
+        contact_edges,
+        points.theta,
+        pressure,
+        shear,
+        missing_shear,
+        has_unfitted_edges=fitted_edges is None,
     )
 
 
@@ -599,7 +605,7 @@ class TractionsAndUncertainty(NamedTuple):
 
 def tractions_with_uncertainty(nodal_tractions: NodalTractions) -> TractionsAndUncertainty:
     """Sine series of pressure and shear across the contact, from their values at the nodes that
-    touch, and the uncertainty of the tension s_xx at both edges by the fit.
+    touch, and the uncertainty of the tension s_xx at both edges of contact by the fit.
 
     Also the change of that tension by slip in a zone too narrow for the nodes. None and zeros where
     fewer than three nodes touch. `nodal_tractions` also has the edges of contact and
@@ -624,9 +630,9 @@ def _tension_uncertainty(nodal_tractions: NodalTractions, usual_tractions: Tract
 
     - a least uncertainty in proportion to f p0, plus a multiple of the mean change by fits to other
       numbers of nodes or of a higher degree;
-    - a multiple of the tension, where there are too few nodes to find the edges;
+    - a multiple of the tension, where there are too few nodes to find the edges of contact;
     - the change by a fit to the usual number of nodes, whatever its residual;
-    - the change by a ratio q/p that stays constant near the edges.
+    - the change by a ratio q/p that stays constant near the edges of contact.
 
     To this come the mesh error of bodies of finite size, the change by other stick edges where slip
     zones are narrow (six nodes at most), and a multiple of the tension by the shear that the fit
@@ -640,15 +646,15 @@ def _tension_uncertainty(nodal_tractions: NodalTractions, usual_tractions: Tract
         pressure and shear at the nodes that touch; whether the profile is a table of points, a body
         of finite size, the materials unlike
     usual_tractions
-        sine series of both by the usual fit; whether its edges are not fitted but those of the
-        solution (`has_unfitted_edges`); tension by the shear that it lacked
+        sine series of both by the usual fit; whether the edges of contact are not fitted but those
+        of the solution (`has_unfitted_edges`); tension by the shear that it lacked
     """
     tension = usual_tractions.edge_tension()  # (2,) at the left and right edge of contact
     spacing = float(np.median(np.diff(nodal_tractions.x)))  # of the nodes
     spacing_ratio = spacing / usual_tractions.half_width
     uncertainty = _uncertainty_by_other_fits(nodal_tractions, tension, spacing_ratio)
 
-    # Too few nodes to find the edges; a fit without limit on its residual; constant q/p.
+    # Too few nodes to find the edges of contact; a fit without limit on its residual; constant q/p.
     if usual_tractions.has_unfitted_edges:
         uncertainty = np.maximum(
             uncertainty, _RELATIVE_ERROR_TIMES_NODES / len(nodal_tractions.x) * np.abs(tension)
@@ -736,8 +742,8 @@ def tension_change_by_unseen_slip(
     sides, but for a side whose outermost node has shear of the other sign than its slip zone: new
     slip in that direction may have begun.
 
-    # notation: f coefficient of friction, d distance from the edge, K constant of the pressure
-    # there, w width of the zone of the distorted nodes
+    # notation: f coefficient of friction, d distance from the edge of contact, K constant of the
+    # pressure there, w width of the zone of the distorted nodes
 
     Parameters
     ----------
@@ -751,7 +757,7 @@ def tension_change_by_unseen_slip(
     if nodal_tractions.load_grows_in_stick or not math.isfinite(left_stick_edge):
         return np.zeros(2)
 
-    # Whether such slip is possible at the left and the right edge.
+    # Whether such slip is possible at the left and the right edge of contact.
     x = nodal_tractions.x
     pressure = nodal_tractions.pressure
     may_slip_unseen = np.array([True, True])
@@ -1075,7 +1081,7 @@ def _smooth_shear(
     angle.
 
     Unless nodes slip on both sides of a stick zone, q/p is interpolated instead, continued to the
-    edges, and kept within +-f: so in full stick and in full slip.
+    edges of contact, and kept within +-f: so in full stick and in full slip.
 
     Parameters
     ----------
@@ -1122,7 +1128,7 @@ def _ratio_without_slip_zones(
     places: Array, nodal_tractions: NodalTractions, constant_ratio: bool
 ) -> Array:
     """q/p at places (n,) across a contact in full stick or in full slip, where it is finite at the
-    edges: linear between nodes, and from the outermost node to the edge.
+    edges of contact: linear between nodes, and from the outermost node to the edge.
 
     Parameters
     ----------
@@ -1131,7 +1137,7 @@ def _ratio_without_slip_zones(
     nodal_tractions
         pressure and shear at the nodes that touch, `x` their places, ascending
     constant_ratio
-        whether q/p is constant from the outermost node to the edge, not by its slope
+        whether q/p is constant from the outermost node to the edge of contact, not by its slope
     """
     x = nodal_tractions.x
     nodal_ratio = nodal_tractions.shear / nodal_tractions.pressure
@@ -1152,7 +1158,7 @@ def _shear_in_stick_zone(
     shear_at_stick_edges: tuple[float, float],
 ) -> Array:
     """Shear q at places (n,) in the stick zone [stress]: interpolated over the angle across it,
-    between its edges and its undistorted nodes.
+    between the zone's edges and its undistorted nodes.
 
     Parameters
     ----------

@@ -769,9 +769,8 @@ def body_kernels(
         return None
     material = getattr(scene.material, name)
 
-    # Of the kernels of a curved face (None of a flat one) the part that polynomials do not fit. At
-    # the ends of a flat between arcs the curvature jumps, which needs a higher degree and more
-    # elements.
+    # Singular part of the kernels, which is left out of the fit; None of a flat face. At the ends
+    # of a flat between arcs the curvature jumps, which needs a higher degree and more elements.
     singular_kernels = _singular_kernels(face_of(shape, scene.profile), material)
     has_curvature_jump = singular_kernels is not None and singular_kernels.flat_half_length > 0
     degree = _degree_of_kernels(name, shape, reach)
