@@ -457,7 +457,8 @@ def contact_by_load(
     contact_states
         the k contact states
     """
-    edges = EdgesByLoad.nowhere(len(contact_states))  # none yet; `put` stores one at an instant
+    # None yet; `put` stores one at an instant.
+    edges_by_load = EdgesByLoad.nowhere(len(contact_states))
     for row, state in enumerate(contact_states):
         if not state.normal_load > 0:
             continue
@@ -473,18 +474,20 @@ def contact_by_load(
             rates_by_p = nodal_values(
                 problem.rates(state.node_states, len(state.loads))[0]
             )  # cached
-            edge = Edge.of_contact(problem, side, last_closed_node, state, rates_by_p)
-            if edge.is_moved:  # a finite load takes it to the next node
+            contact_edge = Edge.of_contact(problem, side, last_closed_node, state, rates_by_p)
+            if contact_edge.is_moved:  # a finite load takes it to the next node
                 _, pressure_rates, _, gap_rates = rates_by_p
                 unevenness = np.append(
-                    _unevenness(edge, last_closed_node, state.pressure, pressure_rates),
-                    _unevenness_ahead(edge, last_closed_node, state.gap, gap_rates),
+                    _unevenness(contact_edge, last_closed_node, state.pressure, pressure_rates),
+                    _unevenness_ahead(contact_edge, last_closed_node, state.gap, gap_rates),
                 )
                 uncertainty_share = math.hypot(
-                    *_shares_of_spacing(edge, last_closed_node, unevenness)
+                    *_shares_of_spacing(contact_edge, last_closed_node, unevenness)
                 )
-                edges.put(row, last_closed_node, edge, unevenness, uncertainty_share)
-    return edges
+                edges_by_load.put(
+                    row, last_closed_node, contact_edge, unevenness, uncertainty_share
+                )
+    return edges_by_load
 
 
 def stick_by_load(
@@ -512,9 +515,9 @@ def stick_by_load(
         by side (1 on the right of x = 0, -1 on the left), how uncertain the edge was between the
         nodes that it has passed so far; it is brought up to the last state
     """
-    edges = EdgesByLoad.nowhere(len(travels))  # none yet; `put` stores one at an instant
+    edges_by_load = EdgesByLoad.nowhere(len(travels))  # none yet; `put` stores one at an instant
     if not problem.has_shear:
-        return edges
+        return edges_by_load
     for row, (state_before, state, travel) in enumerate(
         zip(contact_states[:-1], contact_states[1:], travels, strict=True)
     ):
@@ -528,22 +531,22 @@ def stick_by_load(
                 continue
             if not _is_quadratic(problem, last_stuck_node + side):
                 continue
-            edge, unevenness = _stick_edge_and_unevenness(
+            stick_edge, unevenness = _stick_edge_and_unevenness(
                 problem, state, travel, side, last_stuck_node
             )
             # `is_moved`: a finite load takes it to the next node
-            if edge.is_moved and _comes_to_limit(problem, state_before, state, edge):
+            if stick_edge.is_moved and _comes_to_limit(problem, state_before, state, stick_edge):
                 uncertainty_share, passed_nodes[side] = _uncertainty_share_of_stick_edge(
-                    problem, state, edge, unevenness, passed_nodes[side], n_nodes_passed
+                    problem, state, stick_edge, unevenness, passed_nodes[side], n_nodes_passed
                 )
-                edges.put(row, last_stuck_node, edge, unevenness, uncertainty_share)
-    return edges
+                edges_by_load.put(row, last_stuck_node, stick_edge, unevenness, uncertainty_share)
+    return edges_by_load
 
 
 def _uncertainty_share_of_stick_edge(
     problem: ContactProblem,
     state: InterfaceState,
-    edge: Edge,
+    stick_edge: Edge,
     unevenness: Array,
     record_before: PassedNodes,
     n_nodes_passed: int,
@@ -568,8 +571,8 @@ def _uncertainty_share_of_stick_edge(
         the contact problem: friction, and derivatives of nodal values by the loads (`rates`)
     state
         contact state at the instant
-    edge
-        of stick, between the first sliding node and the last one that sticks (`next_node`)
+    stick_edge
+        between the first sliding node and the last one that sticks (`next_node`)
     unevenness
         (3,) how unevenly the load moves the edge, by three nodes behind it; or (4,) with the nodes
         ahead
@@ -578,28 +581,30 @@ def _uncertainty_share_of_stick_edge(
     n_nodes_passed
         number of nodes that it has passed since slip began
     """
-    *other_shares, share_by_unevenness = _shares_of_spacing(edge, edge.next_node, unevenness)
+    *other_shares, share_by_unevenness = _shares_of_spacing(
+        stick_edge, stick_edge.next_node, unevenness
+    )
     share_by_late_start = _share_by_late_start(unevenness[:3])
-    record_now = record_before.followed_by(edge.next_node, n_nodes_passed).with_share(
+    record_now = record_before.followed_by(stick_edge.next_node, n_nodes_passed).with_share(
         max(min(share_by_unevenness, 1.0), share_by_late_start)
     )
     # The uncertainty that the edge had as it met the sliding node fades linearly, to 0 where it
     # meets the next one; not where it has passed several nodes unseen.
-    fading = 1 - edge.fraction_passed()
+    fading = 1 - stick_edge.fraction_passed()
     share_left = max(
         share_by_late_start * fading,
         record_now.share_left * (1.0 if record_now.has_passed_several else fading),
     )
     # _BY_FEW_NODES: fitted share where slip began a single node away
     share_by_few_nodes = _BY_FEW_NODES / record_now.n_nodes_since_jump(n_nodes_passed) ** 3
-    share = math.hypot(
+    uncertainty_share = math.hypot(
         *other_shares,
         share_by_few_nodes,
         # _BY_LEVERAGE: fitted share
-        _BY_LEVERAGE * _leverage(problem, state, edge),
+        _BY_LEVERAGE * _leverage(problem, state, stick_edge),
         max(share_by_unevenness, share_left),
     )
-    return share, record_now
+    return uncertainty_share, record_now
 
 
 def _leverage(problem: ContactProblem, state: InterfaceState, stick_edge: Edge) -> float:
@@ -708,18 +713,24 @@ def _is_quadratic(problem: ContactProblem, node: int) -> bool:
 
 
 def _comes_to_limit(
-    problem: ContactProblem, state_before: InterfaceState, state_after: InterfaceState, edge: Edge
+    problem: ContactProblem,
+    state_before: InterfaceState,
+    state_after: InterfaceState,
+    stick_edge: Edge,
 ) -> bool:
     """Whether the edge of stick goes inwards: the shear of the last node that sticks has come
     nearer to the Coulomb limit from one contact state (`state_before`) to the next.
 
-    `edge` is that of stick: its `node` slides, its `next_node` is the last one that sticks. The
-    force to the limit is f p - s q, s the sense of slip.
+    Of `stick_edge` the `node` slides, the `next_node` is the last one that sticks. The force to the
+    limit is f p - s q, s the sense of slip.
     """
-    sense = int(slip_sign(state_after.node_states[edge.node]))
+    sense = int(slip_sign(state_after.node_states[stick_edge.node]))
     force_before, force_after = (
         force_to_limit(
-            state.pressure[edge.next_node], state.shear[edge.next_node], sense, problem.friction
+            state.pressure[stick_edge.next_node],
+            state.shear[stick_edge.next_node],
+            sense,
+            problem.friction,
         )
         for state in (state_before, state_after)
     )
@@ -814,7 +825,7 @@ def _stick_edge_and_unevenness(
     return edge, np.append(unevenness_behind, unevenness_ahead)
 
 
-def _unevenness(edge: Edge, last_node: int, force: Array, force_rates: Array) -> Array:
+def _unevenness(edge: Edge, last_node: int, nodal_forces: Array, nodal_force_rates: Array) -> Array:
     """How unevenly the load moves an edge of contact or stick, (3,), by three nodes behind it: 0
     where it does so evenly, infinite where it does not move the edge at all.
 
@@ -831,7 +842,7 @@ def _unevenness(edge: Edge, last_node: int, force: Array, force_rates: Array) ->
         right of x = 0, -1 on the left
     last_node
         of the zone that ends at the edge
-    force, force_rates
+    nodal_forces, nodal_force_rates
         (n,) nodal force that is zero at the edge, and its derivative by the load: the pressure at
         an edge of contact, f p - s q at one of stick
     """
@@ -839,9 +850,9 @@ def _unevenness(edge: Edge, last_node: int, force: Array, force_rates: Array) ->
     even_multiples = np.array(_LOADS_BEHIND[_is_corner(edge.interface, last_node)])
     if not edge.is_moved:  # no finite load takes it to the next node
         return np.full(len(even_multiples), math.inf)
-    nodes = last_node - edge.side * np.arange(len(even_multiples) + 1)
+    nodes_behind = last_node - edge.side * np.arange(len(even_multiples) + 1)
     loads_since_met = np.array(
-        [_load_to(max(force[k], 0.0), force_rates[k]) for k in nodes.tolist()]
+        [_load_to(max(nodal_forces[k], 0.0), nodal_force_rates[k]) for k in nodes_behind.tolist()]
     )
     ratios = (loads_since_met[1:] - loads_since_met[0]) / (edge.load_between * even_multiples)
     # _LEAST_SHARE: least ratio, so that its logarithm is finite
@@ -1532,7 +1543,7 @@ def _edge_at_turn(
 
 def _excess_at_turn(
     nodes_at_edge: _NodesAtEdge,
-    edge: Edge,
+    stick_edge: Edge,
     node_states: States,
     friction: float,
     normal_forces: Array,
@@ -1547,7 +1558,7 @@ def _excess_at_turn(
     nodes_at_edge
         around the edge, and the first one beyond the opposite edge: it counts if it slides in the
         same sense
-    edge
+    stick_edge
         located by the load
     node_states
         (n,) open, stick or slip of all nodes
@@ -1576,8 +1587,8 @@ def _excess_at_turn(
     work_by_load = friction * float(normal_forces @ change_of_slip_rates)
     # `load_over_rate_jump`: load between the nodes over the dimensionless change of rates;
     # `fraction_passed`: way of the edge from its node to its place, over that to the next node
-    work_of_unit_excess = work_by_load * edge.load_over_rate_jump
-    excess_at_place = float(edge.dimensionless_excess(edge.fraction_passed()))
+    work_of_unit_excess = work_by_load * stick_edge.load_over_rate_jump
+    excess_at_place = float(stick_edge.dimensionless_excess(stick_edge.fraction_passed()))
     # _RMS: root mean square of the dimensionless excess over all places of an edge
     return _ExcessWork(-work_of_unit_excess * excess_at_place, abs(work_of_unit_excess) * _RMS)
 
@@ -1607,9 +1618,9 @@ def _excess_at_contact_edge(
     side
         1 for the right edge, -1 for the left one
     """
-    rates = _RatesByNormalLoad(problem, len(contact_states[0].loads), {})
+    rates_by_p = _RatesByNormalLoad(problem, len(contact_states[0].loads), {})
     for state in contact_states:
-        rates.by_load(state.node_states)  # cached in the order of the states
+        rates_by_p.by_load(state.node_states)  # cached in the order of the states
     excess_work = 0.0
     unit_works_at_nodes: dict[int, float] = {}  # by the node inside the edge
     slip_sizes_of_increments = np.abs(np.diff(slip, axis=0))
@@ -1618,23 +1629,27 @@ def _excess_at_contact_edge(
     ):
         if not slip_sizes.any():
             continue
-        edge = _contact_edge_at(rates, start_state, side)
-        if edge is None:
+        contact_edge = _contact_edge_at(rates_by_p, start_state, side)
+        if contact_edge is None:
             return None
-        work_of_unit_excess = _work_of_unit_excess(rates, edge, start_state, slip_sizes)
+        work_of_unit_excess = _work_of_unit_excess(
+            rates_by_p, contact_edge, start_state, slip_sizes
+        )
         # Places of the edge in the increment: fractions of the way from node to node that it has
         # passed at start, middle and end.
-        fraction_at_start = edge.fraction_passed()
-        fraction_at_end = edge.fraction_passed(end_state.loads[0] - start_state.loads[0])
+        fraction_at_start = contact_edge.fraction_passed()
+        fraction_at_end = contact_edge.fraction_passed(end_state.loads[0] - start_state.loads[0])
         fraction_in_middle = (fraction_at_start + fraction_at_end) / 2
         fractions = [fraction_at_start, fraction_in_middle, fraction_at_end]
         # Simpson's rule along the increment
         excess_work -= (
-            work_of_unit_excess * float(edge.dimensionless_excess(fractions) @ [1, 4, 1]) / 6
-        )
-        unit_works_at_nodes[edge.node] = unit_works_at_nodes.get(edge.node, 0.0) + abs(
             work_of_unit_excess
+            * float(contact_edge.dimensionless_excess(fractions) @ [1, 4, 1])
+            / 6
         )
+        unit_works_at_nodes[contact_edge.node] = unit_works_at_nodes.get(
+            contact_edge.node, 0.0
+        ) + abs(work_of_unit_excess)
     # All along from node to node the excess has mean zero. What counts is the place at which the
     # edge stays while most slip happens.
     # _RMS: root mean square of the dimensionless excess over all places of an edge
@@ -1677,26 +1692,33 @@ class _RatesByNormalLoad(NamedTuple):
         return np.asarray(self.by_load(node_states)[1])
 
 
-def _contact_edge_at(rates: _RatesByNormalLoad, state: InterfaceState, side: int) -> Edge | None:
+def _contact_edge_at(
+    rates_by_p: _RatesByNormalLoad, state: InterfaceState, side: int
+) -> Edge | None:
     """Edge of contact at an instant, on the right (`side` 1) or left (-1) of x = 0, located by P
     between the outermost closed node and the next one.
 
     None where no finite load takes it to the next node, where there is none, where the elements
     around the node are not quadratic and of equal size, and where a long run has dropped the
-    forces. `rates` has the derivatives by P, `state` nodal forces and gaps.
+    forces. `rates_by_p` has the derivatives by P, `state` nodal forces and gaps.
     """
     closed_nodes = np.flatnonzero(state.is_closed)
-    node = int(closed_nodes[-1 if side > 0 else 0])
-    if not state.is_complete or not _has_equal_elements(rates.problem, node):
+    outermost_node = int(closed_nodes[-1 if side > 0 else 0])
+    if not state.is_complete or not _has_equal_elements(rates_by_p.problem, outermost_node):
         return None
-    if not 0 <= node + side < len(state.node_states):
+    if not 0 <= outermost_node + side < len(state.node_states):
         return None
-    edge = Edge.of_contact(rates.problem, side, node, state, rates.by_load(state.node_states))
-    return edge if edge.is_moved else None
+    contact_edge = Edge.of_contact(
+        rates_by_p.problem, side, outermost_node, state, rates_by_p.by_load(state.node_states)
+    )
+    return contact_edge if contact_edge.is_moved else None
 
 
 def _work_of_unit_excess(
-    rates: _RatesByNormalLoad, edge: Edge, start_state: InterfaceState, slip_sizes: Array
+    rates_by_p: _RatesByNormalLoad,
+    contact_edge: Edge,
+    start_state: InterfaceState,
+    slip_sizes: Array,
 ) -> float:
     """Friction work of an increment by a unit of the dimensionless excess of pressure: f |slip|
     times the change of the pressure rates as the contact edge meets its node, and the opposite edge
@@ -1704,26 +1726,28 @@ def _work_of_unit_excess(
 
     Parameters
     ----------
-    rates
+    rates_by_p
         derivatives of the nodal values by P
-    edge
-        of contact, located by P at the start of the increment
+    contact_edge
+        located by P at the start of the increment
     start_state
         contact state at the start of the increment
     slip_sizes
         (n,) |slip| of the nodes in the increment
     """
-    problem = rates.problem
-    opposite_node = int(np.flatnonzero(start_state.is_closed)[0 if edge.side > 0 else -1])
+    problem = rates_by_p.problem
+    opposite_node = int(np.flatnonzero(start_state.is_closed)[0 if contact_edge.side > 0 else -1])
     changing_nodes = (
-        (edge.node, opposite_node) if _has_equal_elements(problem, opposite_node) else (edge.node,)
+        (contact_edge.node, opposite_node)
+        if _has_equal_elements(problem, opposite_node)
+        else (contact_edge.node,)
     )
     change_of_pressure_rates = _change_of_rates(
-        rates.pressure_by_load, start_state.node_states, changing_nodes, OPEN
+        rates_by_p.pressure_by_load, start_state.node_states, changing_nodes, OPEN
     )
     work_by_load = problem.friction * float(slip_sizes @ change_of_pressure_rates)
     # `load_over_rate_jump`: load between the nodes over the dimensionless change of rates
-    return work_by_load * edge.load_over_rate_jump
+    return work_by_load * contact_edge.load_over_rate_jump
 
 
 def _load_to(distance: float, rate: float) -> float:

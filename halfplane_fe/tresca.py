@@ -331,7 +331,7 @@ def _shear_within_limits(
 
 
 def _forces_by_active_set(
-    step: Callable[[NodeSet], tuple[Forces, Array, NodeSet]], states: NodeSet
+    active_set_step: Callable[[NodeSet], tuple[Forces, Array, NodeSet]], node_states: NodeSet
 ) -> tuple[Forces, NodeSet]:
     """Forces and node states (n,) at the end of an active-set iteration: a step is repeated until
     it changes no state.
@@ -342,10 +342,10 @@ def _forces_by_active_set(
 
     Parameters
     ----------
-    step
+    active_set_step
         function from node states to forces that meet their equations, the violation of each node's
         inequality, and the next states
-    states
+    node_states
         (n,) to begin with
 
     Raises
@@ -355,15 +355,17 @@ def _forces_by_active_set(
     """
     earlier_sets: set[bytes] = set()  # node states of the steps so far
     for _ in range(_MOST_ITERATIONS):
-        forces, violation, next_states = step(states)
-        has_changed = next_states != states
+        forces, violation, next_states = active_set_step(node_states)
+        has_changed = next_states != node_states
         if not has_changed.any():
-            return forces, states
+            return forces, node_states
         if next_states.tobytes() in earlier_sets:
             worst_node = int(np.argmax(np.where(has_changed, violation, -np.inf)))
-            next_states = np.where(np.arange(len(states)) == worst_node, next_states, states)
+            next_states = np.where(
+                np.arange(len(node_states)) == worst_node, next_states, node_states
+            )
         earlier_sets.add(next_states.tobytes())
-        states = next_states
+        node_states = next_states
     raise ConvergenceError(
         f"contact: a convex half of the problem did not converge in {_MOST_ITERATIONS} iterations"
     )
