@@ -1782,9 +1782,9 @@ def _change_of_rates(
     node, *second_node = changed_nodes
     changes = []
     # the second node changes before the first one, or after it
-    for unchanged_nodes in {(), tuple(second_node)}:
+    for later_nodes in {(), tuple(second_node)}:
         node_states_after = node_states.copy()
-        node_states_after[list(unchanged_nodes)] = earlier_state
+        node_states_after[list(later_nodes)] = earlier_state
         node_states_before = node_states_after.copy()
         node_states_before[node] = earlier_state
         changes.append(rates_of_states(node_states_after) - rates_of_states(node_states_before))

@@ -1164,18 +1164,18 @@ class ContactProblem:
             )
             return -float(self.interface.work_per_stress_and_tilt(normal_forces, shear)[2]) - moment
 
-        latest_tilt = float(stresses_and_tilt[2])
+        initial_tilt = float(stresses_and_tilt[2])
         slope_of_gap = float(np.ptp(self.initial_gap)) / float(np.ptp(self.interface.x))
         # The range is a thousandth of the gap's slope at first, doubled until it holds the tilt.
         for half_range in slope_of_gap * 2.0 ** np.arange(-10, 30):
-            least_tilt = latest_tilt - half_range
-            largest_tilt = latest_tilt + half_range
-            if excess_moment(least_tilt) >= 0 >= excess_moment(largest_tilt):
+            lower_bound = initial_tilt - half_range
+            upper_bound = initial_tilt + half_range
+            if excess_moment(lower_bound) >= 0 >= excess_moment(upper_bound):
                 return float(
                     scipy.optimize.brentq(
                         excess_moment,
-                        least_tilt,
-                        largest_tilt,
+                        lower_bound,
+                        upper_bound,
                         xtol=1e-15 * half_range,
                         rtol=8.9e-16,
                     )

@@ -919,10 +919,10 @@ def _tension_response_and_error(
     test_loads = np.zeros((elimination.stiffness.shape[0], 2))
     test_loads[n_inner:, 0] = np.concatenate([unit_loads.arc_loads @ random_forces, random_forces])
     test_loads[:, 1] = unit_loads.tension_on_ends
-    displacements_by_tests = elimination.displacements(test_loads)
+    solutions_of_tests = elimination.displacements(test_loads)
     displacement_by_random_forces, displacement_by_tension = (
-        unit_loads.arc_loads.T @ displacements_by_tests[n_inner : n_inner + n_arc]
-        + displacements_by_tests[n_inner + n_arc :]
+        unit_loads.arc_loads.T @ solutions_of_tests[n_inner : n_inner + n_arc]
+        + solutions_of_tests[n_inner + n_arc :]
     ).T
     displacement_by_random_forces = displacement_by_random_forces - unit_loads.tractions_on_arc @ (
         unit_loads.displacements_on_arc @ random_forces
@@ -930,14 +930,14 @@ def _tension_response_and_error(
 
     # Residuals over the largest load, and the compliance against the displacement of the mesh.
     largest_loads = np.maximum(np.abs(test_loads).max(axis=0), 1e-300)
-    residual_forces = elimination.stiffness @ displacements_by_tests - test_loads
+    residual_forces = elimination.stiffness @ solutions_of_tests - test_loads
     residuals = np.abs(residual_forces).max(axis=0) / largest_loads
     error_of_compliance = np.abs(compliance @ random_forces - displacement_by_random_forces).max()
 
     # Betti's theorem: the load does the work in the displacement by tension that the tension does
     # in its own.
     error_of_work = np.abs(
-        random_forces @ displacement_by_tension - test_loads[:, 1] @ displacements_by_tests[:, 0]
+        random_forces @ displacement_by_tension - test_loads[:, 1] @ solutions_of_tests[:, 0]
     )
     scale_of_work = max(
         np.linalg.norm(random_forces) * np.linalg.norm(displacement_by_tension), 1e-300

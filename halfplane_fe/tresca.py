@@ -28,7 +28,7 @@ Forces = TypeVar("Forces")
 class _NormalForces(NamedTuple):
     """Nodal normal forces p (n,) and the normal approach delta."""
 
-    nodal_forces: Array
+    normal_forces: Array
     approach: float
 
 
@@ -120,7 +120,7 @@ def pressure_at_known_shear(
         return _NormalForces(normal_forces, float(approach)), violation, is_closed_next
 
     forces, is_closed = _forces_by_active_set(normal_step, is_closed)
-    return forces.nodal_forces, forces.approach, is_closed
+    return forces.normal_forces, forces.approach, is_closed
 
 
 def shear_at_known_pressure(
