@@ -74,7 +74,7 @@ def actuators_of(scene: Scene, datum_length: float) -> Actuators:
     """
     scene_load = scene.load
     if not scene_load.is_driven:
-        return LOADS_ARE_GIVEN
+        return LOADS_ARE_GIVEN  # no actuator
     rig = scene.rig
     e_star = 1 / _sum_of_compliances(scene, half_planes_alone=False)  # contact modulus E*
     # `compliance_beyond`: of the half-planes of the scene, between both distances [1 / stress].

@@ -655,6 +655,7 @@ def _tension_uncertainty(nodal_tractions: NodalTractions, usual_tractions: Tract
     uncertainty = _uncertainty_by_other_fits(nodal_tractions, tension, spacing_ratio)
 
     # Too few nodes to find the edges of contact; a fit without limit on its residual; constant q/p.
+    # _RELATIVE_ERROR_TIMES_NODES: multiple, over the number of nodes
     if usual_tractions.has_unfitted_edges:
         uncertainty = np.maximum(
             uncertainty, _RELATIVE_ERROR_TIMES_NODES / len(nodal_tractions.x) * np.abs(tension)
@@ -666,6 +667,7 @@ def _tension_uncertainty(nodal_tractions: NodalTractions, usual_tractions: Tract
         uncertainty = np.maximum(uncertainty, np.abs(other_tractions.edge_tension() - tension))
 
     # Added: mesh error of unlike materials or bodies of finite size; place of the stick edges.
+    # _STICK_EDGE_SHIFT_IN_SPACINGS: by how many spacings of the nodes the edges are moved
     uncertainty += (
         _relative_error_per_spacing(nodal_tractions)
         * spacing_ratio
@@ -866,6 +868,7 @@ def _pressure_shape(nodal_tractions: NodalTractions) -> Callable[[Array], Array]
 
     # Mean of p/(a R) minus that of the jumps, over the nodes but for the three outermost ones on
     # either side. The root is a R.
+    # _DISTANCE_AT_EDGE: least distance from an edge of contact over the half-width, 1e-9
     smooth_p_over_root = 0.0
     # N_DISTORTED_NODES: three outermost nodes on each side, which the mesh distorts
     if len(nodal_tractions.x) > 3 * N_DISTORTED_NODES:
@@ -1028,7 +1031,7 @@ def _number_of_fitted_nodes(x: Array, fit_settings: EdgeFit) -> int:
     are places of the touching nodes, ascending [length].
     """
     width = x[-1] - x[0]
-    # A node at the very end of the span counts.
+    # A node at the very end of the span counts. _FITTED_SPAN: share of the half-width, 0.3
     end_of_fit = (
         x[min(fit_settings.nodes_left_out, len(x) - 1)] + (_FITTED_SPAN / 2 + _ROUND_OFF) * width
     )
