@@ -1212,8 +1212,10 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
         tractions of either edge and that by the size of either body.
         """
         change_by_new_contact = _tension_change_by_new_contact(solution, steps[candidate_number])
-        by_tractions = candidates.uncertainty_by_tractions(candidate_number, change_by_new_contact)
-        return np.asarray(added_uncertainty[:, None] + by_tractions)
+        uncertainty_by_tractions = candidates.uncertainty_by_tractions(
+            candidate_number, change_by_new_contact
+        )
+        return np.asarray(added_uncertainty[:, None] + uncertainty_by_tractions)
 
     index_of_largest, uncertainty = _largest_with_uncertainty(tension, uncertainties_of)
     candidate_number, body_number, edge_number = index_of_largest

@@ -641,10 +641,10 @@ class Systems:
         n_cases = n_loads + (equation_numbers is not None)
 
         # Prescribed quantities (n, n_cases), normal and tangential: 0 but for the changes.
-        prescribed = np.zeros((2, n, n_cases))
+        prescribed_quantities = np.zeros((2, n, n_cases))
         if equation_numbers is not None:
-            prescribed[equation_numbers // n, equation_numbers % n, n_loads] = changes
-        prescribed_gap_or_force, prescribed_slip_or_force = prescribed
+            prescribed_quantities[equation_numbers // n, equation_numbers % n, n_loads] = changes
+        prescribed_gap_or_force, prescribed_slip_or_force = prescribed_quantities
         # (n_cases,) P of each case, and Q of each: 1 in its own, 0 in the others.
         normal_load_of_case, tangential_load_of_case, *_ = np.eye(n_loads, n_cases)
 
