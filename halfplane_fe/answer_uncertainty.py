@@ -67,6 +67,8 @@ _OF_BOTH_EDGES_OF_BODIES = 1.3
 # How many times the range of slip that counts as creep the mesh may add to it: 1.3 times on a
 # coarse mesh of a block on a half-plane, where next to nothing slipped on finer ones.
 _CREEP_OF_MESH = 10.0
+# Nodes on either side of the largest pressure among which the largest scatter counts.
+_BESIDE_LARGEST_PRESSURE = 4
 # Distances of nodes beyond a permanent stick zone that such creep has to reach: a stick edge is
 # known to one or two of them.
 _CREEP_IN_NODES = 2.5
@@ -652,8 +654,9 @@ def _peak_uncertainty(task: Task, arrays: Mapping[str, Any], is_coupled: bool) -
     run.
 
     `is_coupled`: the bodies are unlike, so that shear changes the pressure. Then the pressure of
-    neighbouring nodes scatters, and this scatter counts too. It also counts for tabulated profiles,
-    whose curvature jumps at every row: the pressure is an arch from row to row.
+    neighbouring nodes scatters, and the largest scatter counts in place of that of the peak. It
+    also counts for tabulated profiles, whose curvature jumps at every row: the pressure is an arch
+    from row to row.
 
     Parameters
     ----------
@@ -673,6 +676,9 @@ def _peak_uncertainty(task: Task, arrays: Mapping[str, Any], is_coupled: bool) -
     step, node = np.unravel_index(np.argmax(pressure), pressure.shape)
     largest_pressure = float(pressure[step, node])
     distances_to_edges = np.abs(arrays["contact_edges"][step] - arrays["x"][node])
+    scatter = 0.0
+    if has_scatter:
+        scatter = scatter_of_nodes(pressure[step], int(node), _BESIDE_LARGEST_PRESSURE)
     peak = Peak(
         value=largest_pressure,
         change_from_coarse=abs(largest_pressure - scales.largest_pressure),
@@ -681,7 +687,8 @@ def _peak_uncertainty(task: Task, arrays: Mapping[str, Any], is_coupled: bool) -
         deviation_from_neighbours=largest_deviation_from_neighbours(
             arrays["x"], pressure[step], int(node)
         ),
-        scatter=scatter_of_nodes(pressure[step], int(node)) if has_scatter else 0.0,
+        alternation=scatter_of_nodes(pressure[step], int(node), n_beside=0),
+        scatter=scatter,
     )
     # `fine_sizes`: of the elements along the face of the body with the coarser ones
     return peak_uncertainty(
