@@ -239,12 +239,14 @@ def ellipses_of(
         cosine_of_start=(shear_cosine - amplitude) / nonzero_u,
         sine_of_start=shear_sine / nonzero_u,
         slip_angle=np.arctan2(2 * amplitude * shear_sine, difference_of_squares),
-        # P_T < 0 is admitted to rounding only: it is gross sliding.
+        # P_T < 0 is gross sliding, and here only a round-off error.
         permanent_stick_load=np.maximum(mean - (u + v) / 2, 0.0),
     )
 
 
-def rate_and_loads_in_phase(name: str, ellipses: Ellipses, s: Array) -> tuple[Array, Array, Array]:
+def rate_and_loads_in_phase(
+    phase_name: str, ellipses: Ellipses, s: Array
+) -> tuple[Array, Array, Array]:
     """Loads at angles `s` [rad] in one phase of slip of steady load ellipses: rate of w/f =
     (+-Q - f P)/f per rad, load P - P_c of the slip zones, and normal load P, shape of `s`.
 
@@ -252,8 +254,8 @@ def rate_and_loads_in_phase(name: str, ellipses: Ellipses, s: Array) -> tuple[Ar
         "I-J", forward slip:  rate u sin(s),      P - P_c = 2 P1 sin(t_E) sin(s)
         "J-M", forward slip:  rate u sin(s),      P - P_c = v sin^2((D + s)/2)
 
-    The `name` is that of the phase. s counts from the begin of E-G and I-J, and back from the end
-    of J-M. w grows in slip; P_c is the load at the stick edge.
+    `phase_name` is one of these. s counts from the start of E-G and I-J, and back from the end of
+    J-M. w grows in slip; P_c is the load at the stick edge.
 
     # notation: t_E (`slip_start`, `sine_of_start`) time at which E-G begins; u and v
     #           (`forward_amplitude`, `reverse_amplitude`) amplitudes of (Q -+ f P)/f; D
@@ -261,26 +263,26 @@ def rate_and_loads_in_phase(name: str, ellipses: Ellipses, s: Array) -> tuple[Ar
     """
     # Tangents of half the angles stand for sines: numpy has them in vector code. `_sine_and_square`
     # of an angle is sin(angle) and sin^2(angle/2); `ellipses.load_at_cosine` is P from cos(t).
-    if name == "I-J":
-        sine_of_rate, _ = _sine_and_square(s)
+    if phase_name == "I-J":
+        sine_in_rate, _ = _sine_and_square(s)
         _, squared_sine_of_half_time = _sine_and_square(ellipses.slip_start + s)
         return (
-            ellipses.forward_amplitude * sine_of_rate,
-            2 * ellipses.load_amplitude * ellipses.sine_of_start * sine_of_rate,
+            ellipses.forward_amplitude * sine_in_rate,
+            2 * ellipses.load_amplitude * ellipses.sine_of_start * sine_in_rate,
             ellipses.load_at_cosine(2 * squared_sine_of_half_time - 1),
         )
-    if name == "E-G":
-        sine_of_rate, _ = _sine_and_square(ellipses.slip_angle - s)
-        _, squared_sine_of_slip = _sine_and_square(s)
+    if phase_name == "E-G":
+        sine_in_rate, _ = _sine_and_square(ellipses.slip_angle - s)
+        _, squared_sine_in_slip_zone_load = _sine_and_square(s)
         _, squared_sine_of_half_time = _sine_and_square(ellipses.slip_start + s)
-        rate = ellipses.reverse_amplitude * sine_of_rate
-        slip_zone_load = ellipses.forward_amplitude * squared_sine_of_slip
+        rate = ellipses.reverse_amplitude * sine_in_rate
+        slip_zone_load = ellipses.forward_amplitude * squared_sine_in_slip_zone_load
     else:
-        sine_of_rate, _ = _sine_and_square(s)
-        _, squared_sine_of_slip = _sine_and_square(ellipses.slip_angle + s)
+        sine_in_rate, _ = _sine_and_square(s)
+        _, squared_sine_in_slip_zone_load = _sine_and_square(ellipses.slip_angle + s)
         _, squared_sine_of_half_time = _sine_and_square(ellipses.slip_start - s)
-        rate = ellipses.forward_amplitude * sine_of_rate
-        slip_zone_load = ellipses.reverse_amplitude * squared_sine_of_slip
+        rate = ellipses.forward_amplitude * sine_in_rate
+        slip_zone_load = ellipses.reverse_amplitude * squared_sine_in_slip_zone_load
     return rate, slip_zone_load, ellipses.load_at_cosine(1 - 2 * squared_sine_of_half_time)
 
 
@@ -304,8 +306,8 @@ def _stick_edge_angles(ellipses: Ellipses, loads: Array) -> tuple[Array, Array]:
     #           (`permanent_stick_load`) least load at the stick edge
 
     E-G is reverse slip, J-M the later part of forward slip. Both angles count back from the end of
-    the phase. They are 0 for P_c below P_T, the load of the permanent
-    stick zone, and pi for loads that the stick edge does not reach.
+    the phase. They are 0 for P_c below P_T, the load of the permanent stick zone, and pi for loads
+    that the stick edge does not reach.
     """
     u = ellipses.forward_amplitude
     v = ellipses.reverse_amplitude
@@ -324,7 +326,7 @@ def cut_angles_of_phases(ellipses: Ellipses, corner_loads: Array) -> dict[str, A
     """Angles [rad] in each slip phase between which its integrands are smooth, (cuts, m) ascending,
     by the name of the phase.
 
-    "E-G" is reverse slip, "I-J" and then "J-M" forward slip. Angles count from the begin of E-G and
+    "E-G" is reverse slip, "I-J" and then "J-M" forward slip. Angles count from the start of E-G and
     I-J, and back from the end of J-M. E-G begins at the time `slip_start` of P = P0 + P1 cos t; it
     is `slip_angle` long, as is J-M.
 
@@ -344,27 +346,27 @@ def cut_angles_of_phases(ellipses: Ellipses, corner_loads: Array) -> dict[str, A
     stick_edge_angle_in_reverse_slip, stick_edge_angle_in_late_forward_slip = _stick_edge_angles(
         ellipses, corner_loads
     )
-    begin_of_reverse_slip = ellipses.slip_start
+    start_of_reverse_slip = ellipses.slip_start
     full_turn = 2 * math.pi
+    # in each phase: twice P, then P_c (twice in I-J) at the load of a corner
     inner_cuts = {
         "E-G": (
-            angle_at_corner - begin_of_reverse_slip,
-            full_turn - angle_at_corner - begin_of_reverse_slip,
+            angle_at_corner - start_of_reverse_slip,
+            full_turn - angle_at_corner - start_of_reverse_slip,
             ellipses.slip_angle - stick_edge_angle_in_reverse_slip,
         ),
         "I-J": (
-            angle_from_least_load - begin_of_reverse_slip,
-            full_turn - angle_from_least_load - begin_of_reverse_slip,
-            begin_of_reverse_slip - angle_from_least_load,
-            begin_of_reverse_slip + angle_from_least_load,
+            angle_from_least_load - start_of_reverse_slip,
+            full_turn - angle_from_least_load - start_of_reverse_slip,
+            start_of_reverse_slip - angle_from_least_load,
+            start_of_reverse_slip + angle_from_least_load,
         ),
         "J-M": (
-            begin_of_reverse_slip - angle_at_corner,
-            begin_of_reverse_slip + angle_at_corner,
+            start_of_reverse_slip - angle_at_corner,
+            start_of_reverse_slip + angle_at_corner,
             stick_edge_angle_in_late_forward_slip,
         ),
     }
-    # [rad]
     length_of_phase = {
         "E-G": ellipses.slip_angle,
         "I-J": math.pi - ellipses.slip_angle,
@@ -373,7 +375,7 @@ def cut_angles_of_phases(ellipses: Ellipses, corner_loads: Array) -> dict[str, A
     cut_angles_by_phase = {}
     for name, length in length_of_phase.items():
         cut_angles = np.concatenate(
-            [np.zeros_like(begin_of_reverse_slip)[None], *inner_cuts[name], length[None]]
+            [np.zeros_like(start_of_reverse_slip)[None], *inner_cuts[name], length[None]]
         )
         cut_angles_by_phase[name] = np.sort(
             np.clip(cut_angles, cut_angles[0], cut_angles[-1]), axis=0
@@ -438,7 +440,7 @@ def _work_density_of_phases(
     # (number of the phase, first and last angle at which the point slips), four of them
     ranges_of_slip = _ranges_of_slip(ellipses, load_at_x)
     # angles between which the integrands are smooth, (cuts, m) for each phase
-    cuts_of_phases = list(
+    cut_angles_by_phase = list(
         cut_angles_of_phases(
             ellipses.take((slice(None), 0)), contact.corner_loads[:, None]
         ).values()
@@ -447,7 +449,7 @@ def _work_density_of_phases(
     for phase_number, first_angle, last_angle in ranges_of_slip:
         # intervals of the range of slip, between cuts, of every ellipse
         inner_cut_angles = np.clip(
-            cuts_of_phases[phase_number].T, first_angle, np.maximum(first_angle, last_angle)
+            cut_angles_by_phase[phase_number].T, first_angle, np.maximum(first_angle, last_angle)
         )
         cut_angles = np.concatenate([first_angle, inner_cut_angles, last_angle], axis=1)
         ellipse_of_interval, cut_number = np.nonzero(cut_angles[:, 1:] > cut_angles[:, :-1])
@@ -460,7 +462,7 @@ def _work_density_of_phases(
             cut_angles[ellipse_of_interval, cut_number + 1],
             node_stride,
         )
-        density_at_nodes = _weighted_work_rate_at_points(
+        weighted_density_at_nodes = _weighted_work_rate_at_points(
             rate_and_loads_in_phase(
                 PHASE_NAMES[phase_number], ellipses.take(ellipse_of_interval), angle_in_phase
             ),
@@ -471,7 +473,9 @@ def _work_density_of_phases(
         )
         # add the intervals of each ellipse
         np.add.at(
-            density_of_phases[phase_number], ellipse_of_interval, np.sum(density_at_nodes, axis=1)
+            density_of_phases[phase_number],
+            ellipse_of_interval,
+            np.sum(weighted_density_at_nodes, axis=1),
         )
     return density_of_phases
 
@@ -514,9 +518,10 @@ def _ranges_of_slip(ellipses: Ellipses, load_at_x: Array) -> tuple[tuple[int, Ar
     """Angles [rad] between which a point x slips in the cycle of each load ellipse, four ranges:
     number of the slip phase, first and last angle s in the phase, (m, 1) each.
 
-    The point slips while it is in contact and the stick edge is within it. A range whose last angle
-    is below the first is empty. The phases are E-G, reverse slip (0), and I-J, J-M, forward slip
-    (1, 2). E-G comes twice, before and after the least load, at which the point may be open.
+    The point slips while it is in contact and the stick edge is nearer to the centre. A range whose
+    last angle is below the first is empty. The phases are E-G, reverse slip (0), and I-J, J-M,
+    forward slip (1, 2). E-G comes twice, before and after the least load, at which the point may be
+    open.
 
     The point is open for angles up to h on either side of the least load P_min, at t = pi: 2 P1
     sin^2(h/2) = P_x - P_min. `load_at_x` (m, 1) is P_x, under which the edge of contact is at x.
@@ -529,7 +534,7 @@ def _ranges_of_slip(ellipses: Ellipses, load_at_x: Array) -> tuple[tuple[int, Ar
     # notation: P = P0 + P1 cos t, with `mean_load` P0 and `load_amplitude` P1 (`load_moves`: not
     #           0); P_T least load at the stick edge; u, v amplitudes of (Q -+ f P)/f; t_E
     #           (`slip_start`) time of E, D (`slip_angle`) angle from E to G; s counts from the
-    #           begin of E-G and I-J, and back from the end of J-M
+    #           start of E-G and I-J, and back from the end of J-M
     """
     share_of_load_range = (load_at_x - ellipses.mean_load + ellipses.load_amplitude) / np.where(
         ellipses.load_moves, 2 * ellipses.load_amplitude, 1.0
@@ -540,39 +545,39 @@ def _ranges_of_slip(ellipses: Ellipses, load_at_x: Array) -> tuple[tuple[int, Ar
     open_angle = angle_of_squared_half_sine(
         np.where(ellipses.load_moves, share_of_load_range, share_at_constant_load)
     )
-    begin_of_reverse_slip = ellipses.slip_start
+    start_of_reverse_slip = ellipses.slip_start
     length_of_reverse_slip = ellipses.slip_angle
     # angles at which the stick edge is at x, counted back from the end: in E-G and in J-M
     stick_edge_angle_in_reverse_slip, stick_edge_angle_in_late_forward_slip = _stick_edge_angles(
         ellipses, load_at_x
     )
-    # that of E-G, counted from the begin of E-G
-    begin_of_slip_at_x = np.maximum(length_of_reverse_slip - stick_edge_angle_in_reverse_slip, 0.0)
+    # that of E-G, counted from the start of E-G
+    start_of_slip_at_x = np.maximum(length_of_reverse_slip - stick_edge_angle_in_reverse_slip, 0.0)
     # E-G (0) before and after the least load, I-J (1), J-M (2)
     return (
         (
             0,
-            begin_of_slip_at_x,
-            np.minimum(length_of_reverse_slip, math.pi - open_angle - begin_of_reverse_slip),
+            start_of_slip_at_x,
+            np.minimum(length_of_reverse_slip, math.pi - open_angle - start_of_reverse_slip),
         ),
         (
             0,
-            np.maximum(begin_of_slip_at_x, math.pi + open_angle - begin_of_reverse_slip),
+            np.maximum(start_of_slip_at_x, math.pi + open_angle - start_of_reverse_slip),
             length_of_reverse_slip,
         ),
         (
             1,
-            np.abs(begin_of_reverse_slip - open_angle),
+            np.abs(start_of_reverse_slip - open_angle),
             np.minimum(
-                math.pi - length_of_reverse_slip, 2 * math.pi - open_angle - begin_of_reverse_slip
+                math.pi - length_of_reverse_slip, 2 * math.pi - open_angle - start_of_reverse_slip
             ),
         ),
         (
             2,
-            np.maximum(0.0, begin_of_reverse_slip - math.pi + open_angle),
+            np.maximum(0.0, start_of_reverse_slip - math.pi + open_angle),
             np.minimum(
                 np.minimum(length_of_reverse_slip, stick_edge_angle_in_late_forward_slip),
-                begin_of_reverse_slip + math.pi - open_angle,
+                start_of_reverse_slip + math.pi - open_angle,
             ),
         ),
     )
@@ -595,39 +600,39 @@ class IntervalRule(NamedTuple):
 
     Attributes
     ----------
-    distance_from_end
+    signed_distance
         (n, 1) of each node, negative from the upper end
-    starts_at_lower_end
+    counts_from_lower_end
         whether that end is 0, (n, 1) or one for all
     weight
         (n,)
-    error_checks
-        (k, n) weights of sums that are 0 but for the error of the rule
+    check_weights
+        (k, n) weights of the k error checks: sums that are 0 but for the error of the rule
     """
 
-    distance_from_end: Array
-    starts_at_lower_end: NDArray[np.bool_]
+    signed_distance: Array
+    counts_from_lower_end: NDArray[np.bool_]
     weight: Array
-    error_checks: Array
+    check_weights: Array
 
 
 def _graded_interval_rule() -> IntervalRule:
     """The graded quadrature rule on [0, 1], for integrands singular at the ends, with its error
-    check. That takes every second node alone: weights -w and w in turn, whose sum over an integrand
-    is 0 but for the error.
+    check: the rule minus that of every second node alone, with weights doubled. So the weights of
+    the check are -w and w in turn; the sum over an integrand is 0 but for the error.
     """
     # GRADED_RULE holds the nodes as distances from both ends
     weights = graded_nodes(0.0, 1.0)[1]
-    error_check = weights.copy()
-    error_check[::2] -= 2 * weights[::2]
+    check_weights = weights.copy()
+    check_weights[::2] -= 2 * weights[::2]
     is_in_lower_half = GRADED_RULE.distance_from_begin[:, None] < 0.5
-    # from the nearer end, negative from the upper one
-    distance_from_end = np.where(
+    # from the nearer end of [0, 1], negative from the upper one
+    signed_distance = np.where(
         is_in_lower_half,
         GRADED_RULE.distance_from_begin[:, None],
         -GRADED_RULE.distance_from_end[:, None],
     )
-    return IntervalRule(distance_from_end, is_in_lower_half, weights, error_check[None])
+    return IntervalRule(signed_distance, is_in_lower_half, weights, check_weights[None])
 
 
 def _legendre_interval_rule(n_nodes: int, n_crowded_ends: int) -> IntervalRule:
@@ -635,7 +640,7 @@ def _legendre_interval_rule(n_nodes: int, n_crowded_ends: int) -> IntervalRule:
     as signed distances from an end, weights, and error checks.
 
     The error checks are the last three Legendre coefficients of the integrand, which are small
-    where it is resolved. A change of variable makes square roots smooth and crowds the nodes: t^2
+    where it is resolved. A change of variable makes square roots smooth and crowds the nodes t: t^2
     to the lower end (`n_crowded_ends` = 1), 3 t^2 - 2 t^3 to both (2), none (0).
     """
     # nodes and weights (n_nodes,) on [0, 1]
@@ -643,23 +648,25 @@ def _legendre_interval_rule(n_nodes: int, n_crowded_ends: int) -> IntervalRule:
     # the last three Legendre polynomials at the nodes, (3, n_nodes), times 2 k + 1 for the order k
     orders = np.arange(n_nodes - 3, n_nodes)
     polynomials = legendre.legvander(2 * nodes - 1, n_nodes - 1)[:, orders].T
-    coefficients_of_values = polynomials * (2 * orders[:, None] + 1)
+    weights_of_coefficients = polynomials * (2 * orders[:, None] + 1)
     if n_crowded_ends == 0:
-        distance_from_end = nodes[:, None]
-        starts_at_lower_end = np.array(True)
+        signed_distance = nodes[:, None]
+        counts_from_lower_end = np.array(True)
     elif n_crowded_ends == 1:
         weights = weights * 2 * nodes
-        distance_from_end = nodes[:, None] ** 2
-        starts_at_lower_end = np.array(True)
+        signed_distance = nodes[:, None] ** 2
+        counts_from_lower_end = np.array(True)
     else:
         weights = weights * 6 * nodes * (1 - nodes)
-        t = np.minimum(nodes, 1 - nodes)  # from the nearer end
-        crowded_distance = (t * t * (3 - 2 * t))[:, None]
-        starts_at_lower_end = nodes[:, None] < 0.5
-        distance_from_end = np.where(starts_at_lower_end, crowded_distance, -crowded_distance)
-    # distances, whether they count from the lower end, weights, weights of the error checks
+        node_from_nearer_end = np.minimum(nodes, 1 - nodes)
+        crowded_distance = (
+            node_from_nearer_end * node_from_nearer_end * (3 - 2 * node_from_nearer_end)
+        )[:, None]
+        counts_from_lower_end = nodes[:, None] < 0.5
+        signed_distance = np.where(counts_from_lower_end, crowded_distance, -crowded_distance)
+    # distances, whether they count from the lower end, weights of the rule and of its error checks
     return IntervalRule(
-        distance_from_end, starts_at_lower_end, weights, weights * coefficients_of_values
+        signed_distance, counts_from_lower_end, weights, weights * weights_of_coefficients
     )
 
 
@@ -673,7 +680,7 @@ _COURSE_RULE_LENGTHS = np.array([0.1, 0.3, 0.6, 1.0])
 # where two corners are close, and leave 1e-3 of themselves. In courses of loads the share is one of
 # 50 P0^2 where W is less: that leaves 2e-12 of P0^2 where P hardly grows, 1e-14 elsewhere.
 _CONVERGED_COEFFICIENT_SHARE = 3e-8
-_LEAST_WORK_OF_COURSES = 50.0
+_LEAST_WORK_OVER_SQUARED_LOAD = 50.0
 # Error of an integral over its largest error check, at most: where the interval has converged, and
 # where W is too small for that.
 _ERROR_OVER_SMALL_CHECK = 1e-2
@@ -762,25 +769,27 @@ def roundoff_error(ellipses: Ellipses, work: Array) -> Array:
     #           amplitudes of P and Q
 
     u and v are differences of Q1/f and P1. Digits are lost where u or v is small against the loads,
-    or D or pi - D against pi. The relative error is 2e-12 plus 1e-15, a last digit, times both
-    ratios. A last digit of the loads, squared, is added.
+    or D or pi - D against pi. The relative error is 2e-12 plus 1e-15, a last digit, times the loads
+    over u or v and pi over D or pi - D. A last digit of the loads, squared, is added.
     """
     # P1 + (u + v)/2
     loop_size = (
         ellipses.load_amplitude + (ellipses.forward_amplitude + ellipses.reverse_amplitude) / 2
     )
     smaller_amplitude = np.minimum(ellipses.forward_amplitude, ellipses.reverse_amplitude)
-    least_angle = np.minimum(ellipses.slip_angle, math.pi - ellipses.slip_angle)
+    shortest_phase = np.minimum(ellipses.slip_angle, math.pi - ellipses.slip_angle)
     # Nothing slips where one of them is 0; _LEAST_DIVISOR is 1e-100.
-    digits_lost_by_size = loop_size / np.where(
+    amplification_by_amplitudes = loop_size / np.where(
         smaller_amplitude > _LEAST_DIVISOR * loop_size, smaller_amplitude, np.inf
     )
-    digits_lost_by_angle = math.pi / np.where(least_angle > _LEAST_DIVISOR, least_angle, np.inf)
+    amplification_by_angles = math.pi / np.where(
+        shortest_phase > _LEAST_DIVISOR, shortest_phase, np.inf
+    )
     # Where a difference has no digit left W may be anything up to the square of a last digit.
     last_digit_of_loads = _LAST_DIGIT_SHARE * loop_size
     # _RELATIVE_ERROR_OF_PHASE_INTEGRALS: 2e-12; _LAST_DIGIT_SHARE: 1e-15
     relative_error = _RELATIVE_ERROR_OF_PHASE_INTEGRALS + _LAST_DIGIT_SHARE * (
-        digits_lost_by_size + digits_lost_by_angle
+        amplification_by_amplitudes + amplification_by_angles
     )
     return relative_error * np.abs(work) + last_digit_of_loads * last_digit_of_loads
 
@@ -801,24 +810,24 @@ def error_by_digits_of_loads(ellipses: Ellipses) -> Array:
         ellipses.load_amplitude + (ellipses.forward_amplitude + ellipses.reverse_amplitude) / 2
     )
     smaller_amplitude = np.minimum(ellipses.forward_amplitude, ellipses.reverse_amplitude)
-    force_times_sine = ellipses.forward_amplitude * ellipses.sine_of_start  # Q1/f |sin(phase)|
+    shear_times_sine = ellipses.forward_amplitude * ellipses.sine_of_start  # Q1/f |sin(phase)|
     # Q1/f cos(phase)
-    force_times_cosine = (
+    shear_times_cosine = (
         ellipses.forward_amplitude * ellipses.cosine_of_start + ellipses.load_amplitude
     )
     # minus the cotangent; _LEAST_DIVISOR is 1e-100
-    cotangent_of_phase = -force_times_cosine / np.where(
-        force_times_sine > _LEAST_DIVISOR * loop_size, force_times_sine, np.inf
+    cotangent_of_phase = -shear_times_cosine / np.where(
+        shear_times_sine > _LEAST_DIVISOR * loop_size, shear_times_sine, np.inf
     )
-    digits_lost_by_phase = np.where(force_times_cosine < 0, cotangent_of_phase, 0.0)
-    digits_lost_by_size = loop_size / np.where(
+    amplification_by_phase = np.where(shear_times_cosine < 0, cotangent_of_phase, 0.0)
+    amplification_by_amplitudes = loop_size / np.where(
         smaller_amplitude > _LEAST_DIVISOR * loop_size, smaller_amplitude, np.inf
     )
     # six last digits, of 1e-15 each
     return (
         _LAST_DIGITS_OF_LOOP
         * _LAST_DIGIT_SHARE
-        * (1 + digits_lost_by_size + math.pi * digits_lost_by_phase)
+        * (1 + amplification_by_amplitudes + math.pi * amplification_by_phase)
     )
 
 
@@ -871,8 +880,8 @@ def groups_by_largest_load(ellipses: Ellipses) -> Iterator[tuple[Indices, int, i
     numbers of the ellipses, first and last octave of the table.
 
     Loads of a group lie in [2^first octave, 2^(last octave + 1)), its largest ones within eight
-    octaves. Which table an ellipse gets follows from its own loads alone. Loads below 2^-48 of the
-    mean (LEAST_LOAD_SHARE) count as that. `permanent_stick_load` is the least load at the stick
+    octaves. The group of an ellipse follows from its own loads alone. Loads below 2^-48 of the mean
+    (LEAST_LOAD_SHARE) count as that. `permanent_stick_load` is the least load at the stick
     edge, the least that an ellipse looks up.
     """
     # _ROUNDING_MARGIN: 1e-12
@@ -880,15 +889,15 @@ def groups_by_largest_load(ellipses: Ellipses) -> Iterator[tuple[Indices, int, i
     least_load = np.maximum(
         ellipses.permanent_stick_load, LEAST_LOAD_SHARE * ellipses.mean_load
     ) * (1 - _ROUNDING_MARGIN)
-    # eight octaves make a step: tables differ by whole steps
+    # a step is eight octaves; the octaves of a table are whole steps
     step_of_largest_load = (np.frexp(largest_load)[1] - 1) // _OCTAVES_OF_TABLE_STEP
     step_of_least_load = (np.frexp(least_load)[1] - 1) // _OCTAVES_OF_TABLE_STEP
     for last_step in np.unique(step_of_largest_load).tolist():
-        ellipses_of_group = np.flatnonzero(step_of_largest_load == last_step)
-        first_step = int(np.min(step_of_least_load[ellipses_of_group]))
+        ellipse_numbers = np.flatnonzero(step_of_largest_load == last_step)
+        first_step = int(np.min(step_of_least_load[ellipse_numbers]))
         first_octave = first_step * _OCTAVES_OF_TABLE_STEP
         last_octave = (last_step + 1) * _OCTAVES_OF_TABLE_STEP - 1
-        yield ellipses_of_group, first_octave, last_octave
+        yield ellipse_numbers, first_octave, last_octave
 
 
 def dissipation_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
@@ -1047,7 +1056,7 @@ def _work_over_phases(
 
     def work_rate(phase: Indices, ellipse_of_interval: Indices, angle_in_phase: Array) -> Array:
         """l'/f Lam at angles (nodes, n) in the given phases (n,) of the given ellipses (n,). The
-        angle [rad] is time: from the begin of a phase on, or back from its end. The level l = +-Q -
+        angle [rad] is time: from the start of a phase on, or back from its end. The level l = +-Q -
         f P grows in slip; `kernel` gives Lam, the kernel of the friction work, from P and P - P_c,
         P_c the load at the stick edge.
         """
@@ -1117,20 +1126,20 @@ def _rates_and_loads_in_intervals(
     (3, nodes, n); P_c is the load at the stick edge.
 
     `phase` (n,) is the number of each interval's phase of slip, in ascending order, and
-    `ellipse_of_interval` (n,) that of its ellipse. Angles count from the begin of E-G (reverse
+    `ellipse_of_interval` (n,) that of its ellipse. Angles count from the start of E-G (reverse
     slip) and I-J, and back from the end of J-M (forward slip).
     """
     rates_and_loads = np.empty((3, *angle_in_phase.shape))
-    for phase_number, name in enumerate(PHASE_NAMES):
+    for phase_number, phase_name in enumerate(PHASE_NAMES):
         # the intervals of one phase, which stand side by side
         columns = slice(*np.searchsorted(phase, [phase_number, phase_number + 1]))
         ellipses_of_columns = ellipses.take(ellipse_of_interval[columns])
-        for values, values_in_phase in zip(
+        for quantity, quantity_in_phase in zip(
             rates_and_loads,
-            rate_and_loads_in_phase(name, ellipses_of_columns, angle_in_phase[:, columns]),
+            rate_and_loads_in_phase(phase_name, ellipses_of_columns, angle_in_phase[:, columns]),
             strict=True,
         ):
-            values[:, columns] = values_in_phase
+            quantity[:, columns] = quantity_in_phase
     return rates_and_loads
 
 
@@ -1138,7 +1147,7 @@ _COURSE_NAMES = ("P, E-G", "P, I-M", "P_c, E-G", "P_c, I-J", "P_c, J-M")
 
 
 def _work_over_loads(
-    ellipses: Ellipses, corner_loads: Array, log_half_width: Callable[[Array], Array]
+    ellipses: Ellipses, cut_loads: Array, log_half_width: Callable[[Array], Array]
 ) -> Array:
     """Friction work of forward and of reverse slip times pi E*/(2 f^2), and the error of their sum,
     (3, m), from ln a alone; a is the contact half-width as a function of the load.
@@ -1148,8 +1157,8 @@ def _work_over_loads(
     inner integral.
 
     A course is one of the loads, P or P_c at the stick edge, through one phase of slip: E-G
-    (reverse), I-J or J-M (forward); I-M is both of these. Courses are cut at the `corner_loads`
-    (n,) of the profile, between which `log_half_width`, ln a, is smooth.
+    (reverse), I-J or J-M (forward); I-M is both of these. Courses are cut at the `cut_loads` (n,),
+    between which `log_half_width`, ln a as a function of the load, is smooth.
     """
     # ln a counts from that of P0, the mean load: what is left of any constant is round-off.
     log_at_mean_load = log_half_width(ellipses.mean_load[None])[0]
@@ -1163,27 +1172,32 @@ def _work_over_loads(
         )
         return weight * (log_half_width(load) - log_at_mean_load[ellipse_of_interval])
 
-    # (courses, m) and (m,); checks are taken relative to 50 P0^2 at least
+    # (courses, m) and (m,); _LEAST_WORK_OVER_SQUARED_LOAD: error checks are relative to 50 P0^2 at
+    # least
     works_of_courses, error_of_work = _integrals_by_group(
         ellipses,
-        _intervals_of_courses(ellipses, corner_loads),
+        _intervals_of_courses(ellipses, cut_loads),
         len(_COURSE_NAMES),
         weighted_log,
         _COURSE_RULES,
         _CONVERGED_COEFFICIENT_SHARE,
-        _LEAST_WORK_OF_COURSES,
+        _LEAST_WORK_OVER_SQUARED_LOAD,
     )
     (
         load_term_of_reverse_slip,
         load_term_of_forward_slip,
-        stick_term_of_reverse_slip,
-        early_stick_term,
-        late_stick_term,
+        stick_edge_term_of_reverse_slip,
+        stick_edge_term_of_early_forward_slip,
+        stick_edge_term_of_late_forward_slip,
     ) = works_of_courses
     # a last digit, 1e-15, of the square of the largest load
     error_of_work += _LAST_DIGIT_SHARE * np.square(ellipses.mean_load + ellipses.load_amplitude)
-    forward_work = load_term_of_forward_slip + early_stick_term + late_stick_term
-    reverse_work = load_term_of_reverse_slip + stick_term_of_reverse_slip
+    forward_work = (
+        load_term_of_forward_slip
+        + stick_edge_term_of_early_forward_slip
+        + stick_edge_term_of_late_forward_slip
+    )
+    reverse_work = load_term_of_reverse_slip + stick_edge_term_of_reverse_slip
     return np.stack([forward_work, reverse_work, error_of_work])
 
 
@@ -1231,18 +1245,19 @@ class _Course(NamedTuple):
     load_is_cosine: bool
 
 
-def _intervals_of_courses(ellipses: Ellipses, corner_loads: Array) -> AngleIntervals:
+def _intervals_of_courses(ellipses: Ellipses, cut_loads: Array) -> AngleIntervals:
     """Intervals of angle [rad] in which friction work is integrated along the courses of the loads;
     in each the load is monotonic, and the contact half-width smooth.
 
     A course is P, or P_c at the stick edge, through one phase of slip. It is cut where its load is
-    one of the `corner_loads` (n,) of the profile. The groups of intervals are the five courses: P
-    in E-G (reverse slip), P in I-M (forward slip), P_c in E-G, in I-J and in J-M. An interval
-    begins at its lower load, to which the nodes of the rules crowd.
+    one of the `cut_loads` (n,), those of the profile's corners, for instance. The groups of
+    intervals are the five courses: P in E-G (reverse slip), P in I-M (forward slip), P_c in E-G, in
+    I-J and in J-M. An interval begins at its lower load, to which the nodes of the rules crowd.
     """
     intervals_of_courses = []
-    for course_number, course in enumerate(_courses_of_loads(ellipses, corner_loads)):
-        # first and last angle (m,), and angles at which the course is cut if they are between
+    for course_number, course in enumerate(_courses_of_loads(ellipses, cut_loads)):
+        # first and last angle (m,), angles at which the course is cut if they are between, and
+        # whether the load is P0 + P1 cos(angle)
         first_angle, last_angle, inner_cuts, load_is_cosine = course
         unsorted_angles = np.concatenate([first_angle[None], *inner_cuts, last_angle[None]])
         cut_angles = np.sort(
@@ -1252,7 +1267,7 @@ def _intervals_of_courses(ellipses: Ellipses, corner_loads: Array) -> AngleInter
         begin_angle = cut_angles[cut_number, ellipse_of_interval]
         end_angle = cut_angles[cut_number + 1, ellipse_of_interval]
         if load_is_cosine:
-            # P0 + P1 cos(angle) grows from pi to 2 pi; where it falls the ends change places.
+            # The load grows from pi to 2 pi; where it falls the ends change places.
             load_grows = (begin_angle + end_angle) / (2 * math.pi) % 2 > 1
             begin_angle, end_angle = np.where(
                 load_grows, [begin_angle, end_angle], [end_angle, begin_angle]
@@ -1267,75 +1282,75 @@ def _intervals_of_courses(ellipses: Ellipses, corner_loads: Array) -> AngleInter
     return AngleIntervals.joined(intervals_of_courses)
 
 
-def _courses_of_loads(ellipses: Ellipses, corner_loads: Array) -> tuple[_Course, ...]:
+def _courses_of_loads(ellipses: Ellipses, cut_loads: Array) -> tuple[_Course, ...]:
     """The five courses of loads along which the friction work is integrated, each with its range of
     angle and the angles at which it is cut: P in E-G (reverse slip) and in I-M (forward slip), P_c
     in E-G, in I-J and in J-M.
 
     Integrated by parts, the work has ln a(P) and ln a(P_c), a the contact half-width. So a course
     is P, or P_c, through one phase of slip. P_c is the load at the stick edge,
-    `permanent_stick_load` the least P_c. Cuts are where P or P_c is one of the `corner_loads` (n,),
-    the loads of the profile's corners, and where P is largest or least. Along P the angle is the
-    time t of P = P0 + P1 cos t. Along P_c in I-J it is 2 t_I - t, with t_I the begin of forward
-    slip. Along P_c in E-G and J-M it counts back from the end of the phase. E-G and J-M are
+    `permanent_stick_load` the least P_c. Cuts are where P or P_c is one of the `cut_loads` (n,),
+    those of the profile's corners, for instance, and where P is largest or least. Along P the angle
+    is the time t of P = P0 + P1 cos t. Along P_c in I-J it is 2 t_I - t, with t_I the start of
+    forward slip. Along P_c in E-G and J-M it counts back from the end of the phase. E-G and J-M are
     `slip_angle` long; E-G begins at `slip_start`, and I half a turn later.
     """
-    is_in_range = (corner_loads > 0.99 * np.min(ellipses.permanent_stick_load)) & (
-        corner_loads < np.max(ellipses.mean_load + ellipses.load_amplitude)
+    is_in_range = (cut_loads > 0.99 * np.min(ellipses.permanent_stick_load)) & (
+        cut_loads < np.max(ellipses.mean_load + ellipses.load_amplitude)
     )
-    corner_loads = corner_loads[is_in_range, None]
-    begin_of_reverse_slip = ellipses.slip_start
+    loads_in_range = cut_loads[is_in_range, None]
+    start_of_reverse_slip = ellipses.slip_start
     full_turn = 2 * math.pi
-    # t in [0, pi] at which P is the load of a corner; `load_moves` is False for constant P
-    cosine_at_corner = (corner_loads - ellipses.mean_load) / np.where(
+    # t in [0, pi] at which P is one of the loads; `load_moves` is False for constant P
+    cosine_at_cut_load = (loads_in_range - ellipses.mean_load) / np.where(
         ellipses.load_moves, ellipses.load_amplitude, np.inf
     )
-    angle_at_corner = np.arccos(np.clip(cosine_at_corner, -1.0, 1.0))
-    # angles at which P_c is the load of a corner, counted back from the end: in E-G and in J-M
+    angle_at_cut_load = np.arccos(np.clip(cosine_at_cut_load, -1.0, 1.0))
+    # angles at which P_c is such a load, counted back from the end: in E-G and in J-M
     stick_edge_angle_in_reverse_slip, stick_edge_angle_in_late_forward_slip = _stick_edge_angles(
-        ellipses, corner_loads
+        ellipses, loads_in_range
     )
-    zero_angles = np.zeros(len(begin_of_reverse_slip))
-    angle_of_least_load = np.full((1, len(begin_of_reverse_slip)), math.pi)
-    angle_of_largest_load = np.full((1, len(begin_of_reverse_slip)), full_turn)
+    zero_angles = np.zeros(len(start_of_reverse_slip))
+    angle_of_least_load = np.full((1, len(start_of_reverse_slip)), math.pi)
+    angle_of_largest_load = np.full((1, len(start_of_reverse_slip)), full_turn)
     cuts_of_load_in_reverse_slip = (
-        angle_at_corner,
+        angle_at_cut_load,
         angle_of_least_load,
-        full_turn - angle_at_corner,
+        full_turn - angle_at_cut_load,
         angle_of_largest_load,
     )
     cuts_of_load_in_forward_slip = (
-        full_turn - angle_at_corner,
+        full_turn - angle_at_cut_load,
         angle_of_largest_load,
-        full_turn + angle_at_corner,
+        full_turn + angle_at_cut_load,
     )
-    end_of_reverse_slip = begin_of_reverse_slip + ellipses.slip_angle
+    end_of_reverse_slip = start_of_reverse_slip + ellipses.slip_angle
     # load_is_cosine: the load is P0 + P1 cos(angle), P0 the mean load, P1 its amplitude
     load_course_of_reverse_slip = _Course(
-        begin_of_reverse_slip,
+        start_of_reverse_slip,
         end_of_reverse_slip,
         cuts_of_load_in_reverse_slip,
         load_is_cosine=True,
     )
     load_course_of_forward_slip = _Course(
-        begin_of_reverse_slip + math.pi,
-        begin_of_reverse_slip + full_turn,
+        start_of_reverse_slip + math.pi,
+        start_of_reverse_slip + full_turn,
         cuts_of_load_in_forward_slip,
         load_is_cosine=True,
     )
-    stick_course_of_reverse_slip = _Course(
+    stick_edge_course_of_reverse_slip = _Course(
         zero_angles,
         ellipses.slip_angle,
         (stick_edge_angle_in_reverse_slip,),
         load_is_cosine=False,
     )
-    early_stick_course = _Course(
+    stick_edge_course_of_early_forward_slip = _Course(
         end_of_reverse_slip,
-        begin_of_reverse_slip + math.pi,
-        (full_turn - angle_at_corner,),
+        start_of_reverse_slip + math.pi,
+        (full_turn - angle_at_cut_load,),
         load_is_cosine=True,
     )
-    late_stick_course = _Course(
+    stick_edge_course_of_late_forward_slip = _Course(
         zero_angles,
         ellipses.slip_angle,
         (stick_edge_angle_in_late_forward_slip,),
@@ -1344,13 +1359,13 @@ def _courses_of_loads(ellipses: Ellipses, corner_loads: Array) -> tuple[_Course,
     return (
         load_course_of_reverse_slip,
         load_course_of_forward_slip,
-        stick_course_of_reverse_slip,
-        early_stick_course,
-        late_stick_course,
+        stick_edge_course_of_reverse_slip,
+        stick_edge_course_of_early_forward_slip,
+        stick_edge_course_of_late_forward_slip,
     )
 
 
-def log_weight_and_load(name: str, ellipses: Ellipses, angle: Array) -> tuple[Array, Array]:
+def log_weight_and_load(course_name: str, ellipses: Ellipses, angle: Array) -> tuple[Array, Array]:
     """Weight of ln a per rad in the friction work W pi E*/(2 f^2), and the load, shape of `angle`,
     along one course: P, or P_c at the stick edge, through a phase of slip.
 
@@ -1363,18 +1378,18 @@ def log_weight_and_load(name: str, ellipses: Ellipses, angle: Array) -> tuple[Ar
     #           `reverse_amplitude`) amplitudes of (Q -+ f P)/f; D (`slip_angle`) length of E-G and
     #           of J-M
 
-    `name` is the load and the phase: "P, E-G", "P, I-M", "P_c, E-G", "P_c, I-J" or "P_c, J-M". E-G
-    is reverse slip, I-M = I-J and J-M forward slip. a is the contact half-width. `angle` [rad] is
-    the variable along the course: t for P, 2 t_I - t for P_c in I-J, else counted back from the end
-    of the phase. One tangent of half of it stands for sine and cosine, since numpy has it in vector
-    code.
+    `course_name` is the load and the phase: "P, E-G", "P, I-M", "P_c, E-G", "P_c, I-J" or "P_c,
+    J-M". E-G is reverse slip, I-M = I-J and J-M forward slip. a is the contact half-width. `angle`
+    [rad] is the variable along the course: t for P, 2 t_I - t for P_c in I-J, else counted back
+    from the end of the phase. One tangent of half of it stands for sine and cosine, since numpy has
+    it in vector code.
     """
     tangent_of_half = np.tan(angle / 2)
     squared_tangent_of_half = tangent_of_half * tangent_of_half
     squared_cosine_of_half = 1 / (1 + squared_tangent_of_half)
     cosine = (1 - squared_tangent_of_half) * squared_cosine_of_half
     sine = 2 * tangent_of_half * squared_cosine_of_half
-    if name == "P_c, E-G":
+    if course_name == "P_c, E-G":
         return _log_weight_and_stick_edge_load(
             ellipses,
             ellipses.reverse_amplitude,
@@ -1384,7 +1399,7 @@ def log_weight_and_load(name: str, ellipses: Ellipses, angle: Array) -> tuple[Ar
             cosine,
             sine,
         )
-    if name == "P_c, J-M":
+    if course_name == "P_c, J-M":
         return _log_weight_and_stick_edge_load(
             ellipses,
             ellipses.forward_amplitude,
@@ -1398,7 +1413,7 @@ def log_weight_and_load(name: str, ellipses: Ellipses, angle: Array) -> tuple[Ar
     load = (
         ellipses.mean_load - ellipses.load_amplitude
     ) + 2 * ellipses.load_amplitude * squared_cosine_of_half
-    if name == "P_c, I-J":
+    if course_name == "P_c, I-J":
         # cosine and sine of the angle from t_E
         cosine_from_start = ellipses.cosine_of_start * cosine + ellipses.sine_of_start * sine
         sine_from_start = ellipses.cosine_of_start * sine - ellipses.sine_of_start * cosine
@@ -1406,14 +1421,14 @@ def log_weight_and_load(name: str, ellipses: Ellipses, angle: Array) -> tuple[Ar
         weight_over_amplitudes = (1 - cosine_from_start) * sine + squared_sine_term
         return -ellipses.forward_amplitude * ellipses.load_amplitude * weight_over_amplitudes, load
     # along P: the phase ends at t_E + D, or at t_E a turn later
-    if name == "P, E-G":
-        slip_amplitude = ellipses.reverse_amplitude
+    if course_name == "P, E-G":
+        level_amplitude = ellipses.reverse_amplitude
         end_angle = ellipses.slip_start + ellipses.slip_angle
     else:
-        slip_amplitude = ellipses.forward_amplitude
+        level_amplitude = ellipses.forward_amplitude
         end_angle = ellipses.slip_start
     cosine_to_end = np.cos(end_angle) * cosine + np.sin(end_angle) * sine
-    return slip_amplitude * ellipses.load_amplitude * sine * (cosine_to_end - 1), load
+    return level_amplitude * ellipses.load_amplitude * sine * (cosine_to_end - 1), load
 
 
 def _log_weight_and_stick_edge_load(
@@ -1475,7 +1490,7 @@ def _integrals_by_group(
     integrand: Callable[[Indices, Indices, Array], Array],
     rules: tuple[IntervalRule, ...],
     converged_share: float,
-    least_work: float = 0.0,
+    least_work_over_squared_load: float = 0.0,
 ) -> tuple[Array, Array]:
     """Friction work W of m load ellipses by adaptive quadrature over the angle: integrals summed by
     group, (n_groups, m), and the error of W of each ellipse, (m,).
@@ -1493,31 +1508,33 @@ def _integrals_by_group(
     rules
         quadrature rules. The error check of a rule is a sum over its nodes that is 0 but for the
         error of the integral
-    converged_share, least_work
+    converged_share, least_work_over_squared_load
         an interval has converged if its error check is below `converged_share` times W, or times
-        `least_work` P0^2 where that is more, P0 the mean load. Fewer than 100 ellipses take neither
-        `least_work` nor any rule but the last
+        `least_work_over_squared_load` P0^2 where that is more, P0 the mean load. Fewer than 100
+        ellipses take 0 for the latter, and the last rule alone
     """
     n_ellipses = len(ellipses.mean_load)
     if n_ellipses < _FEW_ELLIPSES:  # one rule: the number of calls costs, not the nodes
         intervals = intervals._replace(
             rule_number=np.full(len(intervals.rule_number), len(rules) - 1)
         )
-        least_work = 0.0
+        least_work_over_squared_load = 0.0
     squared_mean_load = np.square(ellipses.mean_load)
     sums = _SumsOfIntervals(np.zeros((n_groups, n_ellipses)), np.zeros(n_ellipses))
-    largest_check_allowed = np.zeros(n_ellipses)
+    check_limit = np.zeros(n_ellipses)
     for n_halvings_so_far in range(_MOST_HALVINGS + 1):
         # of each interval, (n,): its integral, and the largest of its error checks
         integrals, largest_checks = _integrals_of_intervals(intervals, integrand, rules)
         ellipse_of_interval = intervals.ellipse
         if not n_halvings_so_far:
             work_of_ellipse = np.bincount(ellipse_of_interval, integrals, n_ellipses)
-            reference_work = np.maximum(work_of_ellipse, least_work * squared_mean_load)
-            largest_check_allowed = converged_share * reference_work
+            reference_work = np.maximum(
+                work_of_ellipse, least_work_over_squared_load * squared_mean_load
+            )
+            check_limit = converged_share * reference_work
         has_converged, interval_errors = _convergence_of_intervals(
             largest_checks,
-            largest_check_allowed[ellipse_of_interval],
+            check_limit[ellipse_of_interval],
             squared_mean_load[ellipse_of_interval],
             n_halvings_so_far,
         )
@@ -1534,7 +1551,7 @@ def _integrals_by_group(
 
 
 def _convergence_of_intervals(
-    largest_checks: Array, largest_check_allowed: Array, squared_mean_load: Array, n_halvings: int
+    largest_checks: Array, check_limit: Array, squared_mean_load: Array, n_halvings: int
 ) -> tuple[NDArray[np.bool_], Array]:
     """Whether the integral over each of n intervals of angle has converged, and an upper bound of
     its error, (n,) each.
@@ -1547,15 +1564,15 @@ def _convergence_of_intervals(
     largest_checks
         (n,) the largest of sums over the interval that are 0 but for the error of the rule; NaN
         counts as converged
-    largest_check_allowed
-        (n,) the share of W below which the check is small
+    check_limit
+        (n,) a share of W; the check is small up to this
     squared_mean_load
         (n,) P0^2 of the ellipse that the interval belongs to
     n_halvings
         how many times the intervals have been halved
     """
     # not (>): NaN counts as converged
-    is_check_small = ~(largest_checks > largest_check_allowed)
+    is_check_small = ~(largest_checks > check_limit)
     # of P0^2: _NEGLIGIBLE_CHECK_SHARE = 1e-14
     is_check_negligible = largest_checks <= _NEGLIGIBLE_CHECK_SHARE * squared_mean_load
     # _FEW_HALVINGS = 3
@@ -1599,8 +1616,8 @@ def _integrals_of_intervals(
             begin_angle = intervals.begin_angle[interval_numbers]
             end_angle = intervals.end_angle[interval_numbers]
             angle = (
-                np.where(rule.starts_at_lower_end, begin_angle, end_angle)
-                + (end_angle - begin_angle) * rule.distance_from_end
+                np.where(rule.counts_from_lower_end, begin_angle, end_angle)
+                + (end_angle - begin_angle) * rule.signed_distance
             )
             values_at_nodes = integrand(
                 intervals.group[interval_numbers], intervals.ellipse[interval_numbers], angle
@@ -1608,7 +1625,7 @@ def _integrals_of_intervals(
             interval_length = np.abs(end_angle - begin_angle)
             integrals[interval_numbers] = rule.weight @ values_at_nodes * interval_length
             largest_checks[interval_numbers] = (
-                np.max(np.abs(rule.error_checks @ values_at_nodes), axis=0) * interval_length
+                np.max(np.abs(rule.check_weights @ values_at_nodes), axis=0) * interval_length
             )
     return integrals, largest_checks
 
@@ -1817,7 +1834,7 @@ def works_by_lam(
     times pi E*/(2 f^2), (m,) each [force^2 per thickness^2].
 
     For profiles whose kernel of the work is cheap. The kernel is Lam = int_{P_c}^P [ln a(eta) - ln
-    a(P_c)] d eta; of a multiple of Lam W comes out times the same factor. Each ellipse gets as few
+    a(P_c)] d eta; a multiple of Lam gives W times the same factor. Each ellipse gets as few
     nodes as it needs: one of the _LAM_RULES, nine Gauss rules and one for singular ends. Ellipses
     of one rule and one formula for Lam are integrated together. P_c is the load at the stick edge,
     a(eta) the contact half-width under the load eta.
@@ -1865,16 +1882,16 @@ def _blocks_of_kinds(kind_of_ellipse: NDArray[np.uint8]) -> Iterator[tuple[int, 
     nodes together, but at least 64.
     """
     ends_of_kinds = np.cumsum(np.bincount(kind_of_ellipse, minlength=2 * len(_LAM_RULES))).tolist()
-    begin_of_kind = 0
+    start_of_kind = 0
     for kind_number, end_of_kind in enumerate(ends_of_kinds):
         n_nodes = len(_LAM_RULES[kind_number // 2][0])
         ellipses_at_once = max(_NODES_AT_ONCE // n_nodes, 64)
-        for begin_of_block in range(begin_of_kind, end_of_kind, ellipses_at_once):
+        for start_of_block in range(start_of_kind, end_of_kind, ellipses_at_once):
             yield (
                 kind_number,
-                slice(begin_of_block, min(begin_of_block + ellipses_at_once, end_of_kind)),
+                slice(start_of_block, min(start_of_block + ellipses_at_once, end_of_kind)),
             )
-        begin_of_kind = end_of_kind
+        start_of_kind = end_of_kind
 
 
 def _works_of_sums(ellipses: Ellipses, sums_by_phase: Array) -> tuple[Array, Array]:
@@ -1884,16 +1901,18 @@ def _works_of_sums(ellipses: Ellipses, sums_by_phase: Array) -> tuple[Array, Arr
     # notation: u, v (`forward_amplitude`, `reverse_amplitude`) amplitudes of (Q -+ f P)/f; P0, P1
     #           mean and amplitude of P; D (`slip_angle`) length of reverse slip E-G and of later
     #           forward slip J-M [rad], pi - D of earlier forward slip I-J; `sine_of_start`
-    #           sin(t_E), t_E the begin of E-G; P_c load at the stick edge
+    #           sin(t_E), t_E the start of E-G; P_c load at the stick edge
 
     `sums_by_phase` (3, m) are those of E-G, J-M and I-J. The factors are D v, D u and, in I-J,
     (pi - D) u over twice the largest P - P_c. There is no earlier forward slip where the slip zones
     carry less than 1e-200 of P0.
     """
-    # 2 by the rates at the nodes
-    integral_of_reverse_slip, integral_of_late_slip, integral_of_early_slip = 2 * sums_by_phase
+    # the rates of slip, twice a product of sine and cosine, are summed without that factor 2
+    integral_of_reverse_slip, integral_of_late_forward_slip, integral_of_early_forward_slip = (
+        2 * sums_by_phase
+    )
     twice_largest_slip_zone_load = 4 * ellipses.load_amplitude * ellipses.sine_of_start
-    integral_of_early_slip *= (
+    integral_of_early_forward_slip *= (
         (math.pi - ellipses.slip_angle)
         * ellipses.forward_amplitude
         / np.where(
@@ -1903,8 +1922,8 @@ def _works_of_sums(ellipses: Ellipses, sums_by_phase: Array) -> tuple[Array, Arr
         )
     )
     return (
-        integral_of_late_slip * ellipses.slip_angle * ellipses.forward_amplitude
-        + integral_of_early_slip,
+        integral_of_late_forward_slip * ellipses.slip_angle * ellipses.forward_amplitude
+        + integral_of_early_forward_slip,
         integral_of_reverse_slip * ellipses.slip_angle * ellipses.reverse_amplitude,
     )
 
@@ -1934,11 +1953,10 @@ def error_of_works_by_lam(
     """Upper bound of the error of the friction work by its kernel Lam, (m,), as of W pi E*/(2 f^2)
     [force^2 per thickness^2].
 
-    A quick or a careful formula gives Lam.
     Lam is the integral of ln a - ln a(P_c) over the loads from P_c, that at the stick edge, to P; a
-    is the contact half-width. The quick formula is a difference, which loses the last digits of P
-    times L, L = ln a. u and v (`forward_amplitude`, `reverse_amplitude`) are the amplitudes of
-    (Q -+ f P)/f, P0 and P1 mean and amplitude of P.
+    is the contact half-width. A quick or a careful formula gives it. The quick one is a difference,
+    which loses the last digits of P times L, L = ln a. u and v (`forward_amplitude`,
+    `reverse_amplitude`) are the amplitudes of (Q -+ f P)/f, P0 and P1 mean and amplitude of P.
 
     Parameters
     ----------
@@ -1951,7 +1969,7 @@ def error_of_works_by_lam(
         size of L = ln a, (m,) or one for all
     """
     # 1e-15 of the largest load times u + v and the size of L
-    last_digits = (
+    roundoff_of_quick_kernel = (
         _LAST_DIGIT_SHARE
         * (ellipses.mean_load + ellipses.load_amplitude)
         * (ellipses.forward_amplitude + ellipses.reverse_amplitude)
@@ -1961,7 +1979,7 @@ def error_of_works_by_lam(
     return (
         roundoff_error(ellipses, work)
         + _RELATIVE_ERROR_OF_LAM_RULES * np.abs(work)
-        + np.where(_takes_careful_kernel(ellipses, deep_share), 0.0, last_digits)
+        + np.where(_takes_careful_kernel(ellipses, deep_share), 0.0, roundoff_of_quick_kernel)
     )
 
 
@@ -1974,7 +1992,7 @@ def _gauss_rule_numbers(ellipses: Ellipses) -> NDArray[np.uint8]:
 
     # notation: P and P_c normal load and load at the edge of stick, P_T least P_c, P_min least P,
     #           P1 amplitude of P; u, v forward and reverse amplitude, of (Q -+ f P)/f; s angle from
-    #           the begin of E-G and I-J; D length of E-G and of J-M, pi - D that of I-J; t_E
+    #           the start of E-G and I-J; D length of E-G and of J-M, pi - D that of I-J; t_E
     #           (`slip_start`) time t of E in P = P0 + P1 cos t; _LEAST_DIVISOR 1e-100
 
     "Good enough" leaves exp(-30) of the integrals over the phases of slip (reverse E-G, forward I-J
@@ -1990,25 +2008,32 @@ def _gauss_rule_numbers(ellipses: Ellipses) -> NDArray[np.uint8]:
     larger_amplitude = np.maximum(ellipses.forward_amplitude, ellipses.reverse_amplitude)
     least_load = ellipses.mean_load - ellipses.load_amplitude
     # squares of twice the imaginary parts: where P_c = 0 and where P = 0
-    square_at_no_stick = _square_of_imaginary(ellipses.permanent_stick_load, larger_amplitude)
-    square_at_no_load = _square_of_imaginary(least_load, 2 * ellipses.load_amplitude)
+    squared_imaginary_at_no_stick = _square_of_imaginary(
+        ellipses.permanent_stick_load, larger_amplitude
+    )
+    squared_imaginary_at_no_load = _square_of_imaginary(least_load, 2 * ellipses.load_amplitude)
     # Real part and squared imaginary part of singularities, each phase being the interval [-1, 1].
     # J-M is as long as E-G, and the larger of u and v serves both: one entry stands for P_c = 0 in
     # either. Which end of the interval it is beside makes no difference to the sum of distances.
-    no_stick_in_slip = (
+    singularity_without_stick = (
         -1.0,
-        square_at_no_stick / (length_of_reverse_slip * length_of_reverse_slip),
+        squared_imaginary_at_no_stick / (length_of_reverse_slip * length_of_reverse_slip),
     )
-    no_load_in_reverse_slip = (
+    singularity_without_load_in_reverse_slip = (
         2 * (math.pi - ellipses.slip_start) / length_of_reverse_slip - 1,
-        square_at_no_load / (length_of_reverse_slip * length_of_reverse_slip),
+        squared_imaginary_at_no_load / (length_of_reverse_slip * length_of_reverse_slip),
     )
-    no_load_in_early_forward_slip = (
+    singularity_without_load_in_early_forward_slip = (
         2 * ellipses.slip_start / length_of_early_forward_slip - 1,
-        square_at_no_load / (length_of_early_forward_slip * length_of_early_forward_slip),
+        squared_imaginary_at_no_load
+        / (length_of_early_forward_slip * length_of_early_forward_slip),
     )
     half_sum_of_distances = np.full(len(length_of_reverse_slip), np.inf)
-    singularities = (no_stick_in_slip, no_load_in_reverse_slip, no_load_in_early_forward_slip)
+    singularities = (
+        singularity_without_stick,
+        singularity_without_load_in_reverse_slip,
+        singularity_without_load_in_early_forward_slip,
+    )
     for real_part, squared_imaginary_part in singularities:
         half_sum_at_singularity = _half_sum_of_distances(real_part, squared_imaginary_part)
         np.minimum(half_sum_of_distances, half_sum_at_singularity, out=half_sum_of_distances)
@@ -2039,7 +2064,7 @@ def _phase_parameters(ellipses: Ellipses, least_share: float) -> Array:
     # notation: h half the angle from E to G, g half of that from I to J; P_T permanent stick load,
     #           P_min least load, P1 amplitude of P; u, v forward and reverse amplitude, of (Q -+ f
     #           P)/f; alpha = sqrt(2 P1) sin(t_E/2), beta = sqrt(2 P1) cos(t_E/2), t_E time of E,
-    #           the begin of reverse slip, with its sine and cosine `sine_of_start`,
+    #           the start of reverse slip, with its sine and cosine `sine_of_start`,
     #           `cosine_of_start`; k = 4 alpha beta
 
     E-G is reverse slip, I-J the first part of forward slip. Loads below `least_share` of the mean
@@ -2302,11 +2327,13 @@ class LamTable:
         position_bits = bits & _FRACTION_BITS
         position_bits <<= _CELL_BITS
         position_bits |= _BITS_OF_ONE
-        cell = bits >> (52 - _CELL_BITS)
-        cell -= self._first_cell
-        if cell.size and (cell.min() < 0 or cell.max() >= self._integral_of_log.shape[1]):
+        cell_number = bits >> (52 - _CELL_BITS)
+        cell_number -= self._first_cell
+        if cell_number.size and (
+            cell_number.min() < 0 or cell_number.max() >= self._integral_of_log.shape[1]
+        ):
             raise AssertionError("a load outside the table of Lam")
-        return cell, position_bits.view(np.float64) - 1.5
+        return cell_number, position_bits.view(np.float64) - 1.5
 
     def quick_kernel(self, stick_edge_load: Array, slip_zone_load: Array, buffer: Array) -> Array:
         """Kernel Lam of the friction work by differences of tables, (phases, n, m): to some 1e-16
@@ -2323,15 +2350,15 @@ class LamTable:
         for edge_load, load_above_stick, lam in zip(
             stick_edge_load, slip_zone_load, buffer, strict=True
         ):
-            # cell of the table, and position in it, of P and of P_c
-            cell, position = self._cell_and_position(
+            # number of the table's cell, and position in it, of P (0) and of P_c (1)
+            cell_number, position = self._cell_and_position(
                 np.stack([edge_load + load_above_stick, edge_load])
             )
             integral_to_load, integral_to_edge = _polynomials_at(
-                self._integral_of_log, cell, position
+                self._integral_of_log, cell_number, position
             )
             integral_to_load -= integral_to_edge
-            log_at_edge = _polynomials_at(self._log_half_width, cell[1], position[1])
+            log_at_edge = _polynomials_at(self._log_half_width, cell_number[1], position[1])
             np.multiply(load_above_stick, log_at_edge, out=lam)
             np.subtract(integral_to_load, lam, out=lam)
         return buffer
@@ -2348,8 +2375,8 @@ class LamTable:
         """
         integral_of_slope = np.zeros(stick_edge_load.shape)
         # Gauss' nodes z of [0, 1], and weights that include 1 - z
-        for node, weight in _RULE_FOR_CLOSE_LOADS:
-            load_at_node = stick_edge_load + node * slip_zone_load
+        for z, weight in _RULE_FOR_CLOSE_LOADS:
+            load_at_node = stick_edge_load + z * slip_zone_load
             slope_at_node = _polynomials_at(
                 self._slope_of_log, *self._cell_and_position(load_at_node)
             )
@@ -2362,14 +2389,14 @@ class LamTable:
 
 
 def _polynomials_at(
-    coefficients_of_cells: Array, cell: NDArray[np.int64], position: Array
+    coefficients_of_cells: Array, cell_number: NDArray[np.int64], position: Array
 ) -> Array:
     """Values of the table's polynomials in the given cells at positions from -1/2 to 1/2 in them,
-    shape of `cell`. `coefficients_of_cells` is (powers from the lowest, cells).
+    shape of `cell_number`. `coefficients_of_cells` is (powers from the lowest, cells).
     """
-    polynomial = coefficients_of_cells[-1].take(cell, mode="clip")
-    coefficient = np.empty(cell.shape)
+    values = coefficients_of_cells[-1].take(cell_number, mode="clip")
+    coefficients = np.empty(cell_number.shape)
     for coefficients_of_power in coefficients_of_cells[-2::-1]:
-        polynomial *= position
-        polynomial += coefficients_of_power.take(cell, mode="clip", out=coefficient)
-    return polynomial
+        values *= position
+        values += coefficients_of_power.take(cell_number, mode="clip", out=coefficients)
+    return values
