@@ -131,7 +131,7 @@ def maxima_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
         return np.concatenate(maxima_of_blocks, axis=1)
 
     # (m, n) from the edge of permanent stick to the largest contact
-    sample_places = _sample_points(ellipses, contact)
+    sample_places = _sample_places(ellipses, contact)
     density_at = _density_function(ellipses, contact)
     # W(x) there, and for which ellipses some W(x) is NaN
     samples_of_density, is_unknown = _sampled_density(
@@ -230,7 +230,7 @@ def _local_maxima(samples: _Samples, density_at: Callable[..., Array]) -> _Local
     )
     sample_numbers = np.flatnonzero(is_local_maximum) + 1
     ellipse_number = samples.ellipse_number[sample_numbers]
-    # (3, n): each sample with its neighbours
+    # (3, n): each sample with its neighbours; _NEIGHBOUR_OFFSETS: -1, 0, 1
     samples_of_brackets = sample_numbers + _NEIGHBOUR_OFFSETS
     # (3, n) each, until W may rise by 1e-5 of itself, later by 1e-10
     bracket_places, _ = _narrowed_brackets(
@@ -278,8 +278,8 @@ def _largest_maximum(
     is_unknown: NDArray[np.bool_],
     density_at: Callable[..., Array],
 ) -> _Peaks:
-    """The largest maximum over x of the friction work per area W(x) of each load ellipse, with its
-    error from above and its place |x|, (m,) each.
+    """The largest maximum over x of the friction work per area W(x) of each load ellipse, with an
+    upper bound of its error and its place |x|, (m,) each.
 
     W comes times pi E*/(2 f^2). It is 0 where nothing slips, NaN where it `is_unknown` (m,) at some
     sample. The error adds how far W may rise between the last three places about the maximum, the
@@ -334,12 +334,12 @@ def _relative_roundoff(ellipses: Ellipses) -> Array:
     largest P = P0 + P1. P_c is the load at the stick edge. `slip_zone_load_scale` is the largest P
     - P_c of an ellipse to a factor of two.
     """
-    slip_load = ellipses.slip_zone_load_scale
+    slip_zone_load = ellipses.slip_zone_load_scale
     # LAST_DIGITS: four round-offs
     share_of_last_digits = (
         LAST_DIGITS
         * (ellipses.mean_load + ellipses.load_amplitude)
-        / np.where(slip_load > 0, slip_load, np.inf)
+        / np.where(slip_zone_load > 0, slip_zone_load, np.inf)
     )
     # PROMISED_ERROR: 1e-12
     return np.asarray(PROMISED_ERROR + 3 * share_of_last_digits)
@@ -400,7 +400,7 @@ def _second_maximum(
     least_density_in_range = np.minimum.reduceat(sampled_density, sample_ranges.T.ravel())[::2]
     # _LEAST_FALL_SHARE: 1e-3
     least_fall = np.maximum(_LEAST_FALL_SHARE * peaks.density, 2 * peaks.error)
-    # By ascending W: the last one of an ellipse stays.
+    # By ascending W: the last maximum of an ellipse overwrites those before.
     maximum_numbers = local_maxima.numbers_by_ascending_density()
     ellipse_of_maximum = local_maxima.ellipse_number[maximum_numbers]
     density_of_maximum = local_maxima.vertex.density[maximum_numbers]
@@ -409,12 +409,12 @@ def _second_maximum(
         least_density_in_range[maximum_numbers]
         < density_of_maximum - least_fall[ellipse_of_maximum]
     )
-    second_numbers = maximum_numbers[is_not_largest & is_distinct]
-    second_density[local_maxima.ellipse_number[second_numbers]] = local_maxima.vertex.density[
-        second_numbers
-    ]
-    second_place[local_maxima.ellipse_number[second_numbers]] = local_maxima.vertex.place[
-        second_numbers
+    second_maximum_numbers = maximum_numbers[is_not_largest & is_distinct]
+    second_density[local_maxima.ellipse_number[second_maximum_numbers]] = (
+        local_maxima.vertex.density[second_maximum_numbers]
+    )
+    second_place[local_maxima.ellipse_number[second_maximum_numbers]] = local_maxima.vertex.place[
+        second_maximum_numbers
     ]
     return second_density, second_place
 
@@ -471,27 +471,29 @@ def _sampled_density(
     is_unknown = np.bincount(ellipse_of_sample, np.isnan(density_at_samples), len(places)) > 0
     # Nothing is dissipated at the ends of the slip zone: no maximum is there, and ellipses next to
     # each other stay apart.
-    first_of_ellipse = np.flatnonzero(np.diff(ellipse_of_sample, prepend=-1))
-    last_of_ellipse = np.append(first_of_ellipse[1:], len(sample_places)) - 1
-    density_at_samples[first_of_ellipse] = 0.0
-    density_at_samples[last_of_ellipse] = 0.0
+    first_sample_of_ellipse = np.flatnonzero(np.diff(ellipse_of_sample, prepend=-1))
+    last_sample_of_ellipse = np.append(first_sample_of_ellipse[1:], len(sample_places)) - 1
+    density_at_samples[first_sample_of_ellipse] = 0.0
+    density_at_samples[last_sample_of_ellipse] = 0.0
     samples = _Samples(ellipse_of_sample, sample_places, density_at_samples)
 
     # Samples are put closer where W is nearly level, lest one of two maxima next to each other is
     # missed: at a quarter, a half and three quarters of each level interval.
-    level_intervals = _level_intervals(samples, slip_zone_widths)
+    level_interval_numbers = _level_interval_numbers(samples, slip_zone_widths)
     added_places = (
-        sample_places[level_intervals]
-        + np.diff(sample_places)[level_intervals] * _QUARTER_FRACTIONS[:, None]
+        sample_places[level_interval_numbers]
+        + np.diff(sample_places)[level_interval_numbers] * _QUARTER_FRACTIONS[:, None]
     ).ravel()
-    ellipse_of_added_sample = np.tile(ellipse_of_sample[level_intervals], len(_QUARTER_FRACTIONS))
+    ellipse_of_added_sample = np.tile(
+        ellipse_of_sample[level_interval_numbers], len(_QUARTER_FRACTIONS)
+    )
     added_samples = _Samples(
         ellipse_of_added_sample, added_places, density_at(ellipse_of_added_sample, added_places)
     )
     return samples.joined_with(added_samples), is_unknown
 
 
-def _level_intervals(samples: _Samples, slip_zone_widths: Array) -> Indices:
+def _level_interval_numbers(samples: _Samples, slip_zone_widths: Array) -> Indices:
     """Numbers (k,) of the intervals between neighbouring samples of W(x) that are wide, and over
     which W(x), the friction work per area, is nearly level without being negligible.
 
@@ -501,8 +503,8 @@ def _level_intervals(samples: _Samples, slip_zone_widths: Array) -> Indices:
     last sample.
     """
     ellipse_of_interval = samples.ellipse_number[:-1]
-    first_of_ellipse = np.flatnonzero(np.diff(samples.ellipse_number, prepend=-1))
-    largest_densities = np.maximum.reduceat(samples.density, first_of_ellipse)
+    first_sample_of_ellipse = np.flatnonzero(np.diff(samples.ellipse_number, prepend=-1))
+    largest_densities = np.maximum.reduceat(samples.density, first_sample_of_ellipse)
     # _NEARLY_LEVEL_FRACTION: 0.01
     negligible_density = (_NEARLY_LEVEL_FRACTION * largest_densities)[ellipse_of_interval]
     is_above_negligible_density = (samples.density[:-1] > negligible_density) & (
@@ -517,7 +519,7 @@ def _level_intervals(samples: _Samples, slip_zone_widths: Array) -> Indices:
     return np.flatnonzero(is_level_interval & is_wide_interval)
 
 
-def _sample_points(ellipses: Ellipses, contact: SymmetricContact) -> Array:
+def _sample_places(ellipses: Ellipses, contact: SymmetricContact) -> Array:
     """Places |x| at which the friction work per area W(x) of each load ellipse is sampled, (m, n).
     They ascend from the permanent stick edge to the largest contact; some of them are equal.
 
@@ -968,7 +970,7 @@ def dissipation(
         profile,
         material,
         loads,
-        _MemberResults(
+        _ResultFunction(
             works_of_members,
             n_results=5,
             n_normalised=4,
@@ -1229,7 +1231,7 @@ def peak_dissipation(
     material = _materials_of_both_bodies(material)
     # six rows; the first three, W(x), come times pi E*/(2 f^2)
     rows_of_results, reason = _results_of_members(
-        profile, material, loads, _MemberResults(_maxima_of_members, n_results=6, n_normalised=3)
+        profile, material, loads, _ResultFunction(_maxima_of_members, n_results=6, n_normalised=3)
     )
     largest_density, second_density, density_error, place, second_place, place_fraction = (
         rows_of_results
@@ -1423,8 +1425,8 @@ def _materials_of_both_bodies(material: Materials | Elastic) -> Materials:
     return Materials(upper=material, lower=material) if isinstance(material, Elastic) else material
 
 
-class _MemberResults(NamedTuple):
-    """What is computed for each member of a batch.
+class _ResultFunction(NamedTuple):
+    """The function that computes the results of the members of a batch, and what these are.
 
     Attributes
     ----------
@@ -1449,7 +1451,7 @@ def _results_of_members(
     profile: Profile | Mapping[str, Any],
     material: Materials,
     loads: EllipseLoads,
-    wanted_results: _MemberResults,
+    result_function: _ResultFunction,
 ) -> tuple[list[Array], NDArray[np.int8]]:
     """Results of each member of a batch of steady load ellipses, such as its friction work; and the
     code of the `Reason` why a member has none, 0 else.
@@ -1457,8 +1459,8 @@ def _results_of_members(
     All arrays have the broadcast shape of the inputs and are read-only. A member without results
     has NaN. Keys of the profile and loads may be arrays that broadcast.
 
-    `wanted_results` has the function that computes the rows of results. Its first `n_normalised`
-    rows come times pi E*/(2 f^2), which is undone here.
+    `result_function` computes `n_results` rows of results. The first `n_normalised` of them come
+    times pi E*/(2 f^2), which is undone here.
 
     Raises
     ------
@@ -1472,13 +1474,13 @@ def _results_of_members(
     # composite modulus E*; the contact, where one profile serves all members
     batch = _Batch(arguments.kind, material, profile)
     n_members = math.prod(arguments.shape)
-    rows_of_results = np.full((wanted_results.n_results, n_members), np.nan)
+    rows_of_results = np.full((result_function.n_results, n_members), np.nan)
     reason_codes = np.zeros(n_members, dtype=np.int8)
     # in blocks of 16,384 members (_MEMBERS_AT_ONCE)
     for first_member in range(0, n_members, _MEMBERS_AT_ONCE):
         block = slice(first_member, min(first_member + _MEMBERS_AT_ONCE, n_members))
         rows_of_results[:, block], reason_codes[block] = _results_of_block(
-            batch, *arguments.of_block(block), wanted_results
+            batch, *arguments.of_block(block), result_function
         )
     rows_of_results.flags.writeable = False
     reason_codes.flags.writeable = False
@@ -1489,26 +1491,26 @@ def _results_of_members(
 
 
 def _results_of_block(
-    batch: _Batch, loads: LoadArrays, parameters: list[Array], wanted_results: _MemberResults
+    batch: _Batch, loads: LoadArrays, parameters: list[Array], result_function: _ResultFunction
 ) -> tuple[Array, NDArray[np.int8]]:
     """Results, such as friction work, of m members of a batch, (n, m), NaN for a member without;
     and the code of the `Reason` why it has none, 0 else, (m,).
 
-    `loads` and `parameters` of the profile are (m,) each. `wanted_results` has the function that
-    computes n rows of results of admissible members. Its first `n_normalised` rows come times
+    `loads` and `parameters` of the profile are (m,) each. `result_function` computes n =
+    `n_results` rows of results of admissible members. The first `n_normalised` rows come times
     pi E*/(2 f^2), E* the `modulus`.
     """
     # why members are left out, numbers of the others in the block, and these members
     reason_codes, admissible_numbers, members = batch.members_of(loads, parameters)
-    rows_of_results = np.full((wanted_results.n_results, len(reason_codes)), np.nan)
+    rows_of_results = np.full((result_function.n_results, len(reason_codes)), np.nan)
     if len(admissible_numbers):
-        results = wanted_results.compute(members)
-        results[: wanted_results.n_normalised] *= (
+        results = result_function.compute(members)
+        results[: result_function.n_normalised] *= (
             2 / (math.pi * batch.modulus) * members.loads.friction**2
         )
         rows_of_results[:, admissible_numbers] = results
         numbers_without_result = admissible_numbers[~np.isfinite(results[0])]
-        reason_codes[numbers_without_result] = wanted_results.reason_if_not_finite
+        reason_codes[numbers_without_result] = result_function.reason_if_not_finite
     return rows_of_results, reason_codes
 
 
@@ -1663,8 +1665,8 @@ class _Batch:
         reason_codes = _reasons_of_loads(
             ellipses, mean_tangential, loads.tangential_amplitude, loads.friction
         )
-        is_too_large = loads.mean_normal + loads.normal_amplitude > self.largest_load
-        reason_codes[(reason_codes == Reason.NONE) & is_too_large] = Reason.EXTENT
+        is_load_too_large = loads.mean_normal + loads.normal_amplitude > self.largest_load
+        reason_codes[(reason_codes == Reason.NONE) & is_load_too_large] = Reason.EXTENT
         return reason_codes
 
     def _is_invalid(self, loads: LoadArrays, parameters: list[Array]) -> NDArray[np.bool_]:
@@ -1908,15 +1910,16 @@ def _is_invalid_shape(kind: str, parameters: list[Array]) -> NDArray[np.bool_]:
         for parameter, least_value in zip(parameters, least_values, strict=True)
     ]
     is_invalid = ~np.logical_and.reduce(is_in_range)
-    numbers_in_range = np.flatnonzero(~is_invalid)
-    if kind in ("polynomial", "compound") and len(numbers_in_range):
+    members_in_range = np.flatnonzero(~is_invalid)
+    if kind in ("polynomial", "compound") and len(members_in_range):
         # The profile and its contact have rules of their own: both are made once for each shape, in
-        # units of its own; InputError if a rule is broken.
-        for numbers_of_shape, shape_ratios, _, _ in _members_by_shape(
-            kind, [parameter[numbers_in_range] for parameter in parameters]
+        # units of its own; InputError if a rule is broken. The numbers of a shape count the members
+        # in range alone.
+        for numbers_of_shape_in_range, shape_ratios, _, _ in _members_by_shape(
+            kind, [parameter[members_in_range] for parameter in parameters]
         ):
             try:
                 _contact_in_own_units(kind, shape_ratios)
             except InputError:
-                is_invalid[numbers_in_range[numbers_of_shape]] = True
+                is_invalid[members_in_range[numbers_of_shape_in_range]] = True
     return is_invalid
