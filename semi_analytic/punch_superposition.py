@@ -326,8 +326,8 @@ class PunchSuperposition:
         # a - a_0, a_0 the half-width without load
         advance = self.law.edge_advance(loads)
         # int_0^a P/alpha d alpha; 0: the exponent of eta in int ln(2 L/a) d eta
-        integral_of_load, _ = self._load_per_width_integral_and_error(0, advance)
-        return loads * self._log_datum_ratio(advance) + integral_of_load
+        integral_of_load_per_width, _ = self._load_per_width_integral_and_error(0, advance)
+        return loads * self._log_datum_ratio(advance) + integral_of_load_per_width
 
     def approach_moment(self, load: ArrayLike) -> Array:
         """First moment int_0^P eta ln(2 L/a(eta)) d eta = P^2 ln(2 L/a)/2 + int_0^a P^2/(2 alpha) d
@@ -485,14 +485,14 @@ class PunchSuperposition:
         )
 
         # the rises behind that corner, where the range goes on there
-        crossing_numbers = np.flatnonzero(next_corner_advance < end_advance)
+        crossing_range_numbers = np.flatnonzero(next_corner_advance < end_advance)
         half_rise_of_load_behind_corner, half_rise_of_square_behind_corner = self._half_rises(
-            next_corner_advance[crossing_numbers],
-            end_advance[crossing_numbers],
-            corner_advances[number_of_corner_below[crossing_numbers] + 1],
+            next_corner_advance[crossing_range_numbers],
+            end_advance[crossing_range_numbers],
+            corner_advances[number_of_corner_below[crossing_range_numbers] + 1],
         )
-        half_rise_of_load[crossing_numbers] += half_rise_of_load_behind_corner
-        half_rise_of_square[crossing_numbers] += half_rise_of_square_behind_corner
+        half_rise_of_load[crossing_range_numbers] += half_rise_of_load_behind_corner
+        half_rise_of_square[crossing_range_numbers] += half_rise_of_square_behind_corner
         return half_rise_of_load / np.where(half_rise_of_square > 0, half_rise_of_square, 1.0)
 
     def _half_rises(
@@ -541,7 +541,7 @@ class PunchSuperposition:
         0.19314718056
         """
         loads, loads_above_stick = np.broadcast_arrays(as_floats(load), as_floats(slip_zone_load))
-        is_by_difference = self._is_exact_as_difference(loads, loads_above_stick)
+        is_by_difference = self._takes_difference_of_integrals(loads, loads_above_stick)
         is_by_integral = ~is_by_difference & (loads_above_stick > 0)
         kernel = np.zeros(loads.shape)
         if np.any(is_by_difference):
@@ -554,9 +554,11 @@ class PunchSuperposition:
             )
         return kernel
 
-    def _is_exact_as_difference(self, load: Array, load_above_stick: Array) -> NDArray[np.bool_]:
-        """Whether Lam(P, P_c) = int ln(a(eta)/c) d eta is taken as a difference of two larger
-        numbers, a boolean for each pair of loads.
+    def _takes_difference_of_integrals(
+        self, load: Array, load_above_stick: Array
+    ) -> NDArray[np.bool_]:
+        """Whether the kernel Lam(P, P_c) = int ln(a(eta)/c) d eta of the friction work is taken as
+        a difference of two larger integrals, a boolean for each pair of loads.
 
         So it is where P - P_c is above 2 % of P, and too long for Gauss' rule. Elsewhere Lam is
         integrated as a sum of positive terms. Gauss' rule suits a range of loads without a corner
@@ -625,13 +627,13 @@ class PunchSuperposition:
         kernel = np.zeros(load.shape)
         stick_edge_load = load - load_above_stick
         # Numbers of corner loads, at which the edge of contact is at a corner of the profile, 0
-        # first: the first above P_c, and the first that is not below P.
-        first_corner = np.searchsorted(self._corner_loads, stick_edge_load, side="right")
-        last_corner = np.maximum(
-            np.searchsorted(self._corner_loads, load, side="left"), first_corner
+        # first: of the first above P_c, and of the first that is not below P.
+        first_corner_number = np.searchsorted(self._corner_loads, stick_edge_load, side="right")
+        end_corner_number = np.maximum(
+            np.searchsorted(self._corner_loads, load, side="left"), first_corner_number
         )
         # parts of each integral, from corner to corner
-        n_parts = last_corner - first_corner + 1
+        n_parts = end_corner_number - first_corner_number + 1
         # 4096 integrals at once bound the memory.
         chunk_ends = np.arange(_INTEGRALS_AT_ONCE, len(load), _INTEGRALS_AT_ONCE)
         for integral_numbers in np.split(np.arange(len(load)), chunk_ends):
@@ -640,10 +642,12 @@ class PunchSuperposition:
             # which it lies
             integral_of_part = np.repeat(integral_numbers, n_parts_in_chunk)
             first_part_of_integral = np.cumsum(n_parts_in_chunk) - n_parts_in_chunk
-            number_in_integral = np.arange(len(integral_of_part)) - np.repeat(
+            part_number_in_integral = np.arange(len(integral_of_part)) - np.repeat(
                 first_part_of_integral, n_parts_in_chunk
             )
-            number_of_corner_below = number_in_integral + first_corner[integral_of_part] - 1
+            number_of_corner_below = (
+                part_number_in_integral + first_corner_number[integral_of_part] - 1
+            )
             integrals_of_parts = self._integrals_of_parts(
                 load[integral_of_part], load_above_stick[integral_of_part], number_of_corner_below
             )
@@ -682,7 +686,7 @@ class PunchSuperposition:
         load_range = np.where(next_corner_load >= load, load_above_begin, end_load - begin_load)
         integrals = np.zeros(len(load))
 
-        # behind a corner, or far from no load: a range below 0.3 of the load at its begin
+        # behind a corner, or far from no load: a range below 0.3 of the load at its start
         suits_gauss_rule = (number_of_corner_below > 0) | (
             load_range < _SHORT_LOAD_RANGE_SHARE * begin_load
         )
@@ -692,7 +696,7 @@ class PunchSuperposition:
                 continue
             begin_column = begin_load[uses_rule, None]
             range_column = load_range[uses_rule, None]
-            # nodes, as eta minus the load at the begin of the part, and weights, (parts, nodes)
+            # nodes, as eta minus the load at the start of the part, and weights, (parts, nodes)
             if takes_gauss_rule:
                 corner_column = corner_loads[number_of_corner_below[uses_rule], None]
                 load_above_corner = begin_column - corner_column
@@ -784,14 +788,20 @@ class PunchSuperposition:
         advance = self.law.edge_advance(load)
         half_width = self.least_half_width + advance
         if method_name == "pressure":
-            distance = np.abs(point_or_load)
-            value, error = self._pressure_and_error(load_power, distance, load)
-            error = error + self._pressure_change_by_last_digit(load_power, distance, advance)
-            return value, error, np.abs(half_width - distance)
+            distance_from_middle = np.abs(point_or_load)
+            value, error = self._pressure_and_error(load_power, distance_from_middle, load)
+            error = error + self._pressure_change_by_last_digit(
+                load_power, distance_from_middle, advance
+            )
+            return value, error, np.abs(half_width - distance_from_middle)
         if method_name == "slip_integral":
-            distance = np.abs(point_or_load)
-            value, error = self._arccosh_integral_and_error(load_power, distance, load)
-            return value, error, np.minimum(half_width, distance) - self.least_half_width
+            distance_from_middle = np.abs(point_or_load)
+            value, error = self._arccosh_integral_and_error(load_power, distance_from_middle, load)
+            return (
+                value,
+                error,
+                np.minimum(half_width, distance_from_middle) - self.least_half_width,
+            )
         value, error = self._load_per_width_integral_and_error(load_power, advance)
         value = value + np.abs(load) ** (1 + load_power) * np.abs(self._log_datum_ratio(advance))
         return value, error, half_width
@@ -814,7 +824,7 @@ class PunchSuperposition:
         size_of_terms = load * log_width_ratio + np.abs(integral_to_contact)
         error_of_difference = series_error + (8 * _EPS + self.relative_roundoff) * size_of_terms
         # 0 where the kernel is not taken as that difference
-        is_difference = self._is_exact_as_difference(load, load_above_stick)
+        is_difference = self._takes_difference_of_integrals(load, load_above_stick)
         error_of_difference = np.where(is_difference, error_of_difference, 0.0)
         # a hundred round-offs of the kernel itself, and that of P(a)
         return (
@@ -822,10 +832,10 @@ class PunchSuperposition:
         )
 
     def _pressure_change_by_last_digit(
-        self, load_power: int, distance: Array, advance: Array
+        self, load_power: int, distance_from_middle: Array, advance: Array
     ) -> Array:
-        """Change of the pressure at |x| = `distance` [stress] by the round-off of its substitution
-        variable v; arrays of one shape. The pressure is an integral over flat punches,
+        """Change of the pressure at |x| = `distance_from_middle` [stress] by the round-off of its
+        substitution variable v; arrays of one shape. The pressure is an integral over flat punches,
 
             p = (1/pi) int_|x|^a eta^k g / sqrt(alpha^2 - x^2) d alpha,    g = d eta/d alpha
 
@@ -848,9 +858,9 @@ class PunchSuperposition:
             a - a_0 of the edge, a_0 the half-width without load, `least_half_width` [length]
         """
         half_width = self.least_half_width + advance
-        distance_to_edge = np.maximum(half_width - distance, 0.0)
+        distance_to_edge = np.maximum(half_width - distance_from_middle, 0.0)
         root_ratio = np.sqrt(
-            distance_to_edge / np.where(half_width > 0, half_width + distance, np.inf)
+            distance_to_edge / np.where(half_width > 0, half_width + distance_from_middle, np.inf)
         )
         # dp/da = g/(pi sqrt(a^2 - x^2)) at the edge, g = dP/da, times a - |x|
         change_per_relative_distance = self.law.stiffness(advance) * root_ratio / np.pi
@@ -858,7 +868,7 @@ class PunchSuperposition:
             change_per_relative_distance = change_per_relative_distance * self.law.load(advance)
 
         # |x - b|, at least 1e-24 of the advance
-        advance_to_x = distance - self.least_half_width
+        advance_to_x = distance_from_middle - self.least_half_width
         distance_to_corners = np.abs(advance_to_x[..., None] - self.law.corner_advances)
         distance_to_corner = np.maximum(
             np.min(distance_to_corners, axis=-1), _LEAST_DISTANCE_RATIO * advance
@@ -945,14 +955,14 @@ class PunchSuperposition:
         # A primitive takes some kilobytes a point: above 4096 different points they are taken in
         # chunks. Points that come back at many instants count once.
         if len(unique_x) > _POINTS_OF_PRIMITIVE:
-            points, advances, numbers_in_unique_x = np.broadcast_arrays(
+            points, advances, broadcast_numbers_in_unique_x = np.broadcast_arrays(
                 x, advance, number_in_unique_x
             )
             integral = np.zeros(points.shape)
             error = np.zeros(points.shape)
             for first_number in range(0, len(unique_x), _POINTS_OF_PRIMITIVE):
-                is_in_chunk = (numbers_in_unique_x >= first_number) & (
-                    numbers_in_unique_x < first_number + _POINTS_OF_PRIMITIVE
+                is_in_chunk = (broadcast_numbers_in_unique_x >= first_number) & (
+                    broadcast_numbers_in_unique_x < first_number + _POINTS_OF_PRIMITIVE
                 )
                 integral[is_in_chunk], error[is_in_chunk] = self._integral_and_error(
                     kind, load_power, points[is_in_chunk], advances[is_in_chunk]
@@ -1004,10 +1014,10 @@ class PunchSuperposition:
         return primitive, np.arange(len(x))
 
     def _pressure_and_error(
-        self, load_power: int, distance: Array, load: Array
+        self, load_power: int, distance_from_middle: Array, load: Array
     ) -> tuple[Array, Array]:
-        """Contact pressure at |x| = `distance` under a load, and its error [stress]: int g/(pi
-        sqrt(alpha^2 - x^2)) d alpha over the flat punches that reach beyond x.
+        """Contact pressure at |x| = `distance_from_middle` under a load, and its error [stress]:
+        int g/(pi sqrt(alpha^2 - x^2)) d alpha over the flat punches that reach beyond x.
 
         alpha is the half-width of a punch, g = dP/d alpha its load per half-width. With
         `load_power` 1 the load eta stands in front of g. `law.edge_advance` is a minus
@@ -1017,9 +1027,9 @@ class PunchSuperposition:
         """
         # half-width a under the load, minus that without load
         advance = self.law.edge_advance(load)
-        is_inside_contact = distance < self.least_half_width + advance
+        is_inside_contact = distance_from_middle < self.least_half_width + advance
         pressure, error = self._integral_and_error(
-            "pressure", load_power, distance, np.where(is_inside_contact, advance, 0.0)
+            "pressure", load_power, distance_from_middle, np.where(is_inside_contact, advance, 0.0)
         )
         pressure = np.where(is_inside_contact & (advance > 0), pressure, 0.0)
         if self._is_sharp_wedge and load_power == 0:
@@ -1027,14 +1037,14 @@ class PunchSuperposition:
                 pressure_at_tip = (
                     self.law.stiffness(np.zeros(())) / np.pi * np.log(advance / self.datum_length)
                 )
-            pressure = np.where(distance == 0, pressure_at_tip, pressure)
+            pressure = np.where(distance_from_middle == 0, pressure_at_tip, pressure)
         return pressure, error
 
     def _arccosh_integral_and_error(
-        self, load_power: int, distance: Array, load: Array
+        self, load_power: int, distance_from_middle: Array, load: Array
     ) -> tuple[Array, Array]:
         """Integral of arccosh(|x|/alpha) dP over the flat punches of half-width alpha < |x| =
-        `distance` up to a load, and its error [force per thickness].
+        `distance_from_middle` up to a load, and its error [force per thickness].
 
         By parts it is int W x/(alpha sqrt(x^2 - alpha^2)) d alpha plus W arccosh(|x|/alpha) at the
         upper end, the smaller of a and |x|. W = P; with `load_power` 1, where the load stands in
@@ -1042,10 +1052,12 @@ class PunchSuperposition:
         `law.edge_advance` is that of a load, `_advance_to` that at which the edge reaches x.
         """
         advance = self.law.edge_advance(load)
-        advance_to_x = self._advance_to(distance)
+        advance_to_x = self._advance_to(distance_from_middle)
         end_advance = np.minimum(advance, advance_to_x)
         # the integral by parts, without the term at the upper end
-        integral, error = self._integral_and_error("outside", load_power, distance, end_advance)
+        integral, error = self._integral_and_error(
+            "outside", load_power, distance_from_middle, end_advance
+        )
         end_load = np.minimum(load, self.law.load(advance_to_x))
         end_half_width = end_advance + self.least_half_width
         # sqrt(x^2 - alpha^2) without cancellation
@@ -1157,7 +1169,7 @@ class Primitive:
     panels
         the n ranges of the variable v on which one Chebyshev series each holds
     begin_advances
-        (n,) advance at the begin of each panel [length]
+        (n,) advance at the start of each panel [length]
     coefficients
         (m, n) of the Chebyshev series of the integral on each panel
     error
@@ -1182,7 +1194,7 @@ class Primitive:
         at the v of the advance.
         """
         panels = self.panels
-        # The panel by one search for all: keys sort by point, then by advance at their begin.
+        # The panel by one search for all: keys sort by point, then by advance at their start.
         rank_of_advance = np.searchsorted(self._sorted_begin_advances, advance, side="right")
         key = self._key(point_number, rank_of_advance)
         panel_number = np.searchsorted(self._panel_keys, key, side="right") - 1
@@ -1209,7 +1221,7 @@ class Primitive:
 
     @cached_property
     def _panel_keys(self) -> Indices:
-        """Key of each panel, ascending (n,): by its point, then by the advance at its begin."""
+        """Key of each panel, ascending (n,): by its point, then by the advance at its start."""
         rank_of_advance = np.searchsorted(
             self._sorted_begin_advances, self.begin_advances, side="right"
         )
@@ -1250,7 +1262,7 @@ def _integration_variable(
 
 def _nodes_in_root(begin_distance: Array, span: Array) -> tuple[Array, Array]:
     """Gauss' nodes and weights for integrands that are smooth in the root of the distance from a
-    corner of the profile: distances of the nodes from the begin of each span, and weights.
+    corner of the profile: distances of the nodes from the start of each span, and weights.
 
     Both are (n, nodes), for n spans of integration. A span begins at `begin_distance` (n, 1) beyond
     its corner and has the length `span` (n, 1).
@@ -1258,7 +1270,7 @@ def _nodes_in_root(begin_distance: Array, span: Array) -> tuple[Array, Array]:
     # twelve nodes on [0, 1]
     unit_nodes, unit_weights = gauss_rule(_NODES_BETWEEN_CORNERS)
     begin_root = np.sqrt(begin_distance)
-    # sqrt(distance) at the end of the span minus that at its begin; 0 for a span without length
+    # sqrt(distance) at the end of the span minus that at its start; 0 for a span without length
     root_range = span / np.where(
         span > 0, begin_root + np.sqrt(begin_root * begin_root + span), 1.0
     )
@@ -1374,7 +1386,7 @@ def _ends_of_smooth_ranges(largest_advance: float, law: ContactLaw) -> Array:
 
 def _integrated_series(integrand_series: _PanelSeries, integral_before_panels: Array) -> Array:
     """Coefficients (nodes, n) of the Chebyshev series of an integral on n panels, from those of its
-    integrand: from the begin of all panels of a point on.
+    integrand: from the start of all panels of a point on.
 
     The constant of each holds the sum over the panels before it at the same point, and
     `integral_before_panels` (k,) of the k points. Panels, ranges of a variable v, are in the order
@@ -1408,13 +1420,15 @@ def _sums_of_panels_before(
     value_before_first_panel
         (k,) value before the first panel of each point
     """
-    number_at_point = np.arange(len(point_number)) - np.searchsorted(point_number, point_number)
+    panel_number_at_point = np.arange(len(point_number)) - np.searchsorted(
+        point_number, point_number
+    )
     # Rows: points; columns: the value before the first panel, then the panels.
-    n_columns = int(np.max(number_at_point, initial=0)) + 2
+    n_columns = int(np.max(panel_number_at_point, initial=0)) + 2
     values_of_points = np.zeros((len(value_before_first_panel), n_columns))
     values_of_points[:, 0] = value_before_first_panel
-    values_of_points[point_number, number_at_point + 1] = values
-    return np.cumsum(values_of_points, axis=1)[point_number, number_at_point]
+    values_of_points[point_number, panel_number_at_point + 1] = values
+    return np.cumsum(values_of_points, axis=1)[point_number, panel_number_at_point]
 
 
 def _resolved_series(
@@ -1441,17 +1455,18 @@ def _resolved_series(
         Panels, the halves among them, in any order, with their series and its error.
     """
     finished_series: list[_PanelSeries] = []
-    last_coefficients_of_parent = np.full(len(panels.point_number), np.inf)
+    sizes_of_last_coefficients_of_parent = np.full(len(panels.point_number), np.inf)
     for n_halvings in range(_MOST_HALVINGS + 1):
         coefficients = _series_of_integrand(kind, load_power, panels, law)
-        # size of the last coefficients of each series, and what they are worth in its integral
-        last_coefficients = truncation_error(coefficients)
-        truncation_errors = last_coefficients * ((panels.end_v - panels.begin_v) / 2)
+        # size of the last coefficients of each series, and the error they leave in its integral
+        sizes_of_last_coefficients = truncation_error(coefficients)
+        truncation_errors = sizes_of_last_coefficients * ((panels.end_v - panels.begin_v) / 2)
         integral_sizes = _sizes_of_integrals(kind, load_power, panels, coefficients, law)
         has_small_error = truncation_errors <= _NEGLIGIBLE_COEFFICIENT_SHARE * integral_sizes
         # Last coefficients of more than 0.9 of those of the panel that was halved are round-off.
         has_roundoff_alone = (
-            last_coefficients > _COEFFICIENT_RATIO_WITHOUT_GAIN * last_coefficients_of_parent
+            sizes_of_last_coefficients
+            > _COEFFICIENT_RATIO_WITHOUT_GAIN * sizes_of_last_coefficients_of_parent
         )
         is_finished = has_small_error | has_roundoff_alone | (n_halvings == _MOST_HALVINGS)
         series_of_panels = _PanelSeries(panels, coefficients, truncation_errors)
@@ -1460,7 +1475,7 @@ def _resolved_series(
             break
         # `halved`: the lower halves of all panels, then the upper ones
         panels = panels.take(np.flatnonzero(~is_finished)).halved()
-        last_coefficients_of_parent = np.tile(last_coefficients[~is_finished], 2)
+        sizes_of_last_coefficients_of_parent = np.tile(sizes_of_last_coefficients[~is_finished], 2)
     return _PanelSeries.joined(finished_series)
 
 
@@ -1567,7 +1582,7 @@ class _AdvanceRanges(NamedTuple):
     Attributes
     ----------
     begin, end
-        advances between which to integrate; empty where the end is not above the begin
+        advances between which to integrate; empty where the end is not above the start
     advance_at_v0
         advance at which the integration variable v is 0
     scale

@@ -313,7 +313,7 @@ def test_what_the_kernel_loses_is_stated(monkeypatch):
     monkeypatch.setattr("semi_analytic.punch_superposition._NODES_BETWEEN_CORNERS", 2)
     monkeypatch.setattr(
         PunchSuperposition,
-        "_is_exact_as_difference",
+        "_takes_difference_of_integrals",
         lambda self, load, load_above_stick: np.zeros(load.shape, dtype=bool),
     )
     error, stated = judged(LOOPS["a corner within"])
