@@ -101,7 +101,7 @@ def convex_profile(profile: Profile) -> ConvexProfile:
         For a profile that bends down somewhere: under a tilt its contact may split. For a power
         law with an exponent below 1.01, whose tip is all but a sharp wedge.
     """
-    return _kind_of(profile).convex(profile)
+    return _kind_of(profile).convex_curve(profile)
 
 
 class _Kind(NamedTuple):
@@ -111,25 +111,26 @@ class _Kind(NamedTuple):
     ----------
     contact
         gives the symmetric normal contact for E*, the profile and a datum length
-    convex
+    convex_curve
         gives the profile as a convex curve that can be tilted
     """
 
     contact: Callable[[float, Any, float], SymmetricContact]
-    convex: Callable[[Any], ConvexProfile]
+    convex_curve: Callable[[Any], ConvexProfile]
 
     @classmethod
     def by_law(
-        cls, law: Callable[[float, Any], ContactLaw], convex: Callable[[Any], ConvexProfile]
+        cls, law: Callable[[float, Any], ContactLaw], convex_curve: Callable[[Any], ConvexProfile]
     ) -> _Kind:
         """A kind of profile whose contact is the superposition of flat punches for P(a) = `law`, a
-        function of E* and the profile.
+        function of E* and the profile. `convex_curve` makes of the profile a curve that can be
+        tilted.
         """
 
         def contact(modulus: float, profile: Any, datum_length: float) -> SymmetricContact:
             return PunchSuperposition(law(modulus, profile), datum_length)
 
-        return cls(contact, convex)
+        return cls(contact, convex_curve)
 
 
 def _kind_of(profile: Profile) -> _Kind:
@@ -499,9 +500,11 @@ def _log_table(
     with np.errstate(all="ignore"):
         loads = load(advances)
         # Rows with a load that neither vanishes nor overflows, and each load once.
-        usable_rows = np.flatnonzero((loads > 1e-290) & (loads < 1e290))
-        log_loads, first_row_of_each_load = np.unique(np.log(loads[usable_rows]), return_index=True)
-        advances = advances[usable_rows[first_row_of_each_load]]
+        usable_row_numbers = np.flatnonzero((loads > 1e-290) & (loads < 1e290))
+        log_loads, first_row_of_each_load = np.unique(
+            np.log(loads[usable_row_numbers]), return_index=True
+        )
+        advances = advances[usable_row_numbers[first_row_of_each_load]]
         # Where the loads of neighbouring rows differ by round-off, d may fall as the load rises.
         first_rising_row = int(np.max(np.flatnonzero(np.diff(advances) <= 0), initial=-1)) + 1
         advances = advances[first_rising_row:]
@@ -584,8 +587,8 @@ def law_of_even_polynomial(modulus: float, length: float, rises: tuple[float, ..
         * np.array(rises)
         * np.array([abel_load_factor(2 * half_exponent) for half_exponent in k])
     )
-    # dP/da over a is a polynomial in a^2.
-    # (a/length)^2 at which dP/da is negative, None where it never is
+    # dP/da over a is a polynomial in a^2: (a/length)^2 at which it is negative, None where it never
+    # is
     squared_ratio_at_fall = place_of_fall(loads_of_terms * k)
     if squared_ratio_at_fall is not None:
         half_width = length * float(np.sqrt(squared_ratio_at_fall))
@@ -623,7 +626,7 @@ def law_of_even_polynomial(modulus: float, length: float, rises: tuple[float, ..
 
 
 # Below this tau the closed form of F cancels.
-_SHALLOW_TAU = 0.3
+_SMALL_TAU = 0.3
 _SERIES_NUMBERS = np.arange(1.0, 17.0)
 _SERIES_OF_LOAD_FUNCTION = -((-1.0) ** _SERIES_NUMBERS) * 2 / (4 * _SERIES_NUMBERS**2 - 1)
 
@@ -640,16 +643,16 @@ def flat_and_rounded_load_function(tau: ArrayLike) -> Array:
     """
     taus = np.asarray(tau, dtype=float)
     closed_form = (1 + taus * taus) * np.arctan(taus) - taus
-    is_shallow = taus < _SHALLOW_TAU
-    if not np.any(is_shallow):
+    is_small = taus < _SMALL_TAU
+    if not np.any(is_small):
         return closed_form
-    shallow_tau = np.minimum(taus, _SHALLOW_TAU)
-    squared_tau = shallow_tau * shallow_tau
+    small_tau = np.minimum(taus, _SMALL_TAU)
+    squared_tau = small_tau * small_tau
     # Horner's rule, from the last of sixteen coefficients
     series_value = np.full(np.shape(taus), _SERIES_OF_LOAD_FUNCTION[-1])
     for coefficient in _SERIES_OF_LOAD_FUNCTION[-2::-1].tolist():
         series_value = series_value * squared_tau + coefficient
-    return np.where(is_shallow, series_value * shallow_tau * squared_tau, closed_form)
+    return np.where(is_small, series_value * small_tau * squared_tau, closed_form)
 
 
 def law_of_flat_and_rounded(modulus: float, radius: float, flat_half_length: float) -> ContactLaw:
@@ -824,9 +827,9 @@ def law_of_table(modulus: float, profile: Tabulated) -> ContactLaw:
     spline = profile.spline()
     # Where the table begins with a flat, its end is the first knot, and the half-width without
     # load.
-    first_knot = int(np.flatnonzero(spline.curvature > 0)[0])
-    knots = spline.x[first_knot:]
-    scaled_curvatures = modulus * spline.curvature[first_knot:]  # E* kappa behind each knot
+    first_knot_number = int(np.flatnonzero(spline.curvature > 0)[0])
+    knots = spline.x[first_knot_number:]
+    scaled_curvatures = modulus * spline.curvature[first_knot_number:]  # E* kappa behind each knot
     least_half_width = float(knots[0])
     extent = float(knots[-1])
     # Up to the second knot it is Hertz, or flat and rounded, with E*/R the first of these scaled
@@ -1018,9 +1021,9 @@ def _intervals_of_u(knots: Array) -> list[_IntervalOfU]:
         knots[:-2].tolist(), knots[1:-1].tolist(), knots[2:].tolist(), strict=True
     ):
         u_at_next_knot = (next_knot - knot) ** 0.5
-        first_length = (knot - knot_before) ** 0.5
-        doublings = range(math.ceil(math.log2(u_at_next_knot / first_length)))
-        interval_ends = [0.0, *(first_length * 2.0**k for k in doublings), u_at_next_knot]
+        first_interval_length = (knot - knot_before) ** 0.5
+        doublings = range(math.ceil(math.log2(u_at_next_knot / first_interval_length)))
+        interval_ends = [0.0, *(first_interval_length * 2.0**k for k in doublings), u_at_next_knot]
         # A last interval that would be a small part of the one before is joined to it.
         if len(interval_ends) > 2 and u_at_next_knot - interval_ends[-2] < 0.1 * (
             interval_ends[-2] - interval_ends[-3]
@@ -1427,15 +1430,17 @@ def _load_or_stiffness(
     without load, `least_half_width`; an array like d.
 
     `series_of_ranges` has series of both for each range of half-widths between two corners of the
-    profile, ascending. They are series in u: the distance of the half-width from the begin of its
+    profile, ascending. They are series in u: the distance of the half-width from the start of its
     range or, if `is_in_square_root`, the square root of that distance.
     """
     half_width = least_half_width + d
     load_or_stiffness = np.zeros(d.shape)
     first_half_widths = [range_series.begin_half_width for range_series in series_of_ranges]
-    range_of_value = np.maximum(np.searchsorted(first_half_widths, half_width, side="right") - 1, 0)
+    range_number_of_half_width = np.maximum(
+        np.searchsorted(first_half_widths, half_width, side="right") - 1, 0
+    )
     for range_number, range_series in enumerate(series_of_ranges):
-        is_in_range = range_of_value == range_number
+        is_in_range = range_number_of_half_width == range_number
         if np.any(is_in_range):
             # d itself has more digits beside a flat.
             distances = d if range_number == 0 else half_width - range_series.begin_half_width
@@ -1491,10 +1496,11 @@ def _series_behind_corner(
             modulus, profile, first_half_width, distance, corners, derivative_order
         )
 
-    # Values that errors are compared with. Beside a flat, or behind a corner, the slope is known to
-    # round-off of its largest value, and its derivative jumps within round-off of the corner: there
-    # it is the value at the end. From the middle on it is each octave's own.
-    u_of_scale = interval_ends[-1:] if is_in_square_root else interval_ends[1:]
+    # u at which P and dP/da give the size of negligible errors. Beside a flat, or behind a corner,
+    # the slope is known to round-off of its largest value, and its derivative jumps within
+    # round-off of the corner: there it is the end of the range. From the middle on it is the end of
+    # each octave.
+    u_of_reference_values = interval_ends[-1:] if is_in_square_root else interval_ends[1:]
     # Errors that are negligible, of P and of dP/da. Those that the round-off of a height function
     # leaves, `relative_load_errors`, are no more than noise.
     negligible_shares = (
@@ -1502,12 +1508,12 @@ def _series_behind_corner(
         max(_NEGLIGIBLE_STIFFNESS_SHARE, profile.relative_load_errors.stiffness),
     )
     try:
-        # `piecewise_series_by_halving` resolves to 4e-15 of the scale that it is given.
+        # `piecewise_series_by_halving` resolves to 4e-15 of the size that it is given last.
         load_series, stiffness_series = (
             piecewise_series_by_halving(
                 partial(load_or_stiffness, derivative_order=order),
                 interval_ends,
-                negligible_shares[order] / 4e-15 * load_or_stiffness(u_of_scale, order),
+                negligible_shares[order] / 4e-15 * load_or_stiffness(u_of_reference_values, order),
             )
             for order in (0, 1)
         )
@@ -1523,7 +1529,7 @@ def _series_behind_corner(
 def _abel_integral(
     modulus: float,
     profile: CallableProfile,
-    begin: float,
+    first_half_width: float,
     distance: Array,
     corners: tuple[float, ...],
     derivative_order: int,
@@ -1538,17 +1544,17 @@ def _abel_integral(
     ----------
     modulus
         E* [stress]
-    begin, distance
-        a = begin + distance: the distance from a corner keeps its digits [length]
+    first_half_width, distance
+        a = first_half_width + distance: the distance from a corner keeps its digits [length]
     corners
         distances b from the middle to corners of the slope, descending: the integral is split there
         [length]
     """
-    half_width = begin + distance
+    half_width = first_half_width + distance
     # cos(angle) = b/a; angle 0 for a corner outside of the contact
     corner_angles = []
     for b in corners:
-        edge_distance_from_corner = np.maximum(distance + (begin - b), 0.0)
+        edge_distance_from_corner = np.maximum(distance + (first_half_width - b), 0.0)
         sqrt_of_square_difference = np.sqrt(edge_distance_from_corner * (half_width + b))
         corner_angles.append(np.arctan2(sqrt_of_square_difference, b))
     # Quadrature over the angle, cut at the corners into panels, (..., panels, nodes): `place` is
@@ -1583,12 +1589,13 @@ def _flat_half_length(profile: CallableProfile, corners: tuple[float, ...]) -> f
     corners
         those of these places where h'' jumps, ascending [length]
     """
+    # where a flat may end: the slope is 0 inside of some of them, out to `ends_of_zero_slope`
     places = np.array([*profile.corners, profile.extent])
     largest_slope = np.max(profile.slope(places))
     is_slope_zero_inside = profile.slope(places * 0.999) <= 1e-15 * float(largest_slope)
-    places_behind_flat = places[is_slope_zero_inside]
+    ends_of_zero_slope = places[is_slope_zero_inside]
     corners_of_flat = [
-        b for b in corners if len(places_behind_flat) and b <= places_behind_flat[-1] * (1 + 1e-9)
+        b for b in corners if len(ends_of_zero_slope) and b <= ends_of_zero_slope[-1] * (1 + 1e-9)
     ]
     if not corners_of_flat:
         return 0.0
