@@ -162,21 +162,21 @@ def _range_of_span(span: Span) -> SpanRanges:
     return SpanRanges(span, np.zeros(1, dtype=int), begin, np.array([span.end.time]))
 
 
-IntegralsAlong = Callable[[Sequence[SpanRanges], QuadratureRule], Sequence[Array]]
-"""The integrals along the ranges of each of some spans, by one rule: (n,) for each span."""
+RangeIntegrator = Callable[[Sequence[SpanRanges], QuadratureRule], Sequence[Array]]
+"""Gives the integrals along the ranges of each of some spans, by one rule: (n,) for each span."""
 
 
-def _span_by_span(integral_along: Callable[[SpanRanges, QuadratureRule], Array]) -> IntegralsAlong:
+def _span_by_span(integrate_span: Callable[[SpanRanges, QuadratureRule], Array]) -> RangeIntegrator:
     """A function that integrates along several spans of slip, one after the other, by one
-    quadrature rule. It is made from `integral_along`, which integrates along a single span.
+    quadrature rule. It is made from `integrate_span`, which integrates along a single span.
     """
 
-    def integrals_along(
+    def integrate_ranges(
         spans_with_ranges: Sequence[SpanRanges], rule: QuadratureRule
     ) -> list[Array]:
-        return [integral_along(span_with_ranges, rule) for span_with_ranges in spans_with_ranges]
+        return [integrate_span(span_with_ranges, rule) for span_with_ranges in spans_with_ranges]
 
-    return integrals_along
+    return integrate_ranges
 
 
 def _work_over_spans(
@@ -184,7 +184,7 @@ def _work_over_spans(
     modulus: float,
     spans_with_ranges: Sequence[SpanRanges],
     n_integrals: int,
-    integrals_along: IntegralsAlong,
+    integrate_ranges: RangeIntegrator,
 ) -> WorkByDirection:
     """Friction work: A/pi times integrals over the time of slip, summed by the direction of slip,
     and the errors of the sums; A = 2/E*.
@@ -206,11 +206,11 @@ def _work_over_spans(
         to which each range belongs
     n_integrals
         number of integrals: one, or one for each point
-    integrals_along
-        integrates f w' Lam (of W) or f w' p arccosh(|x|/c) (of W(x)) over the ranges of given spans
-        by a given quadrature rule. w = +-Q - f P grows in slip, p is the pressure, c the stick
-        half-width. Lam is the integral of ln(a/c) over the loads from the stick edge to P, a the
-        contact half-width
+    integrate_ranges
+        function: integrates f w' Lam (of W) or f w' p arccosh(|x|/c) (of W(x)) over the ranges of
+        given spans by a given quadrature rule. w = +-Q - f P grows in slip, p is the pressure, c
+        the stick half-width. Lam is the integral of ln(a/c) over the loads from the stick edge to
+        P, a the contact half-width
 
     Returns
     -------
@@ -219,11 +219,11 @@ def _work_over_spans(
     """
     halving = _Halving.of_spans(contact, spans_with_ranges)
     integrals = _first_estimates(
-        spans_with_ranges, n_integrals, integrals_along, halving.needs_halving
+        spans_with_ranges, n_integrals, integrate_ranges, halving.needs_halving
     )
     errors = np.zeros(integrals.shape)
     if np.any(halving.needs_halving):
-        _halve_ranges(spans_with_ranges, integrals_along, halving, integrals, errors)
+        _halve_ranges(spans_with_ranges, integrate_ranges, halving, integrals, errors)
 
     # sum by the direction of slip
     is_forward = np.array(
@@ -293,14 +293,14 @@ class _Halving(NamedTuple):
 def _first_estimates(
     spans_with_ranges: Sequence[SpanRanges],
     n_integrals: int,
-    integrals_along: IntegralsAlong,
+    integrate_ranges: RangeIntegrator,
     needs_halving: NDArray[np.bool_],
 ) -> Array:
     """Integrals over the ranges of time of each of n spans of slip, by one quadrature rule each,
     (n, n_integrals); 0 where a span has no range for an integral.
 
     A span that `needs_halving` (n,) later takes a rule of 24 nodes, another one the rule of 193
-    nodes for any singular ends. `integrals_along` integrates over the ranges of given spans by a
+    nodes for any singular ends. `integrate_ranges` integrates over the ranges of given spans by a
     given rule.
     """
     has_ranges = np.array(
@@ -313,7 +313,7 @@ def _first_estimates(
         if not span_numbers:
             continue
         spans_of_rule = [spans_with_ranges[span_number] for span_number in span_numbers]
-        integrals_of_spans = integrals_along(spans_of_rule, rule)
+        integrals_of_spans = integrate_ranges(spans_of_rule, rule)
         for span_number, span_with_ranges, integrals_of_span in zip(
             span_numbers, spans_of_rule, integrals_of_spans, strict=True
         ):
@@ -323,7 +323,7 @@ def _first_estimates(
 
 def _halve_ranges(
     spans_with_ranges: Sequence[SpanRanges],
-    integrals_along: IntegralsAlong,
+    integrate_ranges: RangeIntegrator,
     halving: _Halving,
     integrals: Array,
     errors: Array,
@@ -336,8 +336,8 @@ def _halve_ranges(
     spans_with_ranges
         n spans of slip, with the ranges of time in each, and the number of the integral that each
         range belongs to
-    integrals_along
-        integrates over the ranges of given spans by a given rule
+    integrate_ranges
+        function: integrates over the ranges of given spans by a given rule
     halving
         which spans are halved, how finely, and the times at which their ranges are cut first
     integrals
@@ -358,7 +358,7 @@ def _halve_ranges(
     span_number = np.repeat(halved_span_numbers, n_ranges_of_spans)
     integral_number = np.concatenate([halved_span.integral_number for halved_span in halved_spans])
     integrals_of_parts = partial(
-        _integrals_of_parts, spans_with_ranges, integrals_along, span_number, integral_number
+        _integrals_of_parts, spans_with_ranges, integrate_ranges, span_number, integral_number
     )
     corner_times_of_spans = [
         halving.corner_times[halved_number] for halved_number in halved_span_numbers
@@ -377,12 +377,12 @@ def _halve_ranges(
 
 def _integrals_of_parts(
     spans_with_ranges: Sequence[SpanRanges],
-    integrals_along: IntegralsAlong,
+    integrate_ranges: RangeIntegrator,
     span_number: Indices,
     integral_number: Indices,
     range_number: Indices,
-    begins: Array,
-    ends: Array,
+    begin_times: Array,
+    end_times: Array,
 ) -> Array:
     """Integrals for the friction work, or for the work per area at points, over n parts of the
     ranges of time that are being halved, (n,), by the rule of 24 nodes.
@@ -391,13 +391,13 @@ def _integrals_of_parts(
     ----------
     spans_with_ranges
         the spans of slip in one direction, with their ranges of time
-    integrals_along
-        integrates over given ranges by a given rule
+    integrate_ranges
+        function: integrates over given ranges by a given rule
     span_number, integral_number
         (m,) number of the span, and of the integral (of the point), of each range that is halved
     range_number
         (n,) which of these m ranges each part belongs to
-    begins, ends
+    begin_times, end_times
         (n,) times at which the parts begin and end
     """
     span_of_part = span_number[range_number]
@@ -410,14 +410,14 @@ def _integrals_of_parts(
         SpanRanges(
             spans_with_ranges[halved_number].span,
             integral_number[range_number[part_numbers]],
-            begins[part_numbers],
-            ends[part_numbers],
+            begin_times[part_numbers],
+            end_times[part_numbers],
         )
         for halved_number, part_numbers in zip(halved_span_numbers, parts_of_spans, strict=True)
     ]
     integrals = np.zeros(len(range_number))
     for part_numbers, integrals_in_span in zip(
-        parts_of_spans, integrals_along(spans_with_parts, crowded_nodes), strict=True
+        parts_of_spans, integrate_ranges(spans_with_parts, crowded_nodes), strict=True
     ):
         integrals[part_numbers] = integrals_in_span
     return integrals
@@ -501,7 +501,7 @@ def _ranges_with_slip(span: Span, contact_edge_loads: Array) -> SpanRanges:
     the number of the integral is that of the point. `contact_edge_loads` (k,) are the loads P_x at
     which the edge of contact is at each point.
     """
-    # (k,) each; the end is not after the begin where a point never slips
+    # (k,) each; the end is not after the start where a point never slips
     begin_time, end_time = slip_times(span, contact_edge_loads)
     points_with_slip = np.flatnonzero(end_time > begin_time)
     return SpanRanges(
@@ -549,9 +549,9 @@ def _work_per_area_in_ranges(
     return np.asarray(np.sum(work_at_nodes, axis=-1))
 
 
-def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
+def slip_times(span: Span, contact_edge_load: Array) -> tuple[Array, Array]:
     """Times at which points begin and end to slip within a span of slip in one direction, (k,)
-    each; the end is not after the begin where a point never slips.
+    each; the end is not after the start where a point never slips.
 
     A point slips while it is in contact and outside the stick zone. It begins when the stick edge,
     or the edge of contact, reaches it.
@@ -560,15 +560,18 @@ def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
     ----------
     span
         the span: its load segment, and the instants at its ends, each with its time and P
-    edge_load
+    contact_edge_load
         (k,) P_x, the load at which the edge of contact is at the point
     """
     segment = span.segment
     begin_instant = span.begin
     end_instant = span.end
-    time_of_stick_edge = _times_of_stick_edge(span, edge_load)
+    time_of_stick_edge = _times_of_stick_edge(span, contact_edge_load)
     time_of_contact_edge = segment.time_of(
-        NORMAL_LOAD, edge_load - begin_instant.normal_load, begin_instant.time, end_instant.time
+        NORMAL_LOAD,
+        contact_edge_load - begin_instant.normal_load,
+        begin_instant.time,
+        end_instant.time,
     )
     end_of_span = np.full(time_of_stick_edge.shape, end_instant.time)
     # From the change itself: where P hardly moves, the last digits of both loads may say that it
@@ -577,18 +580,20 @@ def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
     # P grows by more than next to nothing: the edge of contact may reach the point from within.
     if load_change >= LEAST_LOAD_CHANGE:
         time_of_first_contact = np.where(
-            edge_load >= end_instant.normal_load, end_instant.time, time_of_contact_edge
+            contact_edge_load >= end_instant.normal_load, end_instant.time, time_of_contact_edge
         )
         return np.maximum(time_of_stick_edge, time_of_first_contact), end_of_span
 
     # P falls or stays the same: the edge of contact leaves the point, or stays.
-    contact_reaches_point = edge_load < max(begin_instant.normal_load, end_instant.normal_load)
+    contact_reaches_point = contact_edge_load < max(
+        begin_instant.normal_load, end_instant.normal_load
+    )
     end_time = time_of_contact_edge if load_change <= -LEAST_LOAD_CHANGE else end_of_span
     return time_of_stick_edge, np.where(contact_reaches_point, end_time, time_of_stick_edge)
 
 
 def _times_of_stick_edge(span: Span, contact_edge_load: Array) -> Array:
-    """Times at which the stick edge reaches points within a span of slip, (k,): the begin of the
+    """Times at which the stick edge reaches points within a span of slip, (k,): the start of the
     span where it has passed a point before, the end where it does not reach it.
 
     The stick edge is at P_x when the path's excess, +-Q - f P, equals that of the memory curve
@@ -611,7 +616,7 @@ def _times_of_stick_edge(span: Span, contact_edge_load: Array) -> Array:
     excess_on_curve = slip_combination_on_piece(
         sticking_piece, span.direction, span.friction, load_on_piece
     )
-    # From the path's excess at the begin of the span: both count from the instant of the anchor.
+    # From the path's excess at the start of the span: both count from the instant of the anchor.
     excess_at_begin = float(
         combination_change(sticking_piece.anchor, span.segment, excess_combination, span.begin.time)
     )
@@ -795,9 +800,9 @@ def _means_along_records(
     n_nodes = 0
     # six rules: Gauss' of 4, 6, 12 and 24 nodes, graded, and crowded to both ends
     for rule_number, (rule, _) in enumerate(_RULES_AND_NODE_COUNTS):
-        place_of_nodes, weights = rule(0.0, 1.0)
+        place_in_part, weights = rule(0.0, 1.0)
         parts_of_rule = smooth_parts.take(np.flatnonzero(rule_number_of_part == rule_number))
-        load, slip_zone_load = _loads_at_places(parts_of_rule, place_of_nodes)
+        load, slip_zone_load = _loads_at_places(parts_of_rule, place_in_part)
         record_number = parts_of_rule.step_number
         share_of_record = parts_of_rule.step_share_at_end
         values_at_nodes = function_of_loads(record_number, load, np.clip(slip_zone_load, 0.0, load))
@@ -913,12 +918,14 @@ def _cut_where_unsmooth(contact: Contact, records: Records) -> Records:
     P_c, `level_rise` the growth of +-Q - f P. In the parts returned `step_number` is the number of
     the record, and `step_share_at_end` the share of it that the part takes.
     """
-    share_at_begin = _shares_at_cuts(records, _loads_of_cuts(contact, records))
-    share_at_end = np.append(share_at_begin[:, 1:], np.ones((len(share_at_begin), 1)), axis=1)
+    shares_at_lower_cut = _shares_at_cuts(records, _loads_of_cuts(contact, records))
+    shares_at_upper_cut = np.append(
+        shares_at_lower_cut[:, 1:], np.ones((len(shares_at_lower_cut), 1)), axis=1
+    )
     # parts between neighbouring cuts
-    record_number, cut_number = np.nonzero(share_at_end > share_at_begin)
-    begin_share = share_at_begin[record_number, cut_number]
-    end_share = share_at_end[record_number, cut_number]
+    record_number, cut_number = np.nonzero(shares_at_upper_cut > shares_at_lower_cut)
+    begin_share = shares_at_lower_cut[record_number, cut_number]
+    end_share = shares_at_upper_cut[record_number, cut_number]
 
     # P and P - P_c at the ends of the parts
     load = records.load_at_begin[record_number]
@@ -1074,11 +1081,11 @@ def _work_per_area_of_parts(contact: Contact, parts: Records, x: Array) -> Array
         pairs_of_rule = np.flatnonzero(rule_of_pair == rule_number)
         pairs_at_once = _NODES_AT_ONCE // n_nodes
         for first_pair in range(0, len(pairs_of_rule), pairs_at_once):
-            block = pairs.take(pairs_of_rule[first_pair : first_pair + pairs_at_once])
-            work_of_pairs = parts.level_rise[block.part_number] * _integral_over_slip(
-                contact, block, rule
+            pairs_of_block = pairs.take(pairs_of_rule[first_pair : first_pair + pairs_at_once])
+            work_of_pairs = parts.level_rise[pairs_of_block.part_number] * _integral_over_slip(
+                contact, pairs_of_block, rule
             )
-            scaled_work_per_area += np.bincount(block.point_number, work_of_pairs, len(x))
+            scaled_work_per_area += np.bincount(pairs_of_block.point_number, work_of_pairs, len(x))
     return scaled_work_per_area
 
 
@@ -1089,9 +1096,9 @@ class _LinearLoads(NamedTuple):
     Attributes
     ----------
     load_at_begin, load_growth
-        P at the begin of the part, and by how much it grows along it
+        P at the start of the part, and by how much it grows along it
     stick_edge_load_at_begin, stick_edge_drop
-        P_c at the begin of the part, and by how much it falls along it
+        P_c at the start of the part, and by how much it falls along it
     """
 
     load_at_begin: Array
@@ -1101,7 +1108,9 @@ class _LinearLoads(NamedTuple):
 
     @classmethod
     def of_parts(cls, parts: Records) -> _LinearLoads:
-        """Those of n parts of slip records, which hold P and P - P_c at begin and end."""
+        """P and P_c, the load at the stick edge, as linear functions along n parts of slip records,
+        from P and P - P_c at both ends of each.
+        """
         load_at_begin = parts.load_at_begin[:, None]
         load_growth = (parts.load_at_end - parts.load_at_begin)[:, None]
         slip_zone_growth = parts.slip_zone_load_at_end - parts.slip_zone_load_at_begin
@@ -1221,7 +1230,7 @@ def _integral_over_slip(contact: Contact, pairs: _SlippingPairs, rule: Quadratur
 
 def _shares_in_slip(loads: _LinearLoads, contact_edge_load_of_points: Array) -> tuple[Array, Array]:
     """Shares from 0 to 1 of a part of a load step between which points slip, begin and end, (n, k)
-    each; the end is not above the begin where a point never does.
+    each; the end is not above the start where a point never does.
 
     A point slips while it is in contact and outside the stick zone: P_c < P_x < P. P_x is the load
     at which the edge of contact is at the point, P_c that at the stick edge. P and P_c change
@@ -1230,7 +1239,7 @@ def _shares_in_slip(loads: _LinearLoads, contact_edge_load_of_points: Array) -> 
     Parameters
     ----------
     loads
-        P and P_c along each of n parts, (n, 1): values at the begin, growth of P, fall of P_c
+        P and P_c along each of n parts, (n, 1): values at the start, growth of P, fall of P_c
     contact_edge_load_of_points
         (k,) P_x
     """
@@ -1274,7 +1283,9 @@ class LoopWorkOfSeries:
     def __init__(
         self, contact: Contact, modulus: float, friction: float, largest_load: float
     ) -> None:
-        """An integral of 0, from the normal contact, E*, f and the largest P of the cycle."""
+        """Set the closed integral of Q dU to 0, before the blocks of a cycle are added to it, by
+        the normal contact, E*, f and the largest P of the cycle.
+        """
         # U counted from a datum at which ln(2 L/a) is 0 under the largest P
         self._contact = _with_moved_datum(contact, largest_load)
         self._friction = friction
@@ -1291,8 +1302,8 @@ class LoopWorkOfSeries:
         U is the relative tangential displacement, A = 2/E*. U pi/A is summed record by record, a
         record being a portion of a load step with one direction of slip or none. Each takes the
         change of Q times the mean of U along it. The block holds its records, with P and P - P_c at
-        begin and end, P_c the load at the stick edge, and for each the slope of the memory curve,
-        tangential force up to each load, there.
+        both ends; P_c is the load at the stick edge. It also holds the slope of the memory curve,
+        tangential force up to each load, at the stick edge of each record.
         """
         records = block.records
         # U pi/A along each record, minus a constant of the record, as a function of P and P - P_c
@@ -1403,7 +1414,7 @@ class IntegralsAndErrors(NamedTuple):
 
 
 def integrals_by_halving(
-    integrals_over: Callable[[Indices, Array, Array], Array],
+    integrate_parts: Callable[[Indices, Array, Array], Array],
     begin: ArrayLike,
     end: ArrayLike,
     allowed_error: ArrayLike,
@@ -1419,9 +1430,9 @@ def integrals_by_halving(
 
     Parameters
     ----------
-    integrals_over
-        integrals_over(numbers, begins, ends), (n,) each, gives the integral of integrand numbers[k]
-        from begins[k] to ends[k], (n,), by one rule
+    integrate_parts
+        function: integrate_parts(numbers, begins, ends), (n,) each, gives the integral of integrand
+        numbers[k] from begins[k] to ends[k], (n,), by one rule
     begin, end
         (m,)
     allowed_error
@@ -1431,7 +1442,7 @@ def integrals_by_halving(
         (j,) ascending, where a part is cut rather than in its middle: the integrands are not
         smooth there
     first_estimate
-        (m,) the integrals from `begin` to `end` by the rule of `integrals_over`, where they are
+        (m,) the integrals from `begin` to `end` by the rule of `integrate_parts`, where they are
         known
 
     Examples
@@ -1456,16 +1467,16 @@ def integrals_by_halving(
     allowed_errors = np.broadcast_to(allowed_error, begins.shape)
     estimates_of_parts = first_estimate
     if estimates_of_parts is None:
-        estimates_of_parts = integrals_over(parts.integrand_number, parts.begin, parts.end)
+        estimates_of_parts = integrate_parts(parts.integrand_number, parts.begin, parts.end)
 
     # Each pass halves all parts that are left.
     while len(parts.integrand_number):
         cut_of_parts, is_cut_at_place = _cuts_of_parts(parts, all_cut_places)
         halves = parts.halves(cut_of_parts, is_cut_at_place)
         # in one call: the lower halves of all parts, then the upper ones
-        integrals_of_halves = integrals_over(halves.integrand_number, halves.begin, halves.end)
-        lower_halves, upper_halves = np.split(integrals_of_halves, 2)
-        sums_of_halves = lower_halves + upper_halves
+        integrals_of_halves = integrate_parts(halves.integrand_number, halves.begin, halves.end)
+        integrals_of_lower_halves, integrals_of_upper_halves = np.split(integrals_of_halves, 2)
+        sums_of_halves = integrals_of_lower_halves + integrals_of_upper_halves
         changes_by_halving = np.abs(sums_of_halves - estimates_of_parts)
 
         is_final = (
@@ -1473,14 +1484,14 @@ def integrals_by_halving(
             | ~np.isfinite(changes_by_halving)
             | parts.are_halved_no_more(is_cut_at_place, len(integrals))
         )
-        final_integrands = parts.integrand_number[is_final]
-        np.add.at(integrals, final_integrands, sums_of_halves[is_final])
-        np.add.at(errors, final_integrands, changes_by_halving[is_final])
+        integrand_of_final_part = parts.integrand_number[is_final]
+        np.add.at(integrals, integrand_of_final_part, sums_of_halves[is_final])
+        np.add.at(errors, integrand_of_final_part, changes_by_halving[is_final])
 
         # Halves of parts that are not final are the parts of the next pass.
-        next_halves = np.flatnonzero(np.tile(~is_final, 2))
-        parts = halves.take(next_halves)
-        estimates_of_parts = integrals_of_halves[next_halves]
+        numbers_of_next_halves = np.flatnonzero(np.tile(~is_final, 2))
+        parts = halves.take(numbers_of_next_halves)
+        estimates_of_parts = integrals_of_halves[numbers_of_next_halves]
     return IntegralsAndErrors(integrals, errors)
 
 
@@ -1545,14 +1556,14 @@ def _cuts_of_parts(parts: _Parts, cut_places: Array) -> tuple[Array, NDArray[np.
     close to an end, within 1/16 of the part, is not taken: a part of next to no length would change
     nothing. `cut_places` (j,) are such places, ascending, then infinity.
     """
-    cut_of_parts = (parts.begin + parts.end) / 2
-    is_cut_at_place = np.zeros(len(cut_of_parts), dtype=bool)
-    index_of_place_above = np.searchsorted(cut_places, cut_of_parts)
+    cut_of_part = (parts.begin + parts.end) / 2
+    is_cut_at_place = np.zeros(len(cut_of_part), dtype=bool)
+    index_of_place_above = np.searchsorted(cut_places, cut_of_part)
     least_length = (parts.end - parts.begin) / 16
     for nearest_place in (cut_places[index_of_place_above - 1], cut_places[index_of_place_above]):
         is_place_inside = (nearest_place > parts.begin + least_length) & (
             nearest_place < parts.end - least_length
         )
-        cut_of_parts = np.where(is_place_inside, nearest_place, cut_of_parts)
+        cut_of_part = np.where(is_place_inside, nearest_place, cut_of_part)
         is_cut_at_place |= is_place_inside
-    return cut_of_parts, is_cut_at_place
+    return cut_of_part, is_cut_at_place
