@@ -281,12 +281,12 @@ def _computing_effort(question: Question, findings: Findings) -> Work:
     that the question does not want count as skipped at every instant.
     """
     n_instants = len(findings.time)
-    not_asked_for = {
+    skipped_fields = {
         name: (n_instants, "not asked for") for name in FIELDS if name not in question.fields
     }
     return Work(
         {"instants": n_instants, "points": len(findings.x), **findings.counts},
-        not_asked_for | dict(findings.skipped),
+        skipped_fields | dict(findings.skipped),
         findings.seconds,
     )
 

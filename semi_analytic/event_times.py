@@ -73,7 +73,7 @@ class Event:
 
 
 def events(scene: Scene) -> tuple[Event, ...]:
-    """Every event of a load path, in the order of time: begin and end of slip and stick, extreme
+    """Every event of a load path, in the order of time: start and end of slip and stick, extreme
     loads, and when the stick edge passes a point at which slip ended before.
 
     Initial loading and cycles up to the first steady one are covered. On an ellipse of loads with
@@ -97,7 +97,7 @@ def events(scene: Scene) -> tuple[Event, ...]:
     scene = validated(scene, Scene)
     # initial loading, and cycles up to the first steady one
     history = history_of(followed_path(scene), scene.friction.coefficient, scene.cycles)
-    # without what merely goes on
+    # without times at which stick or slip merely goes on
     named_events = [
         named_event
         for named_event in _events_by_time(history)
@@ -129,10 +129,10 @@ def _with_letters(named_events: list[Event], time_by_letter: dict[str, float]) -
     letters_of_events = [""] * len(named_events)
     for letter, time in time_by_letter.items():
         time_differences = [abs(named_event.time - time) for named_event in named_events]
-        nearest_event = time_differences.index(min(time_differences))
+        number_of_nearest_event = time_differences.index(min(time_differences))
         # _LETTER_TOLERANCE: 1e-7
-        if time_differences[nearest_event] <= _LETTER_TOLERANCE:
-            letters_of_events[nearest_event] += letter
+        if time_differences[number_of_nearest_event] <= _LETTER_TOLERANCE:
+            letters_of_events[number_of_nearest_event] += letter
     return tuple(
         replace(named_event, letter=letters)
         for named_event, letters in zip(named_events, letters_of_events, strict=True)
@@ -185,7 +185,7 @@ def event(scene: Scene, letter: str) -> Event:
 
 def _unlettered_events(history: History) -> Iterator[Event]:
     """Events of a load path, without the letters A to M that the paper gives to those of an ellipse
-    of loads: begins and ends of stick and slip, extreme loads, the end of the path, and each
+    of loads: starts and ends of stick and slip, extreme loads, the end of the path, and each
     passage of the stick edge from one piece of the memory curve to the next.
 
     A span is a time in full stick, 0, or with slip in one direction, 1 or -1. The memory curve is
@@ -194,22 +194,25 @@ def _unlettered_events(history: History) -> Iterator[Event]:
     moves inwards and erases M above P_c. In a span the stick edge stays on one piece of the curve,
     its `sticking_piece`.
 
-    The border of two spans comes twice, as the begin of a span and as the end of the span before.
+    The border of two spans comes twice, as the start of a span and as the end of the span before.
     `events` merges all events of one instant. It drops those whose name ends in " goes on".
     """
     state_names = {0: "full stick", 1: "forward slip", -1: "reverse slip"}
-    spans_of_cycles = [(f"cycle {number}", cycle) for number, cycle in enumerate(history.cycles, 1)]
-    for part_of_path, spans_of_part in [("initial loading", history.loading), *spans_of_cycles]:
+    spans_of_cycles = [
+        (f"cycle {cycle_number}", spans_of_cycle)
+        for cycle_number, spans_of_cycle in enumerate(history.cycles, 1)
+    ]
+    for part_name, spans_of_part in [("initial loading", history.loading), *spans_of_cycles]:
         span_before: Span | None = None
         for span in spans_of_part:
             if span_before is None:
-                event_name = f"{part_of_path} starts"
+                event_name = f"{part_name} starts"
             elif span_before.direction != span.direction:
                 event_name = (
                     f"{state_names[span_before.direction]} ends, {state_names[span.direction]}"
                     " starts"
                 )
-            elif span.direction and not _same_piece(
+            elif span.direction and not _is_same_piece(
                 span_before.sticking_piece, span.sticking_piece
             ):
                 event_name = (
@@ -231,7 +234,7 @@ def _unlettered_events(history: History) -> Iterator[Event]:
     )
 
 
-def _same_piece(first_piece: Curve, second_piece: Curve) -> bool:
+def _is_same_piece(first_piece: Curve, second_piece: Curve) -> bool:
     """Whether two pieces of memory curves lie on one smooth curve: both come from growth in stick
     along one curved segment of the load path, or they have equal anchor and slope.
 
@@ -249,18 +252,18 @@ def _same_piece(first_piece: Curve, second_piece: Curve) -> bool:
     ):
         return True  # where a cycle starts within an arc, the arc is two pieces
     return (
-        # Time, P and Q of the anchor; [0] is its segment of the load path.
+        # time, P and Q of the anchor; its first value, the load segment, may differ
         first_piece.anchor[1:] == second_piece.anchor[1:]
         and first_piece.slope == second_piece.slope
     )
 
 
 def _load_extremes(span: Span) -> Iterator[Event]:
-    """Events at which P or Q has a maximum or minimum in time, at the begin of a span or inside it;
+    """Events at which P or Q has a maximum or minimum in time, at the start of a span or inside it;
     a span is a time in full stick or with slip in one direction.
 
     The turning points of an ellipse are sought 0.1 rad beyond its ends too: the loads may turn
-    smoothly at an end. One within 1e-9 before the begin belongs to the span, one within 1e-9 before
+    smoothly at an end. One within 1e-9 before the start belongs to the span, one within 1e-9 before
     the end does not.
     """
     segment = span.segment
@@ -357,12 +360,12 @@ def _time_by_letter(history: History) -> dict[str, float]:
         "M": "u+",
     }
     revolution = 2 * math.pi
-    times = {"A": history.ellipse_of_cycle.start}
+    time_of_event = {"A": history.ellipse_of_cycle.start}
     for letter, extreme in extreme_by_letter.items():
         # on the ellipse, up to whole revolutions
         time = ellipse.time_of_largest(load_combinations[extreme[:-1]])
         if extreme.endswith("-"):
             time += math.pi  # half a revolution from the maximum to the minimum
-        revolutions_needed = math.ceil((max(times.values()) - time) / revolution - 1e-12)
-        times[letter] = time + revolution * revolutions_needed
-    return times | {"J": 2 * times["I"] - times["G"]}
+        revolutions_needed = math.ceil((max(time_of_event.values()) - time) / revolution - 1e-12)
+        time_of_event[letter] = time + revolution * revolutions_needed
+    return time_of_event | {"J": 2 * time_of_event["I"] - time_of_event["G"]}

@@ -197,28 +197,32 @@ def require_admissible(segments: Sequence[LoadSegment], friction: float) -> None
 
 
 def _check_part(
-    segment: LoadSegment, begin: float, end: float, friction: float, load_slack: float
+    segment: LoadSegment, begin_time: float, end_time: float, friction: float, load_slack: float
 ) -> None:
     """Raise InadmissibleLoadError where |Q| > f P or P < 0 on a part of a load segment, with the
     first such instant; None for an admissible part.
 
-    P, Q - f P and Q + f P are monotonic between the times `begin` and `end` of the part. So its end
-    is beyond a limit if anything is. P may be beyond its limit by `load_slack` [force per
+    P, Q - f P and Q + f P are monotonic from `begin_time` to `end_time` of the part. So its end is
+    beyond a limit if anything is. P may be beyond its limit by `load_slack` [force per
     thickness], Q by f times that, f = `friction`. The error also names the end of the part.
     """
-    end_instant = instant(segment, end)
+    end_instant = instant(segment, end_time)
     faults = []
     for load_combination, excess, reason in _excesses_over_limits(end_instant, friction):
         load_tolerance = load_slack if load_combination is NORMAL_LOAD else load_slack * friction
         if excess > load_tolerance:
             # -P grows to its limit 0, and so do Q - f P and -Q - f P.
             sign_of_growth = -1.0 if load_combination is NORMAL_LOAD else 1.0
-            # change of the combination since the begin of the part
-            growth_in_part = sign_of_growth * float(segment.change_of(load_combination, end, begin))
+            # change of the combination since the start of the part
+            growth_in_part = sign_of_growth * float(
+                segment.change_of(load_combination, end_time, begin_time)
+            )
             growth_to_limit = growth_in_part - excess
             # the inverse of `change_of`: when it has changed by that much
             fault_time = float(
-                segment.time_of(load_combination, sign_of_growth * growth_to_limit, begin, end)
+                segment.time_of(
+                    load_combination, sign_of_growth * growth_to_limit, begin_time, end_time
+                )
             )
             faults.append((fault_time, reason))
     if not faults:
@@ -227,7 +231,7 @@ def _check_part(
     # `faults` are times and reasons, separation first; _SAME_INSTANT_SHARE is 1e-14.
     latest_time_of_first_fault = min(
         fault_time for fault_time, _ in faults
-    ) + _SAME_INSTANT_SHARE * (end - begin)
+    ) + _SAME_INSTANT_SHARE * (end_time - begin_time)
     time_of_first_fault, reason = next(
         (fault_time, reason)
         for fault_time, reason in faults
@@ -258,17 +262,17 @@ def _excesses_over_limits(
         (NORMAL_LOAD, -checked_instant.normal_load, "separation")
     ]
     for direction in (1, -1):
-        excess_of_friction = (
+        excess_over_friction_limit = (
             direction * checked_instant.tangential_load - friction * checked_instant.normal_load
         )
         load_combination = slip_combination(direction, friction)
-        excesses.append((load_combination, excess_of_friction, "gross sliding"))
+        excesses.append((load_combination, excess_over_friction_limit, "gross sliding"))
     return excesses
 
 
 def monotonic_parts(segment: LoadSegment, friction: float) -> list[tuple[float, float]]:
     """Parts of a load segment between turning points of P, of Q - f P and of Q + f P, f =
-    `friction`: begin and end time of each.
+    `friction`: start and end time of each.
 
     The contact may slip forward where Q - f P rises, and in reverse where Q + f P falls. Turning
     points are times at which a combination of the loads stops growing or falling.
@@ -286,12 +290,12 @@ def monotonic_parts(segment: LoadSegment, friction: float) -> list[tuple[float, 
         for time in segment.turning_points(load_combination)
     )
     # _ROUND_OFF_SHARE: 1e-14
-    shortest_part = _ROUND_OFF_SHARE * max(
+    shortest_duration = _ROUND_OFF_SHARE * max(
         abs(segment.start), abs(segment.end), segment.end - segment.start
     )
     begin_times = [segment.start]
     for time in turning_times:
-        if time - begin_times[-1] > shortest_part and segment.end - time > shortest_part:
+        if time - begin_times[-1] > shortest_duration and segment.end - time > shortest_duration:
             begin_times.append(time)
     return list(zip(begin_times, [*begin_times[1:], segment.end], strict=True))
 
@@ -300,7 +304,7 @@ def spans_along(
     curve: Curve, segments: Sequence[LoadSegment], friction: float, delay: float
 ) -> tuple[tuple[Span, ...], Curve]:
     """Time spans of full stick, or of slip in one direction, along load segments, and the memory
-    curve at their end; `curve` is that at their begin.
+    curve at their end; `curve` is that at their start.
 
     The memory curve M(eta) is the tangential force of the flat punches up to the load eta; None
     where there is no contact. Slip erases its upper end, loading in stick extends it. A
@@ -329,8 +333,8 @@ def spans_along(
 def _spans_of_part(
     memory_curve: Curve,
     segment: LoadSegment,
-    begin: float,
-    end: float,
+    begin_time: float,
+    end_time: float,
     friction: float,
     delay: float,
 ) -> Iterator[Span]:
@@ -345,18 +349,18 @@ def _spans_of_part(
     Parameters
     ----------
     memory_curve
-        M(eta) at the begin, the tangential force of the flat punches up to the load eta; None out
+        M(eta) at the start, the tangential force of the flat punches up to the load eta; None out
         of contact
     segment
         the load segment, with rates dP/dt, dQ/dt
-    begin, end
-        times of the part
+    begin_time, end_time
+        ends of the part
     friction
         f
     delay
         how much later than the segment itself the spans are: whole periods of the cycle
     """
-    middle_time = (begin + end) / 2
+    middle_time = (begin_time + end_time) / 2
     normal_rate, tangential_rate = (float(rate) for rate in segment.rates(middle_time))
     # _ROUND_OFF_SHARE: 1e-14
     rate_roundoff = _ROUND_OFF_SHARE * (abs(tangential_rate) + friction * abs(normal_rate))
@@ -366,9 +370,9 @@ def _spans_of_part(
     slips_in_reverse = (
         float(segment.rate_of(slip_combination(-1, friction), middle_time)) > rate_roundoff
     )
-    # the four cases: loading in stick, unloading, slip, rest
-    begin_instant = instant(segment, begin)
-    end_instant = instant(segment, end)
+    # four cases: loading in stick, unloading, slip, rest
+    begin_instant = instant(segment, begin_time)
+    end_instant = instant(segment, end_time)
     if normal_rate > 0 and not (slips_forward or slips_in_reverse):
         # 0: no slip; the curve grows by the load path itself
         yield Span(
@@ -376,7 +380,7 @@ def _spans_of_part(
             end_instant,
             delay,
             0,
-            load_in_stick(memory_curve, segment, begin, end_instant),
+            load_in_stick(memory_curve, segment, begin_time, end_instant),
             friction,
         )
     elif normal_rate < 0 and slips_forward == slips_in_reverse:
@@ -408,7 +412,7 @@ def _slip_spans(
     Parameters
     ----------
     sticking_piece
-        uppermost piece of the memory curve at the begin, None out of contact. A piece goes from
+        uppermost piece of the memory curve at the start, None out of contact. A piece goes from
         `bottom_load` to `top_load` in eta; `curve_below` is the next lower piece. `anchor` is the
         instant of the path from which it is measured
     direction
@@ -427,7 +431,7 @@ def _slip_spans(
     )
     # _STICK_EDGE_ROUNDOFF_SHARE: 2e-15 of f P
     level_roundoff_by_loads = _STICK_EDGE_ROUNDOFF_SHARE * friction * end_instant.normal_load
-    span_begin = begin_instant
+    span_begin_instant = begin_instant
     # A piece at the Coulomb limit slips already: the stick edge begins below it.
     if sticking_piece is not None and is_at_coulomb_limit(sticking_piece, direction, friction):
         sticking_piece = sticking_piece.curve_below
@@ -468,12 +472,14 @@ def _slip_spans(
             s_q_minus_f_p, level_growth_to_bottom, begin_instant.time, end_instant.time
         )
         passing_instant = instant(segment, float(passing_time))
-        if passing_instant.time > span_begin.time:
-            yield Span(span_begin, passing_instant, delay, direction, sticking_piece, friction)
-            span_begin = passing_instant
+        if passing_instant.time > span_begin_instant.time:
+            yield Span(
+                span_begin_instant, passing_instant, delay, direction, sticking_piece, friction
+            )
+            span_begin_instant = passing_instant
         sticking_piece = sticking_piece.curve_below
-    if end_instant.time > span_begin.time:
-        yield Span(span_begin, end_instant, delay, direction, sticking_piece, friction)
+    if end_instant.time > span_begin_instant.time:
+        yield Span(span_begin_instant, end_instant, delay, direction, sticking_piece, friction)
 
 
 def _unloading_spans(
@@ -482,29 +488,31 @@ def _unloading_spans(
     """Time spans of full stick, or of slip in one direction, on a part of a load segment on which P
     falls and |dQ/dP| <= f.
 
-    `memory_curve` is M(eta) at the begin, the tangential force of the flat punches up to the load
+    `memory_curve` is M(eta) at the start, the tangential force of the flat punches up to the load
     eta. Without slip the contact would carry M(P) alone. So it slips forward where the path runs
     above M(P) in the P-Q plane, in reverse below it, and not along it. Each later point of the path
     lies inside the Coulomb limits |dQ| <= f |dP| of the earlier ones. So a cut of the path does not
-    change the state. The spans are `delay` later than the load segment itself: whole periods of the
-    cycle. `begin_instant` and `end_instant` hold time, P and Q.
+    change the memory curve. The spans are `delay` later than the load segment itself: whole periods
+    of the cycle. `begin_instant` and `end_instant` hold time, P and Q.
     """
-    # begin, end and direction of slip: 1 above the curve, -1 below, 0 along it
+    # start and end time and direction of slip: 1 above the curve, -1 below, 0 along it
     for begin_time, end_time, direction in slip_directions(
         memory_curve, begin_instant, end_instant, friction
     ):
-        begin_of_part = instant(begin_instant.segment, begin_time)
-        end_of_part = instant(begin_instant.segment, end_time)
+        part_begin_instant = instant(begin_instant.segment, begin_time)
+        part_end_instant = instant(begin_instant.segment, end_time)
         if direction:
             for span in _slip_spans(
-                memory_curve, direction, begin_of_part, end_of_part, friction, delay
+                memory_curve, direction, part_begin_instant, part_end_instant, friction, delay
             ):
                 yield span
                 memory_curve = span.curve(span.end.time)
         else:
-            yield from _retracing_spans(memory_curve, begin_of_part, end_of_part, friction, delay)
+            yield from _retracing_spans(
+                memory_curve, part_begin_instant, part_end_instant, friction, delay
+            )
             # of the memory curve there remains what lies below P
-            memory_curve = unload_to(memory_curve, end_of_part.normal_load)
+            memory_curve = unload_to(memory_curve, part_end_instant.normal_load)
 
 
 def _retracing_spans(
@@ -518,33 +526,33 @@ def _retracing_spans(
     curve that P goes down.
 
     The memory curve M(eta) is the tangential force of the flat punches up to the load eta.
-    `sticking_piece` is its uppermost piece at the begin, None out of contact. A piece ends at
+    `sticking_piece` is its uppermost piece at the start, None out of contact. A piece ends at
     `bottom_load`; `curve_below` is the next lower one. `begin_instant` and `end_instant` hold time,
     P and Q. The spans are `delay` later than the load segment itself: whole periods of the cycle.
     """
-    span_begin = begin_instant
+    span_begin_instant = begin_instant
     while sticking_piece is not None and sticking_piece.bottom_load > end_instant.normal_load:
         load_change = sticking_piece.bottom_load - begin_instant.normal_load
         # at which P is at the lower end of the piece
         time_at_bottom = begin_instant.segment.time_of(
             NORMAL_LOAD, load_change, begin_instant.time, end_instant.time
         )
-        span_end = instant(begin_instant.segment, float(time_at_bottom))
-        if span_end.time > span_begin.time:
-            yield Span(span_begin, span_end, delay, 0, sticking_piece, friction)
-            span_begin = span_end
+        span_end_instant = instant(begin_instant.segment, float(time_at_bottom))
+        if span_end_instant.time > span_begin_instant.time:
+            yield Span(span_begin_instant, span_end_instant, delay, 0, sticking_piece, friction)
+            span_begin_instant = span_end_instant
         sticking_piece = sticking_piece.curve_below
-    if end_instant.time > span_begin.time:
-        yield Span(span_begin, end_instant, delay, 0, sticking_piece, friction)
+    if end_instant.time > span_begin_instant.time:
+        yield Span(span_begin_instant, end_instant, delay, 0, sticking_piece, friction)
 
 
 def slip_directions(
     curve: Curve, begin_instant: Instant, end_instant: Instant, friction: float
 ) -> list[tuple[float, float, int]]:
     """Parts of an unloading path by direction of slip, +1 above the memory curve M(P), -1 below it,
-    0 along it: begin time, end time and direction of each.
+    0 along it: start time, end time and direction of each.
 
-    `curve` is the memory curve M(eta) at the begin, the tangential force of the flat punches up to
+    `curve` is the memory curve M(eta) at the start, the tangential force of the flat punches up to
     the load eta. The path goes from `begin_instant` to `end_instant` on one load segment, P
     falling. It is cut where P leaves a smooth piece of the curve; neighbouring parts of one
     direction are merged.
@@ -554,19 +562,19 @@ def slip_directions(
     """
     segment = begin_instant.segment
     end_time = end_instant.time
-    # fall of P from begin to end of the path, negative
-    change_in_path = float(segment.change_of(NORMAL_LOAD, end_time, begin_instant.time))
+    # fall of P from start to end of the path, negative
+    load_change_in_path = float(segment.change_of(NORMAL_LOAD, end_time, begin_instant.time))
     parts_by_direction: list[tuple[float, float, int]] = []
     time_at_piece_top = begin_instant.time
     # from the uppermost piece down
     for memory_piece in pieces(curve):
-        change_to_bottom = memory_piece.bottom_load - begin_instant.normal_load
-        load_leaves_piece = change_in_path < change_to_bottom
+        load_change_to_bottom = memory_piece.bottom_load - begin_instant.normal_load
+        load_leaves_piece = load_change_in_path < load_change_to_bottom
         time_at_piece_bottom = end_time
         # when P is at the lower end of the piece, else the end of the path
         if load_leaves_piece:
             time_at_piece_bottom = float(
-                segment.time_of(NORMAL_LOAD, change_to_bottom, begin_instant.time, end_time)
+                segment.time_of(NORMAL_LOAD, load_change_to_bottom, begin_instant.time, end_time)
             )
         if time_at_piece_bottom > time_at_piece_top:
             parts_by_direction += _directions_on(
@@ -578,22 +586,22 @@ def slip_directions(
 
     # merge neighbouring parts of one direction
     merged_parts: list[tuple[float, float, int]] = []
-    for begin_of_part, end_of_part, direction in parts_by_direction:
-        merged_begin = begin_of_part
+    for begin_time_of_part, end_time_of_part, direction in parts_by_direction:
+        merged_begin_time = begin_time_of_part
         if merged_parts:
-            begin_of_last_part, _, direction_of_last_part = merged_parts[-1]
+            begin_time_of_last_part, _, direction_of_last_part = merged_parts[-1]
             if direction_of_last_part == direction:
-                merged_begin = begin_of_last_part
+                merged_begin_time = begin_time_of_last_part
                 merged_parts.pop()
-        merged_parts.append((merged_begin, end_of_part, direction))
+        merged_parts.append((merged_begin_time, end_time_of_part, direction))
     return merged_parts
 
 
 def _directions_on(
-    memory_piece: Piece, segment: LoadSegment, begin: float, end: float, friction: float
+    memory_piece: Piece, segment: LoadSegment, begin_time: float, end_time: float, friction: float
 ) -> list[tuple[float, float, int]]:
     """Parts by direction of slip of an unloading path between two times, while P is within one
-    piece of the memory curve M(P): begin time, end time and direction of each.
+    piece of the memory curve M(P): start time, end time and direction of each.
 
     M(eta) is the tangential force of the flat punches up to the load eta. The direction is the sign
     of Q - M(P): 1, -1, or 0 where the path retraces the curve without slip. It is sampled at some
@@ -601,7 +609,7 @@ def _directions_on(
     as 0 up to 1e-14 of f P + |Q| at the upper end of the piece, its `anchor`.
     """
     force_above_piece = _ForceAbovePiece(memory_piece, segment)
-    sample_times = force_above_piece.sample_times(begin, end)
+    sample_times = force_above_piece.sample_times(begin_time, end_time)
     forces_at_samples = force_above_piece(sample_times)
     # _ROUND_OFF_SHARE: 1e-14
     force_roundoff = _ROUND_OFF_SHARE * (
@@ -611,26 +619,26 @@ def _directions_on(
         np.abs(forces_at_samples) <= force_roundoff, 0, np.sign(forces_at_samples)
     ).astype(int)
     if not np.any(direction_at_samples):
-        return [(begin, end, 0)]
+        return [(begin_time, end_time, 0)]
 
     # the direction changes where Q - M(P) = 0 between two samples
-    samples_off_curve = np.flatnonzero(direction_at_samples)
-    begin_times = [begin]
-    directions = [int(direction_at_samples[samples_off_curve[0]])]
+    sample_numbers_off_curve = np.flatnonzero(direction_at_samples)
+    begin_times = [begin_time]
+    directions = [int(direction_at_samples[sample_numbers_off_curve[0]])]
     # _STICK_EDGE_ROUNDOFF_SHARE: 2e-15
-    time_tolerance = _STICK_EDGE_ROUNDOFF_SHARE * (end - begin)
-    for sample_before, sample_after in pairwise(samples_off_curve):
-        if direction_at_samples[sample_before] != direction_at_samples[sample_after]:
+    time_tolerance = _STICK_EDGE_ROUNDOFF_SHARE * (end_time - begin_time)
+    for number_before, number_after in pairwise(sample_numbers_off_curve):
+        if direction_at_samples[number_before] != direction_at_samples[number_after]:
             crossing_time = scipy.optimize.brentq(
                 force_above_piece,
-                sample_times[sample_before],
-                sample_times[sample_after],
+                sample_times[number_before],
+                sample_times[number_after],
                 xtol=time_tolerance,
                 rtol=_STICK_EDGE_ROUNDOFF_SHARE,
             )
             begin_times.append(float(crossing_time))
-            directions.append(int(direction_at_samples[sample_after]))
-    return list(zip(begin_times, [*begin_times[1:], end], directions, strict=True))
+            directions.append(int(direction_at_samples[number_after]))
+    return list(zip(begin_times, [*begin_times[1:], end_time], directions, strict=True))
 
 
 @dataclass(frozen=True)
@@ -756,18 +764,19 @@ class History:
         much later it is than its segment.
         """
         # spans of stick or slip, of each cycle and of the initial loading
-        spans_of_cycles = list(self.cycles[-1:])
+        spans_of_parts = list(self.cycles[-1:])
         if not last_cycle_only:
-            spans_of_cycles = list(self.cycles)
+            spans_of_parts = list(self.cycles)
             if self.loading:
-                spans_of_cycles.append(self.loading)
-        times_of_cycles = []
-        for spans in spans_of_cycles:
+                spans_of_parts.append(self.loading)
+        times_of_parts = []
+        for spans in spans_of_parts:
             ends_of_spans = np.array([spans[0].begin.time, *(span.end.time for span in spans)])
-            times_of_cycles.append(
-                evenly_spaced_times(ends_of_spans, initial=spans is self.loading) + spans[0].delay
+            times_of_parts.append(
+                evenly_spaced_times(ends_of_spans, is_initial_loading=spans is self.loading)
+                + spans[0].delay
             )
-        return np.unique(np.concatenate(times_of_cycles)), 0
+        return np.unique(np.concatenate(times_of_parts)), 0
 
     def snapshot(self, time: Array) -> Snapshot:
         """Friction state at instants (n,) of the followed path: P, Q, load P - P_c of the slip
@@ -786,12 +795,14 @@ class History:
         span_number, times_in_segments = self._spans_at(time)
         # times of each span, in the time of its load segments
         order_by_span = np.argsort(span_number, kind="stable")
-        spans_with_times, first_of_span = np.unique(span_number[order_by_span], return_index=True)
-        times_of_spans = np.split(times_in_segments[order_by_span], first_of_span[1:])
+        span_numbers, first_position_of_span = np.unique(
+            span_number[order_by_span], return_index=True
+        )
+        times_of_spans = np.split(times_in_segments[order_by_span], first_position_of_span[1:])
         # states in the order of the spans
         snapshot = snapshot_of(
-            (self.spans[index_of_span], times)
-            for index_of_span, times in zip(spans_with_times, times_of_spans, strict=True)
+            (self.spans[span_number_of_times], times)
+            for span_number_of_times, times in zip(span_numbers, times_of_spans, strict=True)
         )
 
         # back to the order of the instants
@@ -810,21 +821,26 @@ class History:
         the path.
         """
         spans = self.spans
-        span_begins = np.array([span.begin.time for span in spans])
-        span_ends = np.array([span.end.time for span in spans])
+        span_begin_times = np.array([span.begin.time for span in spans])
+        span_end_times = np.array([span.end.time for span in spans])
         span_delays = np.array([span.delay for span in spans])
         # ends of the spans in the time of the path
-        path_ends = span_ends + span_delays
+        path_end_times = span_end_times + span_delays
         path_time, time_slack = time_in_followed_path(
-            time, float(span_begins[0] + span_delays[0]), float(path_ends[-1]), self.period
+            time,
+            float(span_begin_times[0] + span_delays[0]),
+            float(path_end_times[-1]),
+            self.period,
         )
         # Minus the slack: a turning point that is right to round-off still belongs to the span
         # that it ends.
         span_number = np.minimum(
-            np.searchsorted(path_ends, path_time - time_slack, side="left"), len(spans) - 1
+            np.searchsorted(path_end_times, path_time - time_slack, side="left"), len(spans) - 1
         )
         times_in_segments = np.clip(
-            path_time - span_delays[span_number], span_begins[span_number], span_ends[span_number]
+            path_time - span_delays[span_number],
+            span_begin_times[span_number],
+            span_end_times[span_number],
         )
         return span_number, times_in_segments
 
@@ -942,18 +958,18 @@ def _followed_path(path: LoadPath, friction: float, most_cycles: int) -> History
 
 
 def cycles_to_follow(
-    start: float, period: float, n_cycles: int, time: Array | None
+    start_time: float, period: float, n_cycles: int, time: Array | None
 ) -> tuple[int, int]:
     """Number of cycles that must be followed at most for the instants `time` (n,), and number of
     whole cycles up to the last instant.
 
     If that is within the first cycle, the second number is 0 and the first at least `n_cycles`.
-    Without instants the numbers are `n_cycles` and 0. The first cycle begins at time `start`. An
-    instant counts as an end of a cycle within 1e-9 of the period.
+    Without instants the numbers are `n_cycles` and 0. The first cycle begins at time `start_time`.
+    An instant counts as an end of a cycle within 1e-9 of the period.
     """
     if time is None:
         return n_cycles, 0
-    cycles_to_last_instant = (float(np.max(time)) - start) / period
+    cycles_to_last_instant = (float(np.max(time)) - start_time) / period
     n_whole_cycles = max(math.floor(cycles_to_last_instant + INSTANT_SLACK_SHARE), 0)
     n_cycles_begun = math.ceil(cycles_to_last_instant - INSTANT_SLACK_SHARE)
     if n_whole_cycles:
@@ -962,41 +978,45 @@ def cycles_to_follow(
 
 
 def time_in_followed_path(
-    time: Array, start: float, end: float, period: float | None
+    time: Array, start_time: float, end_time: float, period: float | None
 ) -> tuple[Array, float]:
     """Instants (n,) brought back by whole periods into the followed part of a load path. Also the
     time by which they may still lie outside of it, by round-off.
 
-    The followed part runs from time `start` to `end`. Later instants of a path without a `period`
-    are refused. INSTANT_SLACK_SHARE is 1e-9.
+    The followed part runs from time `start_time` to `end_time`. Later instants of a path without a
+    `period` are refused. INSTANT_SLACK_SHARE is 1e-9.
 
     Raises
     ------
     InputError
         For a time outside the path.
     """
-    time_slack = INSTANT_SLACK_SHARE * (end - start)
+    time_slack = INSTANT_SLACK_SHARE * (end_time - start_time)
     path_time = time
     if period is not None:
-        path_time = time - period * np.maximum(np.ceil((time - end - time_slack) / period), 0.0)
-    if np.any(path_time < start - time_slack) or np.any(path_time > end + time_slack):
-        raise InputError(f"time: outside the load path, which runs from {start:.6g} to {end:.6g}")
+        path_time = time - period * np.maximum(
+            np.ceil((time - end_time - time_slack) / period), 0.0
+        )
+    if np.any(path_time < start_time - time_slack) or np.any(path_time > end_time + time_slack):
+        raise InputError(
+            f"time: outside the load path, which runs from {start_time:.6g} to {end_time:.6g}"
+        )
     return path_time, time_slack
 
 
-def evenly_spaced_times(span_ends: Array, *, initial: bool) -> Array:
+def evenly_spaced_times(span_ends: Array, *, is_initial_loading: bool) -> Array:
     """Times evenly spaced within each of n spans of time between `span_ends` (n + 1,), ascending:
-    about 400 in all for a cycle, 100 for an `initial` loading.
+    about 400 in all for a cycle, 100 for the initial loading.
 
-    A span has its middle and both its ends at least. The end of a span and the begin of the next
+    A span has its middle and both its ends at least. The end of a span and the start of the next
     are both there.
     """
-    n_instants = _INSTANTS_OF_LOADING if initial else _INSTANTS_OF_CYCLE
+    n_instants = _INSTANTS_OF_LOADING if is_initial_loading else _INSTANTS_OF_CYCLE
     durations = np.diff(span_ends)
     n_intervals = np.maximum(np.ceil(n_instants * durations / (span_ends[-1] - span_ends[0])), 2)
     times_of_spans = [
-        np.linspace(begin, end, int(n_intervals_of_span) + 1)
-        for begin, end, n_intervals_of_span in zip(
+        np.linspace(begin_time, end_time, int(n_intervals_of_span) + 1)
+        for begin_time, end_time, n_intervals_of_span in zip(
             span_ends[:-1], span_ends[1:], n_intervals, strict=True
         )
     ]
@@ -1014,7 +1034,7 @@ def slip_zone_share(spans: Sequence[Span]) -> float:
     return largest_slip_zone_load / largest_load if largest_load > 0 else 0.0
 
 
-def snapshot_of(parts: Iterable[tuple[Span, Array]]) -> Snapshot:
+def snapshot_of(spans_and_times: Iterable[tuple[Span, Array]]) -> Snapshot:
     """Friction states at instants of some time spans of a load path, one span after the other; each
     span comes with times (k,) of its load segment.
 
@@ -1031,9 +1051,9 @@ def snapshot_of(parts: Iterable[tuple[Span, Array]]) -> Snapshot:
     n_times_of_spans = []
     sticking_pieces: list[Curve] = []
     friction = 0.0
-    for span, times_in_segment in parts:
+    for span, times_in_segment in spans_and_times:
         normal_load, tangential_load = span.segment.loads(times_in_segment)
-        # A path that unloads fully may end below 0 by rounding.
+        # A path that unloads fully may end below 0 by round-off.
         normal_load = np.maximum(normal_load, 0.0)
         times.append(times_in_segment)
         normal_loads.append(normal_load)
@@ -1065,22 +1085,27 @@ def corner_times(contact: Contact, span: Span) -> Array:
     corner_loads = contact.corner_loads
     if not len(corner_loads):
         return corner_loads
-    begin = span.begin
-    end = span.end
+    begin_instant = span.begin
+    end_instant = span.end
     # the edge of contact: P is monotonic in the span
-    is_passed = (corner_loads > min(begin.normal_load, end.normal_load)) & (
-        corner_loads < max(begin.normal_load, end.normal_load)
+    is_passed = (corner_loads > min(begin_instant.normal_load, end_instant.normal_load)) & (
+        corner_loads < max(begin_instant.normal_load, end_instant.normal_load)
     )
-    # `time_of`: when P has changed so much since the begin
+    # `time_of`: when P has changed so much since the start
     times_of_contact_edge = span.segment.time_of(
-        NORMAL_LOAD, corner_loads[is_passed] - begin.normal_load, begin.time, end.time
+        NORMAL_LOAD,
+        corner_loads[is_passed] - begin_instant.normal_load,
+        begin_instant.time,
+        end_instant.time,
     )
-    shortest_time = 1e-12 * max(abs(begin.time), abs(end.time), end.time - begin.time)
+    shortest_time = 1e-12 * max(
+        abs(begin_instant.time), abs(end_instant.time), end_instant.time - begin_instant.time
+    )
     sorted_times = np.sort(
         np.concatenate([times_of_contact_edge, _times_of_stick_edge_at(corner_loads, span)])
     )
-    is_inside_span = (sorted_times - begin.time > shortest_time) & (
-        end.time - sorted_times > shortest_time
+    is_inside_span = (sorted_times - begin_instant.time > shortest_time) & (
+        end_instant.time - sorted_times > shortest_time
     )
     inner_times = sorted_times[is_inside_span]
     return inner_times[np.diff(inner_times, prepend=-np.inf) > shortest_time]

@@ -145,7 +145,7 @@ class Records(NamedTuple):
     direction
         (m,) of slip: 1 forward, -1 in reverse, 0 none
     load_at_begin, load_at_end
-        (m,) P at the begin and at the end of the portion [force per thickness]
+        (m,) P at the start and at the end of the portion [force per thickness]
     slip_zone_load_at_begin, slip_zone_load_at_end
         (m,) P - P_c there, P_c the load at the stick edge
     level_rise
@@ -153,7 +153,7 @@ class Records(NamedTuple):
     step_share_at_end
         (m,) share of the step that is over at the end of the portion
     step_number
-        (m,) number of the step, which is that of the row at its begin
+        (m,) number of the step, which is that of the row at its start
     """
 
     direction: Array
@@ -236,8 +236,8 @@ class Recorder:
         self,
         line: Line | None,
         direction: int,
-        begin: Station,
-        end: Station,
+        begin_station: Station,
+        end_station: Station,
         slip_zone_load: tuple[float, float] = (0.0, 0.0),
         level_rise: float = 0.0,
     ) -> None:
@@ -251,10 +251,10 @@ class Recorder:
         ----------
         line
             the uppermost straight line of the memory curve (tangential force of the flat punches up
-            to each load) that still sticks at the begin; None for bodies out of contact
+            to each load) that still sticks at the start; None for bodies out of contact
         direction
             of slip: s = 1 forward, -1 in reverse, 0 for none
-        begin, end
+        begin_station, end_station
             P, Q and the share of the step that is over, at both ends of the portion
         slip_zone_load
             P - P_c at both ends, P_c the load at the stick edge
@@ -265,8 +265,8 @@ class Recorder:
             self._add_line(line)
         # line: eta and M at its upper end, growth of both along it; of None zeros and a length 1
         _, top_load, top_force, load_length, force_rise, _ = line or _LINE_OUT_OF_CONTACT
-        load_at_begin, _, _ = begin
-        load_at_end, _, step_share_at_end = end
+        load_at_begin, _, _ = begin_station
+        load_at_end, _, step_share_at_end = end_station
         self._add_numbers(
             (
                 direction,
@@ -289,8 +289,8 @@ class Recorder:
     def _columns(self) -> Array:
         """The numbers of all m records as columns, (11, m).
 
-        Rows 0 to 6 are those of `Records`, without the number of the step: direction, P at begin
-        and end, P - P_c at begin and end, level rise, share of the step. Rows 7 to 10 are those of
+        Rows 0 to 6 are those of `Records`, without the number of the step: direction, P at start
+        and end, P - P_c at start and end, level rise, share of the step. Rows 7 to 10 are those of
         `LineTable`: eta and M at the upper end, growth of eta and of M.
         """
         return np.frombuffer(self.numbers).reshape(-1, _COUNT_OF_RECORD_AND_LINE_NUMBERS).T
@@ -385,7 +385,7 @@ def _curve_after_step(
     friction
         f, coefficient of friction
     recorder
-        takes a record for each line that the step goes through: slip, P and P - P_c at its begin
+        takes a record for each line that the step goes through: slip, P and P - P_c at its start
         and end, P_c the load at the stick edge
     """
     if kind == _UNLOADS:
@@ -484,10 +484,10 @@ def _curve_after_slip(
         f, coefficient of friction
     recorder
         takes a record for each line that the stick edge goes through: slip, P and P - P_c at its
-        begin and end
+        start and end
     """
-    begin_load, begin_force, begin_share = begin_station
-    end_load, end_force, end_share = end_station
+    begin_load, begin_force, step_share_at_begin = begin_station
+    end_load, end_force, step_share_at_end = end_station
     load_growth = end_load - begin_load
     level_growth = direction * (end_force - begin_force) - friction * load_growth
     remaining_level_growth = level_growth
@@ -531,7 +531,7 @@ def _curve_after_slip(
             next_station = (
                 begin_load + fraction_at_knot * load_growth,
                 begin_force,
-                begin_share + fraction_at_knot * (end_share - begin_share),
+                step_share_at_begin + fraction_at_knot * (step_share_at_end - step_share_at_begin),
             )
             recorder.add(
                 curve,
@@ -618,7 +618,7 @@ def _curve_after_unloading(
     contact would carry M(P) alone, and forward slip carries the rest of Q. Below the curve it slips
     in reverse. Where the path crosses the curve the step is cut into parts. Each later point lies
     inside the Coulomb limits |dQ| <= f |dP| of the earlier ones, so that a cut does not change the
-    state.
+    memory curve.
 
     Parameters
     ----------
@@ -631,17 +631,17 @@ def _curve_after_unloading(
     recorder
         takes a record for each line of the curve that the step goes through
     """
-    begin_load, begin_force, begin_share = begin_station
-    end_load, end_force, end_share = end_station
+    begin_load, begin_force, step_share_at_begin = begin_station
+    end_load, end_force, step_share_at_end = end_station
     load_drop = begin_load - end_load
     path_slope = (end_force - begin_force) / (end_load - begin_load)
     force_tolerance = _ON_CURVE_FORCE_SHARE * friction * begin_load
-    # Each part has its direction of slip, and the fall of P from the begin of the step to its end.
+    # Each part has its direction of slip, and the fall of P from the start of the step to its end.
     *earlier_parts, last_part = _parts_of_unloading(curve, load_drop, path_slope, force_tolerance)
     station = begin_station
     for part in earlier_parts:
-        share_at_part_end = begin_share + part.load_drop_at_end / load_drop * (
-            end_share - begin_share
+        share_at_part_end = step_share_at_begin + part.load_drop_at_end / load_drop * (
+            step_share_at_end - step_share_at_begin
         )
         next_station = (
             begin_load - part.load_drop_at_end,
@@ -664,7 +664,7 @@ class _UnloadingPart(NamedTuple):
     Attributes
     ----------
     load_drop_at_end
-        how far P has fallen at its end since the begin of the step [force per thickness]
+        how far P has fallen at its end since the start of the step [force per thickness]
     direction
         of slip: 1 forward, -1 in reverse, 0 none
     """
@@ -695,7 +695,7 @@ def _parts_of_unloading(
     """
     parts: list[_UnloadingPart] = []
     line = curve
-    # fall of P from the begin of the step to the upper end of the line; Q - M(P) there, and its
+    # fall of P from the start of the step to the upper end of the line; Q - M(P) there, and its
     # sign: 1, -1 or 0
     drop_above_line = 0.0
     excess_at_top = 0.0
@@ -781,7 +781,7 @@ def _curve_after_retracing(
         else:
             # part of the fall of P that is over where P leaves this line
             share_of_drop = 1 - drop_below_line_top / load_drop
-            # Q of a station inside a step is not recorded: Q at the begin holds its place.
+            # Q of a station inside a step is not recorded: Q at the start holds its place.
             next_station = (
                 begin_load - share_of_drop * load_drop,
                 begin_force,
@@ -862,7 +862,7 @@ def follow(
     ([0.0, 1.0, 1.0], 2)
     """
     recorder = Recorder(stores_curves)
-    # A path that unloads fully may end below 0 by rounding.
+    # A path that unloads fully may end below 0 by round-off.
     rows = np.stack([np.maximum(rows[:, 0], 0.0), rows[:, 1]], axis=1)
     with _garbage_collector_off():
         curve, largest_line_count = _follow_rows(curve, rows, friction, recorder)
@@ -912,7 +912,7 @@ def _follow_rows(
         end_station = (next_load, next_force, 1.0)
         curve = _curve_after_step(curve, kind, begin_station, end_station, friction, recorder)
         if next_load == 0:
-            curve = None  # unloaded: a line that rounding left has no length
+            curve = None  # unloaded: a line left by round-off has no length
         load = next_load
         force = next_force
         recorder.end_step()
@@ -1058,16 +1058,16 @@ class LoadSeries:
         over the records, portions of the load steps. With `last_cycle_only` only the last part of
         the path counts.
         """
-        first_part = len(self.parts) - 1 if last_cycle_only else 0
+        first_part_number = len(self.parts) - 1 if last_cycle_only else 0
         if self.is_long_measurement:
             # The first step of a part begins at the row of the same number.
-            row_times = self.times[self.first_steps[first_part] :]
+            row_times = self.times[self.first_steps[first_part_number] :]
             stride = max(len(row_times) // _ROWS_OF_THINNED_ANSWER, 1) if thinned else 1
             instants = np.unique(np.append(row_times[::stride], row_times[-1]))
             return instants, len(row_times) - len(instants)
         instants_of_parts = [
             self._even_times_of_part(part_number)
-            for part_number in range(first_part, len(self.parts))
+            for part_number in range(first_part_number, len(self.parts))
         ]
         return np.unique(np.concatenate(instants_of_parts)), 0
 
@@ -1082,13 +1082,17 @@ class LoadSeries:
         part = self.parts[part_number]
         records = follow(part.curve_at_begin, part.rows[:, 1:], self.friction).records
         row_times = self.times[self.first_steps[part_number] :]
-        step_begin = row_times[records.step_number]
-        step_end = row_times[records.step_number + 1]
+        step_begin_time = row_times[records.step_number]
+        step_end_time = row_times[records.step_number + 1]
         # A record ends at the share `step_share_at_end` of its step.
-        time_inside_step = step_begin + records.step_share_at_end * (step_end - step_begin)
-        record_ends = np.where(records.step_share_at_end == 1, step_end, time_inside_step)
-        sorted_ends = np.unique(np.append(row_times[0], record_ends))
-        return evenly_spaced_times(sorted_ends, initial=part_number < self.first_cycle_part)
+        time_inside_step = step_begin_time + records.step_share_at_end * (
+            step_end_time - step_begin_time
+        )
+        record_end_times = np.where(records.step_share_at_end == 1, step_end_time, time_inside_step)
+        sorted_end_times = np.unique(np.append(row_times[0], record_end_times))
+        return evenly_spaced_times(
+            sorted_end_times, is_initial_loading=part_number < self.first_cycle_part
+        )
 
     def locate(self, time: Array) -> tuple[Indices, Array, Array]:
         """Position of instants (n,) in the load path: number of the load step, share of that step
@@ -1109,25 +1113,25 @@ class LoadSeries:
         rounding_share = (
             _FLOAT_SPACINGS_AT_ROW * np.spacing(np.max(np.abs(row_times))) / step_durations
         )
-        slack_share_of_steps = np.minimum(
+        slack_share_of_each_step = np.minimum(
             time_slack / step_durations, np.maximum(_STEP_SHARE_AT_ROW, rounding_share)
         )
-        row_at_end = np.clip(
+        row_number_at_end = np.clip(
             np.searchsorted(row_times, path_time, side="left"), 1, len(row_times) - 1
         )
         # An instant that misses a row by round-off is still at the row.
-        row_at_begin = row_at_end - 1
-        is_at_row_at_begin = (row_at_end > 1) & (
-            path_time - row_times[row_at_begin]
-            <= slack_share_of_steps[row_at_begin] * step_durations[row_at_begin]
+        row_number_at_begin = row_number_at_end - 1
+        is_at_begin_of_step = (row_number_at_end > 1) & (
+            path_time - row_times[row_number_at_begin]
+            <= slack_share_of_each_step[row_number_at_begin] * step_durations[row_number_at_begin]
         )
-        step_number = row_at_begin - is_at_row_at_begin
+        step_number = row_number_at_begin - is_at_begin_of_step
         share_of_step = (path_time - row_times[step_number]) / step_durations[step_number]
-        slack_share_of_step = slack_share_of_steps[step_number]
+        slack_share_at_instant = slack_share_of_each_step[step_number]
         share_of_step = np.where(
-            share_of_step > 1 - slack_share_of_step, 1.0, np.maximum(share_of_step, 0.0)
+            share_of_step > 1 - slack_share_at_instant, 1.0, np.maximum(share_of_step, 0.0)
         )
-        return step_number, share_of_step, slack_share_of_step
+        return step_number, share_of_step, slack_share_at_instant
 
     def cycles_beyond(self, time: Array) -> Indices:
         """Number of whole cycles by which instants lie beyond the path that was followed, (n,); 0
@@ -1157,26 +1161,28 @@ def series_of(scene: Scene, time: Array | None) -> LoadSeries:
         For gross sliding or separation, with the instant and the loads.
     """
     friction_coefficient = scene.friction.coefficient
-    loading, cycle = _rows_of_loading_and_cycle(scene)
+    loading_rows, cycle_rows = _rows_of_loading_and_cycle(scene)
     # _ROWS_OF_SHORT_SERIES: 1000 rows of a measured series
     is_long_measurement = (
         isinstance(scene.load, TimeSeriesLoad)
         and len(scene.load.kept_rows()) > _ROWS_OF_SHORT_SERIES
     )
     # InadmissibleLoadError at the first bad instant
-    require_admissible_rows(loading, friction_coefficient)
-    if not len(cycle):
-        series = _one_way_series(friction_coefficient, loading)
+    require_admissible_rows(loading_rows, friction_coefficient)
+    if not len(cycle_rows):
+        series = _one_way_series(friction_coefficient, loading_rows)
         return replace(series, is_long_measurement=is_long_measurement)
-    require_admissible_rows(cycle, friction_coefficient)
+    require_admissible_rows(cycle_rows, friction_coefficient)
 
     # number of cycles to follow at most, and of whole cycles up to the last instant
-    cycle_start = float(cycle[0, 0])
-    period = float(cycle[-1, 0] - cycle[0, 0])
+    cycle_start = float(cycle_rows[0, 0])
+    period = float(cycle_rows[-1, 0] - cycle_rows[0, 0])
     most_cycles, n_whole_cycles = cycles_to_follow(cycle_start, period, scene.cycles, time)
-    cycle_parts = (PathPart(cycle, cycle_number * period) for cycle_number in range(most_cycles))
+    cycle_parts = (
+        PathPart(cycle_rows, cycle_number * period) for cycle_number in range(most_cycles)
+    )
     series = _follow_cycles(
-        friction_coefficient, PathPart(loading, 0.0), cycle_parts, period, n_whole_cycles
+        friction_coefficient, PathPart(loading_rows, 0.0), cycle_parts, period, n_whole_cycles
     )
     return replace(series, is_long_measurement=is_long_measurement)
 
@@ -1450,7 +1456,7 @@ class States:
         self._lines: list[Line | None] = []
 
     def add(
-        self, block: StepBlock, step_number: Indices, share_of_step: Array, slack: Array
+        self, block: StepBlock, step_number: Indices, share_of_step: Array, slack_share: Array
     ) -> None:
         """Add the friction state at instants (n,) within a block of load steps: P, Q, P - P_c,
         direction of slip, and the line of the memory curve at the stick edge.
@@ -1468,25 +1474,27 @@ class States:
         step_number, share_of_step
             (n,) number within the block of the load step in which each instant lies, and share of
             that step that is over
-        slack
+        slack_share
             (n,) share of the step by which an instant may be beyond the end of a record and count
             as that end
         """
         if not len(step_number):
             return
         records = block.records
-        record_number = _record_at(records, step_number, share_of_step - slack)
+        record_number = _record_at(records, step_number, share_of_step - slack_share)
         # An instant that counts as the end of a record has the loads of that end.
         share_of_step = np.minimum(share_of_step, records.step_share_at_end[record_number])
         normal_load, tangential_load = _loads_at(block.rows, step_number, share_of_step)
-        line = LineTable(*(column[record_number] for column in block.line_table))
+        line_of_instant = LineTable(*(column[record_number] for column in block.line_table))
         direction = records.direction[record_number]
         slip_zone_load = _slip_zone_load_at(
-            records, record_number, share_of_step, normal_load, line
+            records, record_number, share_of_step, normal_load, line_of_instant
         )
         # M at the stick edge, which lies on the line; M(P) by slope f or -f from there
         stick_edge_load = normal_load - slip_zone_load
-        force_at_stick_edge = line.top_force - line.slope * (line.top_load - stick_edge_load)
+        force_at_stick_edge = line_of_instant.top_force - line_of_instant.slope * (
+            line_of_instant.top_load - stick_edge_load
+        )
         force_in_slip_zone = direction * self.friction * slip_zone_load
         force_error = force_at_stick_edge + force_in_slip_zone - tangential_load
 
@@ -1509,17 +1517,19 @@ class States:
             )
         )
 
-    def snapshot(self, time: Array, order: Indices) -> tuple[Snapshot, Array]:
+    def snapshot(self, time: Array, number_of_instant: Indices) -> tuple[Snapshot, Array]:
         """Friction states at all instants that were added, in the order of `time` (n,), and M(P) -
         Q of each, which is 0 but for round-off [force per thickness].
 
         M(P) is the tangential force that the memory curve carries. A state is P, Q, the load
         P - P_c of the slip zones, the direction of slip and the line of the memory curve at the
-        stick edge; P_c is the load there. `order` (n,) is, for each of the times, the number of its
-        instant among those that were added.
+        stick edge; P_c is the load there. `number_of_instant` (n,) is, for each of the times, the
+        number of its instant among those that were added.
         """
         columns_of_blocks = zip(*self._columns, strict=True)
-        states = _StateColumns._make(np.concatenate(column)[order] for column in columns_of_blocks)
+        states = _StateColumns._make(
+            np.concatenate(column)[number_of_instant] for column in columns_of_blocks
+        )
         snapshot = Snapshot(
             time=time,
             load=states.load,
@@ -1546,7 +1556,11 @@ def _record_at(records: Records, step: Indices, share_of_step: Array) -> Indices
 
 
 def _slip_zone_load_at(
-    records: Records, record_number: Indices, share_of_step: Array, load: Array, line: LineTable
+    records: Records,
+    record_number: Indices,
+    share_of_step: Array,
+    load: Array,
+    line_of_instant: LineTable,
 ) -> Array:
     """P - P_c at n instants, (n,), P_c the load at the stick edge; 0 where nothing slips.
 
@@ -1559,7 +1573,7 @@ def _slip_zone_load_at(
         records of the load steps, and (n,) the number of the one that holds each instant
     share_of_step, load
         (n,) share of the step that is over, and P
-    line
+    line_of_instant
         (n,) eta at the upper end of the record's line, and its growth along it
     """
     slip_zone_load_at_begin = records.slip_zone_load_at_begin[record_number]
@@ -1568,8 +1582,10 @@ def _slip_zone_load_at(
     ]
     share_of_record = _share_of_record(records, record_number, share_of_step)
     slip_zone_load = slip_zone_load_at_begin + share_of_record * slip_zone_growth
-    least_slip_zone_load = np.maximum(load - line.top_load, 0.0)
-    largest_slip_zone_load = np.maximum(load - (line.top_load - line.load_length), 0.0)
+    least_slip_zone_load = np.maximum(load - line_of_instant.top_load, 0.0)
+    largest_slip_zone_load = np.maximum(
+        load - (line_of_instant.top_load - line_of_instant.load_length), 0.0
+    )
     return np.where(
         records.direction[record_number] != 0,
         np.clip(slip_zone_load, least_slip_zone_load, largest_slip_zone_load),
@@ -1578,7 +1594,7 @@ def _slip_zone_load_at(
 
 
 def _share_of_record(records: Records, record_number: Indices, share_of_step: Array) -> Array:
-    """How much of a record is over at each of n instants, (n,), 0 at its begin and 1 at its end,
+    """How much of a record is over at each of n instants, (n,), 0 at its start and 1 at its end,
     from how much of its load step is over then.
 
     A record is a portion of a load step. A step has one record or more. Each ends where the part
@@ -1594,11 +1610,11 @@ def _share_of_record(records: Records, record_number: Indices, share_of_step: Ar
     is_first_of_step = np.diff(records.step_number, prepend=-1) > 0
     step_share_at_end_before = np.append(0.0, records.step_share_at_end[:-1])
     step_share_at_begin = np.where(is_first_of_step, 0.0, step_share_at_end_before)[record_number]
-    # part of the step that the whole record makes up
-    record_length = np.maximum(
+    # share of the step that the whole record takes
+    step_share_of_record = np.maximum(
         records.step_share_at_end[record_number] - step_share_at_begin, np.finfo(float).tiny
     )
-    return np.clip((share_of_step - step_share_at_begin) / record_length, 0.0, 1.0)
+    return np.clip((share_of_step - step_share_at_begin) / step_share_of_record, 0.0, 1.0)
 
 
 def _loads_at(rows: Array, step: Indices, share_of_step: Array) -> tuple[Array, Array]:

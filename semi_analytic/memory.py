@@ -98,11 +98,11 @@ def combination_change(
     """
     if earlier.segment is segment:
         return segment.change_of(combination, time, earlier.time)
-    # P and Q at the begin of the later segment
-    begin = instant(segment, segment.start)
-    change_before_segment = combination.normal * (begin.normal_load - earlier.normal_load)
+    # P and Q at the start of the later segment
+    begin_instant = instant(segment, segment.start)
+    change_before_segment = combination.normal * (begin_instant.normal_load - earlier.normal_load)
     change_before_segment += combination.tangential * (
-        begin.tangential_load - earlier.tangential_load
+        begin_instant.tangential_load - earlier.tangential_load
     )
     return segment.change_of(combination, time, segment.start) + change_before_segment
 
@@ -229,7 +229,7 @@ def force_on_piece(piece: Piece, eta: ArrayLike) -> Array:
 
 
 def _times_of_arc(piece: Piece) -> tuple[float, float]:
-    """Times at both ends of a piece's arc as it was made, before unloading shortened it: begin and
+    """Times at both ends of a piece's arc as it was made, before unloading shortened it: start and
     end on the load segment of its anchor.
     """
     assert piece.arc_times is not None  # for the type checker: only called for arcs
@@ -290,20 +290,22 @@ def unload_to(curve: Curve, load: float) -> Curve:
         return curve
     if curve.arc_times is None:
         return curve._replace(top_load=load)
-    arc_begin, _ = curve.arc_times
+    arc_begin_time, _ = curve.arc_times
     return curve._replace(
-        top_load=load, arc_times=(arc_begin, float(time_of_load_on_arc(curve, load)))
+        top_load=load, arc_times=(arc_begin_time, float(time_of_load_on_arc(curve, load)))
     )
 
 
-def load_in_stick(curve: Curve, segment: LoadSegment, begin: float, end: Instant) -> Piece:
+def load_in_stick(
+    curve: Curve, segment: LoadSegment, begin_time: float, end_instant: Instant
+) -> Piece:
     """The memory curve after loading in full stick: the path of P and Q becomes its uppermost
     piece, M = Q at eta = P.
 
     M(eta) is the tangential force of the flat punches up to the load eta. The path goes from the
-    time `begin` of a load segment to the instant `end`. `curve` is the memory before, None if out
-    of contact. A piece holds the curve below, its top load and the instant from which it is
-    measured.
+    time `begin_time` of a load segment to the instant `end_instant`. `curve` is the memory before,
+    None if out of contact. A piece holds the curve below, its top load and the instant from which
+    it is measured.
 
     >>> from scenes import StraightSegment
     >>> segment = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
@@ -312,21 +314,27 @@ def load_in_stick(curve: Curve, segment: LoadSegment, begin: float, end: Instant
     (2.0, 0.5, [0.5])
     """
     # dQ/dP and half of d2Q/dP2 of the path; None where Q(P) is no straight line or parabola
-    slope_and_bend = segment.slope_and_bend(end.time)
+    slope_and_bend = segment.slope_and_bend(end_instant.time)
     if slope_and_bend is None:
-        return Piece(curve, end.normal_load, end, slope=0.0, arc_times=(begin, end.time))
+        return Piece(
+            curve,
+            end_instant.normal_load,
+            end_instant,
+            slope=0.0,
+            arc_times=(begin_time, end_instant.time),
+        )
     slope, bend = slope_and_bend
-    return Piece(curve, end.normal_load, end, slope, bend)
+    return Piece(curve, end_instant.normal_load, end_instant, slope, bend)
 
 
 def slip_to(
-    curve: Curve, direction: int, friction: float, end: Instant, slip_zone_load: float
+    curve: Curve, direction: int, friction: float, end_instant: Instant, slip_zone_load: float
 ) -> Curve:
-    """The memory curve M(eta) after slip in one direction up to the instant `end`: from the load
-    P_c at the stick edge up to P it is a line at the Coulomb limit, slope +-f.
+    """The memory curve M(eta) after slip in one direction up to the instant `end_instant`: from the
+    load P_c at the stick edge up to P it is a line at the Coulomb limit, slope +-f.
 
     M(eta) is the tangential force of the flat punches up to the load eta; below P_c it does not
-    change. f is `friction`, `direction` +1 or -1; `end` holds P and Q as `normal_load` and
+    change. f is `friction`, `direction` +1 or -1; `end_instant` holds P and Q as `normal_load` and
     `tangential_load`. `slip_zone_load` is P - P_c [force per thickness]; where it is 0 no line is
     added. Masing rule: after a reversal of Q at constant P, P - P_c = dQ/(2 f), half as much as in
     first loading by the same dQ.
@@ -348,12 +356,12 @@ def slip_to(
     # keep the curve up to P_c
     if curve is not None:
         # its part up to P_c, None if nothing sticks
-        curve = unload_to(curve, min(end.normal_load - slip_zone_load, curve.top_load))
+        curve = unload_to(curve, min(end_instant.normal_load - slip_zone_load, curve.top_load))
     # no slip zone: nothing to add
-    if end.normal_load <= (curve.top_load if curve is not None else 0.0):
+    if end_instant.normal_load <= (curve.top_load if curve is not None else 0.0):
         return curve
     # curve below, top load, the instant through which the line goes, and slope
-    return Piece(curve, end.normal_load, end, direction * friction)
+    return Piece(curve, end_instant.normal_load, end_instant, direction * friction)
 
 
 def is_at_coulomb_limit(piece: Piece, direction: int, friction: float) -> bool:
@@ -460,25 +468,27 @@ def _load_of_slip_zone_on_arc(
     weighted sum of P and Q between two times, `time_of` its inverse.
     """
     # times on the load segment of the piece's `anchor`, the instant at the end of the arc
-    arc_begin, arc_end = _times_of_arc(arc)
+    arc_begin_time, arc_end_time = _times_of_arc(arc)
     s_q_minus_f_p = slip_combination(direction, friction)
     arc_segment = arc.anchor.segment
     if arc_segment is segment:
         # None where P and Q are no single wave
-        mirrored_time = segment.mirrored_time(s_q_minus_f_p, time, (arc_begin + arc_end) / 2)
+        mirrored_time = segment.mirrored_time(
+            s_q_minus_f_p, time, (arc_begin_time + arc_end_time) / 2
+        )
         if mirrored_time is not None:
             return segment.change_of(NORMAL_LOAD, time, mirrored_time)
     slip_combination_change = combination_change(arc.anchor, segment, s_q_minus_f_p, time)
-    # Back from the end of the arc, where the path may have turned: counted from its begin,
+    # Back from the end of the arc, where the path may have turned: counted from its start,
     # round-off would leave half the digits.
     time_at_stick_edge = arc_segment.time_of(
-        s_q_minus_f_p, slip_combination_change, arc_end, arc_begin
+        s_q_minus_f_p, slip_combination_change, arc_end_time, arc_begin_time
     )
     # P now minus P at the anchor
     load_change_since_anchor = combination_change(arc.anchor, segment, NORMAL_LOAD, time)
     # minus the change of P from the anchor to P_c
     return load_change_since_anchor - arc_segment.change_of(
-        NORMAL_LOAD, time_at_stick_edge, arc_end
+        NORMAL_LOAD, time_at_stick_edge, arc_end_time
     )
 
 
@@ -501,18 +511,18 @@ def is_same_memory(
     largest_load = max(curve.top_load, other_curve.top_load)
     if abs(curve.top_load - other_curve.top_load) > tolerance * largest_load:
         return False
-    least_top = min(curve.top_load, other_curve.top_load)
-    piece_end_loads = {0.0, least_top}
+    smaller_top_load = min(curve.top_load, other_curve.top_load)
+    piece_end_loads = {0.0, smaller_top_load}
     for piece in (*pieces(curve), *pieces(other_curve)):
-        piece_end_loads.add(min(piece.top_load, least_top))
+        piece_end_loads.add(min(piece.top_load, smaller_top_load))
     sorted_end_loads = np.array(sorted(piece_end_loads))
     compared_loads = [
         sorted_end_loads[:-1] + np.diff(sorted_end_loads) * fraction
         for fraction in (0.25, 0.5, 0.75, 1.0)
     ]
     eta = np.unique(np.concatenate(compared_loads))
-    difference = np.abs(force_up_to(curve, eta) - force_up_to(other_curve, eta))
-    return bool(np.all(difference <= tolerance * friction * least_top))
+    force_difference = np.abs(force_up_to(curve, eta) - force_up_to(other_curve, eta))
+    return bool(np.all(force_difference <= tolerance * friction * smaller_top_load))
 
 
 @dataclass(frozen=True, eq=False)
@@ -559,16 +569,16 @@ class Snapshot:
         piece in `sticking_pieces`, which has None for slip of the whole contact.
         """
         order_by_piece = np.argsort(self.piece_number, kind="stable")
-        piece_numbers, first_of_piece = np.unique(
+        piece_numbers, first_position_of_piece = np.unique(
             self.piece_number[order_by_piece], return_index=True
         )
         pieces_and_instants = []
-        for piece_number, (start, end) in zip(
+        for piece_number, (start_position, end_position) in zip(
             piece_numbers.tolist(),
-            pairwise([*first_of_piece.tolist(), len(order_by_piece)]),
+            pairwise([*first_position_of_piece.tolist(), len(order_by_piece)]),
             strict=True,
         ):
             piece = self.sticking_pieces[piece_number]
             if piece is not None:
-                pieces_and_instants.append((piece, order_by_piece[start:end]))
+                pieces_and_instants.append((piece, order_by_piece[start_position:end_position]))
         return tuple(pieces_and_instants)

@@ -32,11 +32,13 @@ class LogisticRule(NamedTuple):
     weight: Array
 
 
-def logistic_rule(low: float, high: float, step: float = _STEP_OF_LOGISTIC_RULE) -> LogisticRule:
-    """The trapezoidal rule from s = `low` to s = `high` in equal steps, for nodes 1/(1 + exp(-s))
-    on [0, 1]: distances of the nodes from 0 and from 1, and weights.
+def logistic_rule(
+    first_s: float, last_s: float, step: float = _STEP_OF_LOGISTIC_RULE
+) -> LogisticRule:
+    """The trapezoidal rule from s = `first_s` to s = `last_s` in equal steps, for nodes 1/(1 +
+    exp(-s)) on [0, 1]: distances of the nodes from 0 and from 1, and weights.
     """
-    s = np.arange(low, high + step / 2, step)
+    s = np.arange(first_s, last_s + step / 2, step)
     distance_from_begin = 1 / (1 + np.exp(-s))
     distance_from_end = 1 / (1 + np.exp(s))
     distance_from_nearer_end = np.minimum(distance_from_begin, distance_from_end)
