@@ -34,11 +34,10 @@ from reports.comparison.findings import (
     run_values_of_content,
     run_values_of_solution,
 )
-from reports.comparison.laws import QUANTITIES
+from reports.comparison.laws import QUANTITIES, verdict_on
 from reports.comparison.measures import MetricValue
 from reports.comparison.metrics import METRICS, Metric, tolerances_of
 from reports.comparison.pairs import are_half_planes, engine_in_words
-from reports.comparison.verdicts import verdict_on
 from reports.console import say
 from reports.folder import replace_text
 from reports.page.writing import code_commit
@@ -163,7 +162,7 @@ def error_of(
     reference: Case, figures: Mapping[str, float | None], scene: Scene, largest_load: float
 ) -> float:
     """Difference of our figure from a reference, in the measure of its tolerance."""
-    from reports.comparison.dimensionless import compliance_of_materials
+    from reports.comparison.pairs import compliance_of_materials
 
     ours = figures[key_of(reference)]
     theirs = float(reference.value)

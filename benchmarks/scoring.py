@@ -23,7 +23,7 @@ import semi_analytic
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
 from reports import Comparison, compare, score
-from reports.comparison.dimensionless import scales_of_reference
+from reports.comparison.pairs import scales_of_reference
 from reports.scoring.diagnosis import diagnose
 from reports.scoring.mapping import Mapping
 from reports.scoring.reading import read_result

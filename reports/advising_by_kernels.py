@@ -18,8 +18,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from reports.advising_by_numbers import WORK, Change
+from reports.comparison.laws import Verdict, verdict_on
 from reports.comparison.pairs import has_coupled_tractions
-from reports.comparison.verdicts import Verdict, verdict_on
 from reports.comparison.why import in_percent
 from scenes import ContactSolution, Estimate, FlatRounded, InputError, Scene
 

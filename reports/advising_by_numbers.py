@@ -36,9 +36,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from meshes import MeshSettings
-from reports.comparison.laws import QUANTITIES
+from reports.comparison.laws import QUANTITIES, Verdict, verdict_on
 from reports.comparison.pairs import has_coupled_tractions
-from reports.comparison.verdicts import Verdict, verdict_on
 from reports.comparison.why import Why, in_percent
 from scenes import (
     Bodies,
@@ -54,7 +53,7 @@ from scenes import (
 if TYPE_CHECKING:
     from halfplane_fe import SolverSettings
     from reports.comparison.budget import ErrorBudget
-    from reports.comparison.judged import JudgedPair
+    from reports.comparison.metrics import JudgedPair
 
 # Change of the dissipation in the second order of tilt and bulk strain: factors of (strain/f)^2,
 # strain x tilt, (tilt f)^2. They are the largest of six load cycles, and give a size alone. Below

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from reports import validation
-from reports.comparison.judged import JudgedPair
+from reports.comparison.metrics import JudgedPair
 from reports.comparison.words import with_uncertainty
 from reports.inputs import (
     PEAK,

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Protocol
 
 from reports.comparison import Comparison
-from reports.comparison.verdicts import Verdict
+from reports.comparison.laws import Verdict
 from reports.comparison.words import headline_sentence, notebook_html, summary_in_five_lines
 from scenes.measured import ReadAs
 
@@ -115,6 +115,25 @@ class Report:
         """
         pairs = self.comparison.result.settings.get("read_as", ())
         return tuple((name, words) for name, words in pairs)
+
+    def is_covered(self, metric: Metric) -> bool | None:
+        """Whether the stated uncertainty of a metric covers its known error; None where the error
+        is not known, or there is no budget.
+        """
+        if self.budget is None:
+            return None
+        for budget_of_metric in self.budget.budgets:
+            if budget_of_metric.metric.key == metric.key:
+                return budget_of_metric.is_covered
+        return None
+
+    @property
+    def are_headlines_covered(self) -> bool | None:
+        """Whether every stated uncertainty of the page's first table covers the known error; None
+        where no error is known, or there is no budget.
+        """
+        answers = {self.is_covered(metric) for metric in self.comparison.headlines}
+        return None if answers == {None} else False not in answers
 
     @property
     def coverage_in_words(self) -> str:

@@ -1,9 +1,13 @@
-"""Units and numbers as the page and the terminal write them."""
+"""Units and numbers as the page and the terminal write them; scalars of numpy as Python's own
+numbers, where a computation ends and page, JSON and tables begin.
+"""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 if TYPE_CHECKING:
     from scenes import Scene
@@ -77,3 +81,29 @@ def minus(figure: str) -> str:
     ('−2.0e−06', '8.6')
     """
     return figure.replace("-", "−")
+
+
+def python_number(value: Any) -> Any:
+    """A numpy scalar, or a tuple of them, as Python's own number; anything else as it is.
+
+    Page, JSON and tables take `True` for an index and `0.5` for a number; numpy's own scalars are
+    neither everywhere.
+
+    >>> python_number(np.float64(0.5)), python_number((np.bool_(True), 1)), python_number("within")
+    (0.5, (True, 1), 'within')
+    """
+    if isinstance(value, np.generic):
+        return value.item()
+    return tuple(python_number(entry) for entry in value) if type(value) is tuple else value
+
+
+class PythonNumbers:
+    """A frozen record that leaves a computation for the page: its scalars become Python numbers
+    when it is made.
+
+    Arrays of shape (k,) and more stay arrays.
+    """
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            object.__setattr__(self, name, python_number(value))

@@ -20,7 +20,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from reports.comparison.judged import JudgedPair
+from reports.comparison.metrics import JudgedPair
 from reports.comparison.words import with_uncertainty
 from reports.inputs import PEAK, WORK, InputEffects
 from reports.units import significant

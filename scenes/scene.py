@@ -386,6 +386,19 @@ class Scene(Frozen):
         return self.load.has_bulk_or_tilt or not self.profile.symmetric
 
     @property
+    def has_measured_rows(self) -> bool:
+        """Whether the loads are a record, or the profile comes from rows of a table or was fitted
+        to them.
+
+        >>> from scenes import load_scene
+        >>> load_scene("hertz-paper").has_measured_rows
+        False
+        """
+        is_fitted = getattr(self.profile, "fitted", None) is not None
+        is_table = self.profile.kind == "tabulated"
+        return isinstance(self.load, TimeSeriesLoad) or is_fitted or is_table
+
+    @property
     def unit_words(self) -> tuple[str, str, str]:
         """Names of force, length and stress; general words where `units` is no list of three.
 

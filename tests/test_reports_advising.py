@@ -26,7 +26,7 @@ from reports.advising_by_numbers import (
     split_difference_of_work,
 )
 from reports.cli.application import Options
-from reports.comparison.verdicts import Verdict
+from reports.comparison.laws import Verdict
 from reports.studies.maps import commands
 from scenes import (
     BodyEffects,

@@ -19,7 +19,7 @@ from command_line import halfplane, raising
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
 from reports.page import writing
-from reports.python_numbers import PythonNumbers
+from reports.units import PythonNumbers
 from scenes import ContactSolution, load_scene, scene_names
 
 # As coarse as leaves room for the two coarser meshes of an uncertainty.
@@ -129,7 +129,7 @@ def test_every_scene_of_the_library_runs_with_default_options(name: str, tmp_pat
 
 
 # ------------------------------------------------------------------ numbers that leave for the page
-@pytest.mark.parametrize("module", ["measures", "metrics", "dimensionless", "laws", "budget"])
+@pytest.mark.parametrize("module", ["measures", "metrics", "pairs", "laws", "budget"])
 def test_records_that_leave_for_the_page_hold_numbers_of_python(module: str) -> None:
     """numpy's True is no index of a tuple, and a value is a share of something whatever library
     computed it.

@@ -10,7 +10,7 @@ import pytest
 
 from reports.comparison import Comparison, compare
 from reports.comparison.cycles import last_cycle
-from reports.comparison.dimensionless import compliance_of_materials
+from reports.comparison.pairs import compliance_of_materials
 from reports.comparison.work_of_loads import loop_work
 from scenes import ContactSolution, Record, Scene, SurfaceState, Work, load_scene, read_only_copy
 

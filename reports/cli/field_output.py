@@ -450,7 +450,7 @@ def _draw(
     with stages.stage("pictures", "pictures") as show_progress:
         import numpy as np
 
-        from reports.comparison.dimensionless import scales_of_reference
+        from reports.comparison.pairs import scales_of_reference
         from reports.field_output import pictures as drawing
 
         folder.mkdir()

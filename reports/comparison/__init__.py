@@ -5,27 +5,26 @@ Offered to the rest of reports, `Comparison` `compare` first; each file imports 
 
     cycles.py       the last cycle of a solution, on the points of another: `Cycle` `last_cycle`
                     `Event` `events` `index_of_first_row` `NAMES_OF_BULK_SERIES`
-    dimensionless.py the scales: `scales_of_reference` `Scales` `compliance_of_materials`
-                    `energy_scale`
     datum.py        what displacements count from, c_t and c_n of finite bodies:
                     `effects_between` `lacks_datum` `cycle_from_supports`
     isolated.py     single values that no neighbour supports: `spike_mask` `without_spikes`
     pairs.py        reference and result on common points: `Pair` `are_half_planes`
-                    `has_coupled_tractions` `engine_in_words`
+                    `has_coupled_tractions` `engine_in_words` `stated_uncertainty`; their scales:
+                    `scales_of_reference` `Scales` `compliance_of_materials` `energy_scale`
     work_of_loads.py closed integrals of Q dU, P dV and the bulk term: `loop_work` `bulk_work`
                     `normal_work` `bulk_strain` `bulk_strains_per_stress`
-    verdicts.py     `Verdict` `verdict_on`
     measures.py     one function for each metric: `l2_norm` `quotient` `trapezoidal_weights`
-    metrics.py      the metrics, one table of words, reasons, needs, functions, tolerances:
-                    `METRICS` `Metric` `reason_by_missing_field` `tolerances_of` `WHOLE_CYCLE`
     laws.py         the laws of contact that an answer obeys, whoever is right: `Certificate`
                     `certificates` `DERIVED` `names_of_derived_fields`; the numbers of a solution:
                     `QUANTITIES` `NAMES_OF_UNSYMMETRIC_VALUES` `largest_load_ratio`; those that its
                     scene expects: `ExpectedNumber` `expected_numbers` `expected_content`
-                    `expected_rows` `EXPECTED_HEADS`
+                    `expected_rows` `EXPECTED_HEADS`; the verdict on an error: `Verdict`
+                    `verdict_on`
     why.py          the difference of W split by what makes it: `Why` `Step` `percent_of`
                     `in_percent`
-    judged.py       all of that with its verdict: `JudgedPair`
+    metrics.py      the metrics, one table of words, reasons, needs, functions, tolerances:
+                    `METRICS` `Metric` `reason_by_missing_field` `tolerances_of` `WHOLE_CYCLE`;
+                    a pair with all of that: `JudgedPair`
     words.py        all of that in sentences, whose words are in templates/words.txt:
                     `headline_sentence` `verdict_in_few_words` `verdict_in_sentences`
                     `verdict_in_short`
@@ -46,7 +45,7 @@ Offered to the rest of reports, `Comparison` `compare` first; each file imports 
                     `uncertainty_of_edge`; the mesh-refinement study of one value, its order and
                     value at size zero: `Refinement` `Extrapolation` `extrapolate`
     budget_words.py a budget in sentences, cells and JSON: `budget_table` `negligible_terms`
-                    `cost_in_words` `cell_of_term` `is_covered` `are_covered` `budget_content`
+                    `cost_in_words` `cell_of_term` `budget_content`
     findings.py     what two runs, or a run and a baseline, differ by: `ValuesOfRun`
                     `read_run_values` `run_values_of_content` `run_values_of_solution`
                     `difference_of_runs`
@@ -67,12 +66,11 @@ from reports.comparison.cycles import (
     last_cycle,
 )
 from reports.comparison.datum import cycle_from_supports, lacks_datum
-from reports.comparison.dimensionless import scales_of_reference
-from reports.comparison.judged import JudgedPair
 from reports.comparison.laws import certificates
 from reports.comparison.metrics import (
     METRICS,
     WHOLE_CYCLE,
+    JudgedPair,
     judged_metrics,
     reason_by_missing_field,
     tolerances_of,
@@ -82,6 +80,7 @@ from reports.comparison.pairs import (
     Pair,
     are_half_planes,
     engine_in_words,
+    scales_of_reference,
 )
 from scenes import BodyEffects, ContactSolution, InputError
 from scenes.solution import require_solution

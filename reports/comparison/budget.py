@@ -31,7 +31,7 @@ from reports.comparison import Comparison, compare
 from reports.comparison.metrics import Metric
 from reports.comparison.pairs import are_half_planes
 from reports.comparison.work_of_loads import solution_on_straight_steps
-from reports.python_numbers import PythonNumbers
+from reports.units import PythonNumbers
 from scenes import ContactSolution, ConvergenceError, InputError, Scene
 from scenes.array_types import Array
 

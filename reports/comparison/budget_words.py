@@ -6,7 +6,6 @@ from typing import Any
 
 from reports.charts.templating import in_template
 from reports.comparison.budget import Budget, ErrorBudget, Term
-from reports.comparison.judged import JudgedPair
 from reports.comparison.metrics import Metric
 from reports.comparison.words import term_in_words, value_in_words
 
@@ -150,29 +149,6 @@ def cost_in_words(budget: ErrorBudget) -> str:
     return in_template(
         "budget_cost", budget.cpu_time_ratio, list(runs.values()), refinements.reasons_not_measured
     )
-
-
-def is_covered(budget: ErrorBudget | None, metric: Metric) -> bool | None:
-    """Whether the stated uncertainty of a metric covers its known error; None where the error is
-    not known, or there is no budget.
-    """
-    budgets_of_metrics = () if budget is None else budget.budgets
-    return next(
-        (
-            budget_of_metric.is_covered
-            for budget_of_metric in budgets_of_metrics
-            if budget_of_metric.metric.key == metric.key
-        ),
-        None,
-    )
-
-
-def are_covered(comparison: JudgedPair, budget: ErrorBudget | None) -> bool | None:
-    """Whether every stated uncertainty of the page's first table covers the known error; None where
-    no error is known, or there is no budget.
-    """
-    coverings = {is_covered(budget, metric) for metric in comparison.headlines}
-    return None if coverings == {None} else False not in coverings
 
 
 def budget_content(budget: ErrorBudget) -> dict[str, Any]:

@@ -17,9 +17,8 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
-from reports.comparison.dimensionless import energy_scale
-from reports.comparison.laws import NAMES_OF_UNSYMMETRIC_VALUES
-from reports.comparison.verdicts import Verdict, verdict_on
+from reports.comparison.laws import NAMES_OF_UNSYMMETRIC_VALUES, Verdict, verdict_on
+from reports.comparison.pairs import energy_scale
 from reports.folder import replace_text
 from scenes import ContactSolution, InputError, Scene
 from scenes.errors import first_line

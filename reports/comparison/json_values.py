@@ -100,7 +100,7 @@ def solution_content(solution: ContactSolution, checks: tuple[Certificate, ...])
     # meshed bodies; none in a solution that is not of finite elements, or was read from a file
     bodies = zip(("lower", "upper"), getattr(solution, "bodies", ()), strict=False)
     # counted in a table of measured loads; None for other loads
-    cycles = load_cycles(solution)
+    cycles = load_cycles(solution) if solution.scene.has_measured_rows else None
     return {
         **{name: getattr(solution, name) for name in names_of_values},
         **values_of_unsymmetric(solution),

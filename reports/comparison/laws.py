@@ -1,5 +1,5 @@
-"""What needs no second solution: the laws of contact that an answer obeys, and the numbers that its
-scene expects.
+"""The verdict on an error; and what needs no second solution: the laws of contact that an answer
+obeys, and the numbers that its scene expects.
 
 Laws have two sources: what can be read off the fields of any ContactSolution (tension, cone,
 loads), and what only the engine could see while it solved (equilibrium in its own weights,
@@ -11,18 +11,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from enum import StrEnum
 from operator import attrgetter
 from typing import Any
 
 import numpy as np
 
 from reports.comparison.cycles import last_cycle
-from reports.comparison.dimensionless import energy_scale
-from reports.comparison.pairs import engine_in_words, is_corrected
-from reports.comparison.verdicts import Verdict, verdict_on
+from reports.comparison.pairs import energy_scale, engine_in_words, is_corrected
 from reports.comparison.work_of_loads import bulk_work
-from reports.python_numbers import PythonNumbers
-from reports.units import minus
+from reports.units import PythonNumbers, minus
 from scenes import SLIP_FORWARD, SLIP_REVERSE, ContactSolution, Expected, Scene
 from scenes.array_types import Array
 from scenes.segments import largest_ratio_of
@@ -43,6 +41,34 @@ _LIMIT_OF_STRAIGHT_STEPS = 1e-6
 # Key in `settings` of an external result: names of the fields that were derived from other fields.
 # A law that such a field satisfies by construction is not checked.
 DERIVED = "derived"
+
+
+class Verdict(StrEnum):
+    """Whether an error is within a tolerance, by its uncertainty."""
+
+    WITHIN = "within"
+    OUTSIDE = "outside"
+    UNDECIDED = "undecided"
+
+
+def verdict_on(error: float, tolerance: float, uncertainty: float | None = None) -> Verdict:
+    """Whether the size of an error E lies within `tolerance`, both in one unit.
+
+    Within if |E| + u <= tolerance, outside if |E| - u > tolerance, else undecided. Where no
+    uncertainty u is known, |E| alone decides. An error that is not finite is outside; an
+    uncertainty that is not finite decides nothing.
+
+    >>> print(verdict_on(-0.016, 0.05), verdict_on(-0.016, 0.05, 0.75), verdict_on(0.9, 0.05, 0.75))
+    within undecided outside
+    """
+    if not math.isfinite(error):
+        return Verdict.OUTSIDE
+    known_uncertainty = 0.0 if uncertainty is None else uncertainty
+    if abs(error) + known_uncertainty <= tolerance:
+        return Verdict.WITHIN
+    if abs(error) - known_uncertainty > tolerance:
+        return Verdict.OUTSIDE
+    return Verdict.UNDECIDED
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,10 +19,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reports.comparison.cycles import Cycle
-from reports.comparison.pairs import Mask, Pair, engine_in_words, is_corrected
+from reports.comparison.pairs import (
+    Mask,
+    Pair,
+    engine_in_words,
+    is_corrected,
+    stated_uncertainty,
+)
 from reports.comparison.work_of_loads import bulk_work, loop_work, solution_on_straight_steps
-from reports.python_numbers import PythonNumbers
-from reports.units import minus
+from reports.units import PythonNumbers, minus
 from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ContactSolution
 from scenes.array_types import Array
 from scenes.solution import range_of_slip
@@ -383,34 +388,6 @@ def _with_stated_uncertainties(
         stated_uncertainty(pair.result, result_amount, name, name_of_error),
     )
     return replace(metric_value, stated=stated_uncertainties)
-
-
-def stated_uncertainty(
-    solution: ContactSolution, amount: float, name: str, name_of_error: str
-) -> float | None:
-    """Uncertainty that a solution itself states of an amount, in the unit of the amount. NaN where
-    it has no estimate, 0 where theory is exact; None for an external result, which states nothing.
-
-    Parameters
-    ----------
-    amount
-        value of the solution, such as its largest pressure
-    name
-        the quantity in `solution.uncertainties` (name -> uncertainty in the unit of the amount)
-    name_of_error
-        the quantity in `solution.record.errors` of half-plane theory (name -> relative error),
-        where `uncertainties` has none; "" where theory is exact
-    """
-    if name in solution.uncertainties:
-        return solution.uncertainties[name]
-    if solution.engine == "semi_analytic":
-        relative_error = solution.record.errors.get(name_of_error, 0.0)
-        return relative_error * abs(amount)
-    if solution.engine != "halfplane_fe":
-        return None
-    if name == "dissipation":
-        return solution.dissipation_uncertainty
-    return math.nan
 
 
 def _place_of_largest_value(pair: Pair, values: Array) -> float:

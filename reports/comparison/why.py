@@ -19,8 +19,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from reports.python_numbers import PythonNumbers
-from reports.units import minus
+from reports.units import PythonNumbers, minus
 from scenes import Estimate
 from scenes.body_effects import ZERO_ESTIMATE
 

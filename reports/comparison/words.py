@@ -17,17 +17,20 @@ from typing import Any, Literal
 import numpy as np
 
 from reports.charts.templating import in_template, template
-from reports.comparison.judged import JudgedPair
 from reports.comparison.laws import (
     Certificate,
+    Verdict,
     certificates,
     largest_load_ratio,
     values_of_unsymmetric,
 )
-from reports.comparison.measures import stated_uncertainty
-from reports.comparison.metrics import Metric
-from reports.comparison.pairs import are_half_planes, engine_in_words, has_coupled_tractions
-from reports.comparison.verdicts import Verdict
+from reports.comparison.metrics import JudgedPair, Metric
+from reports.comparison.pairs import (
+    are_half_planes,
+    engine_in_words,
+    has_coupled_tractions,
+    stated_uncertainty,
+)
 from reports.comparison.work_of_loads import normal_work
 from reports.measured import load_cycles
 from reports.units import energy_unit, load_unit, minus, number, signed, units

@@ -9,7 +9,7 @@ from typing import Any
 
 from reports.charts.templating import in_template
 from reports.comparison import Comparison
-from reports.comparison.budget_words import budget_content, is_covered
+from reports.comparison.budget_words import budget_content
 from reports.comparison.json_values import metric_content, solution_content, strict_json_values
 from reports.comparison.laws import expected_content, expected_numbers, names_of_derived_fields
 from reports.comparison.words import (
@@ -70,28 +70,29 @@ def whole_content(report: Report, command: str, seconds: Mapping[str, float]) ->
     difference of the dissipation split by causes. What is not there is None or empty.
     """
     comparison = report.comparison
+    scene = comparison.scene
     budget = report.budget
     return {
         "format": _FORMAT,
         **common_content(report),
-        "profile_fit": fit_content(comparison.scene),
+        "profile_fit": fit_content(scene) if scene.has_measured_rows else None,
         "verdict": _verdict_content(report),
         "scales": _scales_content(comparison),
         "metrics": {
-            metric.key: metric_content(metric, comparison.scene, is_covered(budget, metric))
+            metric.key: metric_content(metric, scene, report.is_covered(metric))
             for metric in comparison.metrics
         },
         "budget": None if budget is None else budget_content(budget),
         "why": None if comparison.why is None else comparison.why.content(),
-        "inputs": content_of_report(report),
+        "inputs": content_of_report(report) if report.inputs else None,
         **_contents_of_solutions(comparison),
-        "measured": record_content(comparison.scene),
+        "measured": record_content(scene) if scene.has_measured_rows else None,
         "interpolation": comparison.reference_cycle.interpolation_errors,
         "notes": comparison.notes,
         **_content_of_external_result(report),
         "seconds": seconds,
         "command": command,
-        "scene": comparison.scene.model_dump(mode="json"),
+        "scene": scene.model_dump(mode="json"),
     }
 
 

@@ -23,8 +23,7 @@ from reports.charts.plate import (
 )
 from reports.charts.templating import Table
 from reports.comparison.cycles import Cycle, Event
-from reports.comparison.judged import JudgedPair
-from reports.comparison.metrics import Metric, reason_by_missing_field
+from reports.comparison.metrics import JudgedPair, Metric, reason_by_missing_field
 from reports.comparison.pairs import are_half_planes
 from reports.comparison.work_of_loads import bulk_strain, bulk_work, loop_work
 from reports.measured import load_cycles

@@ -241,7 +241,9 @@ def render(
     scene = comparison.scene
     # texts by their names on the page: headline, question, bodies, ...
     sentences = common_content(report)
-    sentences_on_fit, _ = findings_on_fit(scene)  # none without a profile fitted to measured rows
+    sentences_on_fit: tuple[str, ...] = ()
+    if scene.has_measured_rows:
+        sentences_on_fit, _ = findings_on_fit(scene)
     bodies = [sentences["bodies"], sentences["unlike_materials"], *sentences_on_fit]
     # Names as in the template. `flat`: makes one mapping of nested settings; `states`: legend of
     # open, stick and slip.
@@ -293,7 +295,7 @@ def _solutions_for_page(comparison: Comparison) -> dict[str, Any]:
         "notes": _notes(comparison),
         "dissipations": list(_dissipations(comparison)),
         "stretch": words.part_of_path(scene),
-        "measured": page_section(scene, solutions),
+        "measured": page_section(scene, solutions) if scene.has_measured_rows else None,
         "engines": [(engine_in_words(solution.engine), solution) for solution in solutions],
         "uncertain_work": words.sentence_on_work(comparison),
     }
@@ -641,18 +643,19 @@ def draw(report: Report) -> tuple[Plate, ...]:
 
 
 def _plates_of_cycle(comparison: Comparison) -> list[Plate | None]:
-    """The figures that every report has, in the order of the page: both bodies, and loads,
-    tractions, slip and dissipation of the last cycle by both solutions. One is None where it does
-    not apply, such as the work of a measured record.
+    """The figures of the scene and of its last cycle, in the order of the page: both bodies; of
+    measured rows the fit and the friction work; loads, tractions, slip and dissipation by both
+    solutions. One is None where it does not apply.
     """
     # the last cycles of both solutions, with the axes that figures share
     view = CycleView(comparison)
     half_width = comparison.scales.half_width  # a_ref, at the reference load
-    contact_edge = float(np.nanmax(comparison.reference_cycle.contact_edges))  # outermost at right
+    plates: list[Plate | None] = [sketch(comparison.scene, half_width)]
+    if comparison.scene.has_measured_rows:
+        contact_edge = float(np.nanmax(comparison.reference_cycle.contact_edges))  # at right
+        plates += [fit_residuals(comparison.scene, contact_edge), cumulative_work(view)]
     return [
-        sketch(comparison.scene, half_width),
-        fit_residuals(comparison.scene, contact_edge),
-        cumulative_work(view),
+        *plates,
         load_path(view),
         moving_instant(view),
         hysteresis(view),

@@ -13,9 +13,9 @@ from numpy.typing import ArrayLike
 
 from reports.comparison import compare
 from reports.comparison.datum import effects_between
-from reports.comparison.dimensionless import scales_of_reference
 from reports.comparison.laws import DERIVED, certificates, names_of_derived_fields
 from reports.comparison.metrics import WHOLE_CYCLE
+from reports.comparison.pairs import scales_of_reference
 from reports.report import Report
 from reports.scoring.mapping import Mapping
 from reports.scoring.reading import SOLUTION_SUFFIX, read_result

@@ -16,9 +16,9 @@ import halfplane_fe
 import semi_analytic
 from reports.comparison import Comparison
 from reports.comparison.cycles import Cycle
+from reports.comparison.laws import Verdict, verdict_on
 from reports.comparison.measures import l2_norm, quotient, trapezoidal_weights
 from reports.comparison.pairs import are_half_planes
-from reports.comparison.verdicts import Verdict, verdict_on
 from scenes import InputError, Scene
 from scenes.array_types import Array
 

@@ -111,8 +111,8 @@ def advise(scene: str, options: Options) -> Answer:
     """
     from reports import advising
     from reports.advising_by_numbers import Advice
+    from reports.comparison.laws import Verdict
     from reports.comparison.pairs import are_half_planes
-    from reports.comparison.verdicts import Verdict
     from scenes import InputError
 
     limit = share_of(options.limit)  # 0.05 for "5%"
@@ -141,7 +141,7 @@ def _answer_in_words(scene: Scene, limit: float, verdict: str | None, sentence: 
     error is computed. It is one sentence, with exit code 0 if the `verdict` is that theory is
     within the `limit`, else 1. The JSON content has the same.
     """
-    from reports.comparison.verdicts import Verdict
+    from reports.comparison.laws import Verdict
 
     is_within = verdict is Verdict.WITHIN
     content = {
@@ -170,8 +170,8 @@ def _answer_by_numbers(advice: Advice) -> Answer:
     "".
     """
     from reports.advising_by_numbers import advice_in_words
+    from reports.comparison.laws import Verdict
     from reports.comparison.pairs import has_coupled_tractions
-    from reports.comparison.verdicts import Verdict
 
     def terminal_output() -> Iterator[Part]:
         """What the terminal shows of advice on half-plane theory for finite bodies: sentences, a
@@ -225,7 +225,7 @@ def _answer_by_kernels(advice: KernelAdvice) -> Answer:
     "declined" of the JSON content is why corrected theory, which is quicker, does not answer.
     """
     from reports.advising_by_kernels import advice_in_words
-    from reports.comparison.verdicts import Verdict
+    from reports.comparison.laws import Verdict
 
     def terminal_output() -> Iterator[Part]:
         """What the terminal shows: the sentence and the table."""
@@ -282,7 +282,7 @@ def _shared_content(advice: Advice | KernelAdvice, method: str, sentence: str) -
     relative change that the bodies make. The limit is the largest size of the relative change of
     the dissipation up to which theory may be used.
     """
-    from reports.comparison.verdicts import Verdict
+    from reports.comparison.laws import Verdict
 
     return {
         "by": method,

@@ -59,7 +59,7 @@ _REPORTS = __name__.removesuffix(".studies.sweep.solving")
 _BESIDE_REPORTS = _REPORTS.removesuffix("reports")
 _PACKAGES_OF_CODE = (
     *(_BESIDE_REPORTS + name for name in ("scenes", "semi_analytic", "meshes", "halfplane_fe")),
-    *(f"{_REPORTS}.{name}" for name in ("comparison", "python_numbers", "units")),
+    *(f"{_REPORTS}.{name}" for name in ("comparison", "units")),
 )
 _LIBRARIES = ("numpy", "scipy", "scikit-fem", "gmsh", "pydantic")
 # Roache's index of two grids, 3/(2^p - 1) with p = 3/2: where tractions end as a root, errors fall
