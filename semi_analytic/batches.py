@@ -137,7 +137,7 @@ def maxima_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
     samples_of_density, is_unknown = _sampled_density(
         sample_places, partial(density_at, node_stride=2)
     )
-    # one for each sample above its neighbours, refined
+    # one for each sample above its neighbours, refined; then the largest of each ellipse, its peak
     local_maxima = _local_maxima(samples_of_density, density_at)
     peaks_of_ellipses = _largest_maximum(
         local_maxima, ellipses, sample_places, is_unknown, density_at
@@ -299,32 +299,34 @@ def _largest_maximum(
     """
     n_ellipses = len(ellipses.mean_load)
     # of the largest maximum of each ellipse, -1 where there is none
-    maximum_number = local_maxima.largest_of_ellipses(n_ellipses)
+    maximum_number_of_ellipse = local_maxima.largest_of_ellipses(n_ellipses)
     largest_density = np.where(is_unknown, np.nan, 0.0)
     error_of_density = np.where(
         is_unknown, np.nan, _largest_undetected_density(ellipses, sample_places)
     )
     place_of_maximum = np.full(n_ellipses, np.nan)
 
-    slipping_ellipses = np.flatnonzero((maximum_number >= 0) & ~is_unknown)
-    maxima_of_slipping_ellipses = maximum_number[slipping_ellipses]
+    slipping_ellipse_numbers = np.flatnonzero((maximum_number_of_ellipse >= 0) & ~is_unknown)
+    maximum_number_of_slipping_ellipse = maximum_number_of_ellipse[slipping_ellipse_numbers]
     vertices = local_maxima.vertex
-    largest_density[slipping_ellipses] = vertices.density[maxima_of_slipping_ellipses]
-    place_of_maximum[slipping_ellipses] = vertices.place[maxima_of_slipping_ellipses]
+    largest_density[slipping_ellipse_numbers] = vertices.density[maximum_number_of_slipping_ellipse]
+    place_of_maximum[slipping_ellipse_numbers] = vertices.place[maximum_number_of_slipping_ellipse]
     densities_by_stride = np.stack(
         [
-            density_at(slipping_ellipses, place_of_maximum[slipping_ellipses], node_stride)
+            density_at(
+                slipping_ellipse_numbers, place_of_maximum[slipping_ellipse_numbers], node_stride
+            )
             for node_stride in (1, 2, 4)
         ]
     )
     # from W by all nodes, by every second and by every fourth
     relative_rule_error = quadrature_error(densities_by_stride, densities_by_stride[0])
-    relative_error = relative_rule_error + _relative_roundoff(ellipses)[slipping_ellipses]
-    error_of_density[slipping_ellipses] = (
-        vertices.possible_rise[maxima_of_slipping_ellipses]
-        + vertices.density[maxima_of_slipping_ellipses] * relative_error
+    relative_error = relative_rule_error + _relative_roundoff(ellipses)[slipping_ellipse_numbers]
+    error_of_density[slipping_ellipse_numbers] = (
+        vertices.possible_rise[maximum_number_of_slipping_ellipse]
+        + vertices.density[maximum_number_of_slipping_ellipse] * relative_error
     )
-    return _Peaks(largest_density, error_of_density, place_of_maximum, maximum_number)
+    return _Peaks(largest_density, error_of_density, place_of_maximum, maximum_number_of_ellipse)
 
 
 def _relative_roundoff(ellipses: Ellipses) -> Array:
@@ -390,11 +392,11 @@ def _second_maximum(
     if not len(local_maxima.sample_number):
         return second_density, second_place
     # From the sample of each maximum to that of the largest of its ellipse.
-    sample_of_largest_maximum = local_maxima.sample_number[
+    sample_number_of_largest_maximum = local_maxima.sample_number[
         peaks.maximum_number[local_maxima.ellipse_number]
     ]
     sample_ranges = np.sort(
-        np.stack([local_maxima.sample_number, sample_of_largest_maximum]), axis=0
+        np.stack([local_maxima.sample_number, sample_number_of_largest_maximum]), axis=0
     )
     # Every other minimum of `reduceat` is that between two ranges: it is left out.
     least_density_in_range = np.minimum.reduceat(sampled_density, sample_ranges.T.ravel())[::2]
@@ -402,12 +404,12 @@ def _second_maximum(
     least_fall = np.maximum(_LEAST_FALL_SHARE * peaks.density, 2 * peaks.error)
     # By ascending W: the last maximum of an ellipse overwrites those before.
     maximum_numbers = local_maxima.numbers_by_ascending_density()
-    ellipse_of_maximum = local_maxima.ellipse_number[maximum_numbers]
+    ellipse_number_of_maximum = local_maxima.ellipse_number[maximum_numbers]
     density_of_maximum = local_maxima.vertex.density[maximum_numbers]
-    is_not_largest = maximum_numbers != peaks.maximum_number[ellipse_of_maximum]
+    is_not_largest = maximum_numbers != peaks.maximum_number[ellipse_number_of_maximum]
     is_distinct = (
         least_density_in_range[maximum_numbers]
-        < density_of_maximum - least_fall[ellipse_of_maximum]
+        < density_of_maximum - least_fall[ellipse_number_of_maximum]
     )
     second_maximum_numbers = maximum_numbers[is_not_largest & is_distinct]
     second_density[local_maxima.ellipse_number[second_maximum_numbers]] = (
@@ -465,17 +467,19 @@ def _sampled_density(
         np.diff(places, axis=1, prepend=-np.inf)
         > _SAME_POINT_WIDTH_SHARE * slip_zone_widths[:, None]
     )
-    ellipse_of_sample = np.nonzero(is_distinct)[0]
+    ellipse_number_of_sample = np.nonzero(is_distinct)[0]
     sample_places = places[is_distinct]
-    density_at_samples = density_at(ellipse_of_sample, sample_places)
-    is_unknown = np.bincount(ellipse_of_sample, np.isnan(density_at_samples), len(places)) > 0
+    density_at_samples = density_at(ellipse_number_of_sample, sample_places)
+    is_unknown = (
+        np.bincount(ellipse_number_of_sample, np.isnan(density_at_samples), len(places)) > 0
+    )
     # Nothing is dissipated at the ends of the slip zone: no maximum is there, and ellipses next to
     # each other stay apart.
-    first_sample_of_ellipse = np.flatnonzero(np.diff(ellipse_of_sample, prepend=-1))
-    last_sample_of_ellipse = np.append(first_sample_of_ellipse[1:], len(sample_places)) - 1
-    density_at_samples[first_sample_of_ellipse] = 0.0
-    density_at_samples[last_sample_of_ellipse] = 0.0
-    samples = _Samples(ellipse_of_sample, sample_places, density_at_samples)
+    first_sample_number = np.flatnonzero(np.diff(ellipse_number_of_sample, prepend=-1))
+    last_sample_number = np.append(first_sample_number[1:], len(sample_places)) - 1
+    density_at_samples[first_sample_number] = 0.0
+    density_at_samples[last_sample_number] = 0.0
+    samples = _Samples(ellipse_number_of_sample, sample_places, density_at_samples)
 
     # Samples are put closer where W is nearly level, lest one of two maxima next to each other is
     # missed: at a quarter, a half and three quarters of each level interval.
@@ -484,11 +488,13 @@ def _sampled_density(
         sample_places[level_interval_numbers]
         + np.diff(sample_places)[level_interval_numbers] * _QUARTER_FRACTIONS[:, None]
     ).ravel()
-    ellipse_of_added_sample = np.tile(
-        ellipse_of_sample[level_interval_numbers], len(_QUARTER_FRACTIONS)
+    ellipse_number_of_added_sample = np.tile(
+        ellipse_number_of_sample[level_interval_numbers], len(_QUARTER_FRACTIONS)
     )
     added_samples = _Samples(
-        ellipse_of_added_sample, added_places, density_at(ellipse_of_added_sample, added_places)
+        ellipse_number_of_added_sample,
+        added_places,
+        density_at(ellipse_number_of_added_sample, added_places),
     )
     return samples.joined_with(added_samples), is_unknown
 
@@ -502,11 +508,11 @@ def _level_interval_numbers(samples: _Samples, slip_zone_widths: Array) -> Indic
     interval has the number of the sample at its left. An ellipse has W = 0 at its first and its
     last sample.
     """
-    ellipse_of_interval = samples.ellipse_number[:-1]
-    first_sample_of_ellipse = np.flatnonzero(np.diff(samples.ellipse_number, prepend=-1))
-    largest_densities = np.maximum.reduceat(samples.density, first_sample_of_ellipse)
+    ellipse_number_of_interval = samples.ellipse_number[:-1]
+    first_sample_number = np.flatnonzero(np.diff(samples.ellipse_number, prepend=-1))
+    largest_densities = np.maximum.reduceat(samples.density, first_sample_number)
     # _NEARLY_LEVEL_FRACTION: 0.01
-    negligible_density = (_NEARLY_LEVEL_FRACTION * largest_densities)[ellipse_of_interval]
+    negligible_density = (_NEARLY_LEVEL_FRACTION * largest_densities)[ellipse_number_of_interval]
     is_above_negligible_density = (samples.density[:-1] > negligible_density) & (
         samples.density[1:] > negligible_density
     )
@@ -514,7 +520,7 @@ def _level_interval_numbers(samples: _Samples, slip_zone_widths: Array) -> Indic
         np.abs(np.diff(samples.density)) < negligible_density
     ) & is_above_negligible_density
     is_wide_interval = (
-        np.diff(samples.x) > _NEARLY_LEVEL_FRACTION * slip_zone_widths[ellipse_of_interval]
+        np.diff(samples.x) > _NEARLY_LEVEL_FRACTION * slip_zone_widths[ellipse_number_of_interval]
     )
     return np.flatnonzero(is_level_interval & is_wide_interval)
 
@@ -614,7 +620,7 @@ def _places_beside_kinks(
 
 def _narrowed_brackets(
     density_at: Callable[[Indices, Array], Array],
-    ellipse_of_maximum: Indices,
+    ellipse_number: Indices,
     bracket_places: Array,
     bracket_densities: Array,
     rise_tolerance: float,
@@ -631,15 +637,15 @@ def _narrowed_brackets(
     ----------
     density_at
         W(x) of ellipses of these numbers (n,) at places (n,)
-    ellipse_of_maximum
+    ellipse_number
         (n,) number of the ellipse whose maximum it is
     bracket_places, bracket_densities
         (3, n) places, ascending, and W(x) there, to begin with
     """
     bracket_places = bracket_places.copy()
     bracket_densities = bracket_densities.copy()
-    wide_bracket_numbers = np.arange(len(ellipse_of_maximum))
-    narrows_slowly = np.zeros(len(ellipse_of_maximum), dtype=bool)
+    wide_bracket_numbers = np.arange(len(ellipse_number))
+    narrows_slowly = np.zeros(len(ellipse_number), dtype=bool)
     for _ in range(_MOST_ROUNDS):
         # of the parabola, with a bound of the rise of W above the middle point
         parabola_vertex = _vertex_of_parabola(
@@ -660,7 +666,7 @@ def _narrowed_brackets(
         even_places = former_places[0] + former_width * _EVEN_BRACKET_FRACTIONS[:, None]
         new_places = np.where(narrows_slowly[wide_bracket_numbers], even_places, places_by_parabola)
         new_densities = [
-            density_at(ellipse_of_maximum[wide_bracket_numbers], places) for places in new_places
+            density_at(ellipse_number[wide_bracket_numbers], places) for places in new_places
         ]
         # of the six places those about the highest W
         new_bracket, densities_of_new_bracket = _bracket_about_highest(
@@ -684,11 +690,13 @@ def _bracket_about_highest(places: Array, densities: Array) -> tuple[Array, Arra
     order_by_place = np.argsort(places, axis=0, kind="stable")
     ascending_places = np.take_along_axis(places, order_by_place, 0)
     densities_in_order = np.take_along_axis(densities, order_by_place, 0)
-    row_of_highest_density = np.clip(np.argmax(densities_in_order, axis=0), 1, len(densities) - 2)
-    rows_of_bracket = row_of_highest_density + _NEIGHBOUR_OFFSETS
+    row_number_of_highest_density = np.clip(
+        np.argmax(densities_in_order, axis=0), 1, len(densities) - 2
+    )
+    row_numbers_of_bracket = row_number_of_highest_density + _NEIGHBOUR_OFFSETS
     return (
-        np.take_along_axis(ascending_places, rows_of_bracket, 0),
-        np.take_along_axis(densities_in_order, rows_of_bracket, 0),
+        np.take_along_axis(ascending_places, row_numbers_of_bracket, 0),
+        np.take_along_axis(densities_in_order, row_numbers_of_bracket, 0),
     )
 
 
@@ -966,7 +974,7 @@ def dissipation(
         works_of_members = partial(_works_with_effects, curvatures_of(effects))
         notes.extend(notes_of_batch(effects))
     # the first four come times pi E*/(2 f^2)
-    rows_of_results, reason = _results_of_members(
+    rows_of_results, reason_codes = _results_of_members(
         profile,
         material,
         loads,
@@ -983,7 +991,7 @@ def dissipation(
         forward=forward_work,
         reverse=reverse_work,
         permanent_stick_load=permanent_stick_load,
-        reason=reason,
+        reason=reason_codes,
         value_error=work_error,
         notes=tuple(notes),
     )
@@ -1230,7 +1238,7 @@ def peak_dissipation(
     # of both bodies
     material = _materials_of_both_bodies(material)
     # six rows; the first three, W(x), come times pi E*/(2 f^2)
-    rows_of_results, reason = _results_of_members(
+    rows_of_results, reason_codes = _results_of_members(
         profile, material, loads, _ResultFunction(_maxima_of_members, n_results=6, n_normalised=3)
     )
     largest_density, second_density, density_error, place, second_place, place_fraction = (
@@ -1240,7 +1248,7 @@ def peak_dissipation(
         value=largest_density,
         place=place,
         fraction=place_fraction,
-        reason=reason,
+        reason=reason_codes,
         second_value=second_density,
         second_place=second_place,
         value_error=density_error,
@@ -1504,12 +1512,12 @@ def _results_of_block(
     reason_codes, admissible_numbers, members = batch.members_of(loads, parameters)
     rows_of_results = np.full((result_function.n_results, len(reason_codes)), np.nan)
     if len(admissible_numbers):
-        results = result_function.compute(members)
-        results[: result_function.n_normalised] *= (
+        results_of_admissible_members = result_function.compute(members)
+        results_of_admissible_members[: result_function.n_normalised] *= (
             2 / (math.pi * batch.modulus) * members.loads.friction**2
         )
-        rows_of_results[:, admissible_numbers] = results
-        numbers_without_result = admissible_numbers[~np.isfinite(results[0])]
+        rows_of_results[:, admissible_numbers] = results_of_admissible_members
+        numbers_without_result = admissible_numbers[~np.isfinite(results_of_admissible_members[0])]
         reason_codes[numbers_without_result] = result_function.reason_if_not_finite
     return rows_of_results, reason_codes
 
@@ -1811,8 +1819,10 @@ def _parameters_of(profile: Profile | Mapping[str, Any]) -> tuple[str, dict[str,
         For a kind whose parameters cannot vary, for a key too many or too few.
     """
     if not isinstance(profile, Mapping):
-        names = [name for name in _PARAMETERS_OF_KIND.get(profile.kind, ()) if name != "rises"]
-        parameters = {name: getattr(profile, name) for name in names}
+        parameter_names = [
+            name for name in _PARAMETERS_OF_KIND.get(profile.kind, ()) if name != "rises"
+        ]
+        parameters = {name: getattr(profile, name) for name in parameter_names}
         rises = profile.rises if isinstance(profile, EvenPolynomial) else ()
         return profile.kind, parameters | _rises_by_name(rises)
     # A profile that was fitted to rows has a key `fitted` in its dump, which is no parameter.
@@ -1866,12 +1876,12 @@ def _members_by_shape(
             height_unit,
         )
         return
-    different_ratios, group_of_member = np.unique(
+    different_ratios, group_number_of_member = np.unique(
         np.stack(shape_ratios, axis=1), axis=0, return_inverse=True
     )
-    group_of_member = group_of_member.reshape(-1)
-    order_by_group = np.argsort(group_of_member, kind="stable")
-    group_ends = np.cumsum(np.bincount(group_of_member, minlength=len(different_ratios)))
+    group_number_of_member = group_number_of_member.reshape(-1)
+    order_by_group = np.argsort(group_number_of_member, kind="stable")
+    group_ends = np.cumsum(np.bincount(group_number_of_member, minlength=len(different_ratios)))
     numbers_of_groups = np.split(order_by_group, group_ends[:-1])
     for common_ratios, member_numbers in zip(
         different_ratios.tolist(), numbers_of_groups, strict=True
@@ -1910,16 +1920,16 @@ def _is_invalid_shape(kind: str, parameters: list[Array]) -> NDArray[np.bool_]:
         for parameter, least_value in zip(parameters, least_values, strict=True)
     ]
     is_invalid = ~np.logical_and.reduce(is_in_range)
-    members_in_range = np.flatnonzero(~is_invalid)
-    if kind in ("polynomial", "compound") and len(members_in_range):
+    member_numbers_in_range = np.flatnonzero(~is_invalid)
+    if kind in ("polynomial", "compound") and len(member_numbers_in_range):
         # The profile and its contact have rules of their own: both are made once for each shape, in
         # units of its own; InputError if a rule is broken. The numbers of a shape count the members
         # in range alone.
         for numbers_of_shape_in_range, shape_ratios, _, _ in _members_by_shape(
-            kind, [parameter[members_in_range] for parameter in parameters]
+            kind, [parameter[member_numbers_in_range] for parameter in parameters]
         ):
             try:
                 _contact_in_own_units(kind, shape_ratios)
             except InputError:
-                is_invalid[members_in_range[numbers_of_shape_in_range]] = True
+                is_invalid[member_numbers_in_range[numbers_of_shape_in_range]] = True
     return is_invalid

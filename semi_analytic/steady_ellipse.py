@@ -186,7 +186,11 @@ class Ellipses:
 
 
 def ellipses_of(
-    mean: Array, amplitude: Array, tangential_amplitude: Array, phase: Array, friction: Array
+    mean_load: Array,
+    load_amplitude: Array,
+    tangential_amplitude: Array,
+    phase: Array,
+    friction: Array,
 ) -> Ellipses:
     """Steady cycles of m elliptic load loops P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase): their
     loads, and the angles at which slip begins and ends.
@@ -197,7 +201,7 @@ def ellipses_of(
 
     Parameters
     ----------
-    mean, amplitude, tangential_amplitude
+    mean_load, load_amplitude, tangential_amplitude
         (m,) P0, P1 and Q1 [force per thickness]
     phase
         (m,) [rad]
@@ -227,20 +231,22 @@ def ellipses_of(
         * (1 + tangent_of_half)
     )
     shear_sine = 2 * scaled_shear * np.abs(tangent_of_half)
-    u = np.hypot(shear_cosine - amplitude, shear_sine)
-    v = np.hypot(shear_cosine + amplitude, shear_sine)
+    u = np.hypot(shear_cosine - load_amplitude, shear_sine)
+    v = np.hypot(shear_cosine + load_amplitude, shear_sine)
     nonzero_u = np.where(u > 0, u, 1.0)
-    difference_of_squares = (amplitude - shear_over_friction) * (amplitude + shear_over_friction)
+    difference_of_squares = (load_amplitude - shear_over_friction) * (
+        load_amplitude + shear_over_friction
+    )
     return Ellipses(
-        mean_load=mean,
-        load_amplitude=amplitude,
+        mean_load=mean_load,
+        load_amplitude=load_amplitude,
         forward_amplitude=u,
         reverse_amplitude=v,
-        cosine_of_start=(shear_cosine - amplitude) / nonzero_u,
+        cosine_of_start=(shear_cosine - load_amplitude) / nonzero_u,
         sine_of_start=shear_sine / nonzero_u,
-        slip_angle=np.arctan2(2 * amplitude * shear_sine, difference_of_squares),
+        slip_angle=np.arctan2(2 * load_amplitude * shear_sine, difference_of_squares),
         # P_T < 0 is gross sliding, and here only a round-off error.
-        permanent_stick_load=np.maximum(mean - (u + v) / 2, 0.0),
+        permanent_stick_load=np.maximum(mean_load - (u + v) / 2, 0.0),
     )
 
 
@@ -348,7 +354,7 @@ def cut_angles_of_phases(ellipses: Ellipses, corner_loads: Array) -> dict[str, A
     )
     start_of_reverse_slip = ellipses.slip_start
     full_turn = 2 * math.pi
-    # in each phase: twice P, then P_c (twice in I-J) at the load of a corner
+    # where P is the load of a corner (twice in each phase), then where P_c is (once, twice in I-J)
     inner_cuts = {
         "E-G": (
             angle_at_corner - start_of_reverse_slip,
@@ -373,32 +379,38 @@ def cut_angles_of_phases(ellipses: Ellipses, corner_loads: Array) -> dict[str, A
         "J-M": ellipses.slip_angle,
     }
     cut_angles_by_phase = {}
-    for name, length in length_of_phase.items():
+    for phase_name, length in length_of_phase.items():
         cut_angles = np.concatenate(
-            [np.zeros_like(start_of_reverse_slip)[None], *inner_cuts[name], length[None]]
+            [np.zeros_like(start_of_reverse_slip)[None], *inner_cuts[phase_name], length[None]]
         )
-        cut_angles_by_phase[name] = np.sort(
+        cut_angles_by_phase[phase_name] = np.sort(
             np.clip(cut_angles, cut_angles[0], cut_angles[-1]), axis=0
         )
     return cut_angles_by_phase
 
 
-def quadrature_error(values: Array, size: Array) -> Array:
-    """Upper bound of the quadrature error of integrals, (m,), as share of their `size`.
+def quadrature_error(integrals_by_stride: Array, integral_size: Array) -> Array:
+    """Upper bound of the quadrature error of integrals, (m,), as share of their size.
 
-    `values` (3, m) are the integrals by all nodes of one rule, by every second, by every fourth. d
-    is the difference of the first two, e that of the last two, as shares. The error is d. It is
-    d^1.5 where d <= e^1.5: differences fall exponentially, as for smooth integrands, for which
-    theory has d^2.
+    `integrals_by_stride` (3, m) are the integrals by all nodes of one rule, by every second, by
+    every fourth. d is the difference of the first two, e that of the last two, as shares of
+    `integral_size`. The error is d. It is d^1.5 where d <= e^1.5: differences fall exponentially,
+    as for smooth integrands, for which theory has d^2.
     """
-    positive_size = np.where(size > 0, size, 1.0)
-    value_by_all, value_by_second, value_by_fourth = values
-    # The limit keeps the power finite where `size` is as tiny as 1e-265.
-    difference = np.minimum(np.abs(value_by_all - value_by_second) / positive_size, 1e100)
-    coarser_difference = np.minimum(
-        np.abs(value_by_second - value_by_fourth) / positive_size, 1e100
+    positive_size = np.where(integral_size > 0, integral_size, 1.0)
+    integral_by_all, integral_by_every_second, integral_by_every_fourth = integrals_by_stride
+    # The limit keeps the power finite where `integral_size` is as tiny as 1e-265.
+    relative_difference = np.minimum(
+        np.abs(integral_by_all - integral_by_every_second) / positive_size, 1e100
     )
-    return np.where(difference <= coarser_difference**1.5, difference**1.5, difference)
+    coarser_relative_difference = np.minimum(
+        np.abs(integral_by_every_second - integral_by_every_fourth) / positive_size, 1e100
+    )
+    return np.where(
+        relative_difference <= coarser_relative_difference**1.5,
+        relative_difference**1.5,
+        relative_difference,
+    )
 
 
 def work_density_of(
@@ -452,29 +464,29 @@ def _work_density_of_phases(
             cut_angles_by_phase[phase_number].T, first_angle, np.maximum(first_angle, last_angle)
         )
         cut_angles = np.concatenate([first_angle, inner_cut_angles, last_angle], axis=1)
-        ellipse_of_interval, cut_number = np.nonzero(cut_angles[:, 1:] > cut_angles[:, :-1])
-        if not len(ellipse_of_interval):
+        ellipse_number, cut_number = np.nonzero(cut_angles[:, 1:] > cut_angles[:, :-1])
+        if not len(ellipse_number):
             continue
 
         # graded to singular ends: angles and weights, (intervals, nodes)
         angle_in_phase, node_weights = graded_nodes(
-            cut_angles[ellipse_of_interval, cut_number],
-            cut_angles[ellipse_of_interval, cut_number + 1],
+            cut_angles[ellipse_number, cut_number],
+            cut_angles[ellipse_number, cut_number + 1],
             node_stride,
         )
         weighted_density_at_nodes = _weighted_work_rate_at_points(
             rate_and_loads_in_phase(
-                PHASE_NAMES[phase_number], ellipses.take(ellipse_of_interval), angle_in_phase
+                PHASE_NAMES[phase_number], ellipses.take(ellipse_number), angle_in_phase
             ),
             node_weights,
             contact,
-            x[ellipse_of_interval],
-            load_at_x[ellipse_of_interval],
+            x[ellipse_number],
+            load_at_x[ellipse_number],
         )
         # add the intervals of each ellipse
         np.add.at(
             density_of_phases[phase_number],
-            ellipse_of_interval,
+            ellipse_number,
             np.sum(weighted_density_at_nodes, axis=1),
         )
     return density_of_phases
@@ -602,7 +614,7 @@ class IntervalRule(NamedTuple):
     ----------
     signed_distance
         (n, 1) of each node, negative from the upper end
-    counts_from_lower_end
+    is_from_lower_end
         whether that end is 0, (n, 1) or one for all
     weight
         (n,)
@@ -611,7 +623,7 @@ class IntervalRule(NamedTuple):
     """
 
     signed_distance: Array
-    counts_from_lower_end: NDArray[np.bool_]
+    is_from_lower_end: NDArray[np.bool_]
     weight: Array
     check_weights: Array
 
@@ -651,22 +663,22 @@ def _legendre_interval_rule(n_nodes: int, n_crowded_ends: int) -> IntervalRule:
     weights_of_coefficients = polynomials * (2 * orders[:, None] + 1)
     if n_crowded_ends == 0:
         signed_distance = nodes[:, None]
-        counts_from_lower_end = np.array(True)
+        is_from_lower_end = np.array(True)
     elif n_crowded_ends == 1:
         weights = weights * 2 * nodes
         signed_distance = nodes[:, None] ** 2
-        counts_from_lower_end = np.array(True)
+        is_from_lower_end = np.array(True)
     else:
         weights = weights * 6 * nodes * (1 - nodes)
         node_from_nearer_end = np.minimum(nodes, 1 - nodes)
         crowded_distance = (
             node_from_nearer_end * node_from_nearer_end * (3 - 2 * node_from_nearer_end)
         )[:, None]
-        counts_from_lower_end = nodes[:, None] < 0.5
-        signed_distance = np.where(counts_from_lower_end, crowded_distance, -crowded_distance)
+        is_from_lower_end = nodes[:, None] < 0.5
+        signed_distance = np.where(is_from_lower_end, crowded_distance, -crowded_distance)
     # distances, whether they count from the lower end, weights of the rule and of its error checks
     return IntervalRule(
-        signed_distance, counts_from_lower_end, weights, weights * weights_of_coefficients
+        signed_distance, is_from_lower_end, weights, weights * weights_of_coefficients
     )
 
 
@@ -704,9 +716,9 @@ class AngleIntervals(NamedTuple):
 
     Attributes
     ----------
-    group
+    group_number
         (n,) number of the group
-    ellipse
+    ellipse_number
         (n,) number of the ellipse
     begin_angle, end_angle
         (n,) ends of the interval [rad]
@@ -714,18 +726,29 @@ class AngleIntervals(NamedTuple):
         (n,) number of the quadrature rule
     """
 
-    group: Indices
-    ellipse: Indices
+    group_number: Indices
+    ellipse_number: Indices
     begin_angle: Array
     end_angle: Array
     rule_number: Indices
 
     @classmethod
     def of_group(
-        cls, group: int, ellipse: Indices, begin: Array, end: Array, rule: Indices
+        cls,
+        group_number: int,
+        ellipse_number: Indices,
+        begin_angle: Array,
+        end_angle: Array,
+        rule_number: Indices,
     ) -> AngleIntervals:
-        """Intervals of one group from the angles `begin` to `end`."""
-        return cls(np.full(len(ellipse), group), ellipse, begin, end, rule)
+        """Intervals of one group, which all have its number."""
+        return cls(
+            np.full(len(ellipse_number), group_number),
+            ellipse_number,
+            begin_angle,
+            end_angle,
+            rule_number,
+        )
 
     @classmethod
     def joined(cls, parts: Sequence[AngleIntervals]) -> AngleIntervals:
@@ -740,8 +763,8 @@ class AngleIntervals(NamedTuple):
         """Both halves of each interval, side by side so that groups stay in order."""
         middle_angle = (self.begin_angle + self.end_angle) / 2
         return AngleIntervals(
-            group=np.repeat(self.group, 2),
-            ellipse=np.repeat(self.ellipse, 2),
+            group_number=np.repeat(self.group_number, 2),
+            ellipse_number=np.repeat(self.ellipse_number, 2),
             begin_angle=np.ravel([self.begin_angle, middle_angle], order="F"),
             end_angle=np.ravel([middle_angle, self.end_angle], order="F"),
             rule_number=np.repeat(self.rule_number, 2),
@@ -1054,14 +1077,16 @@ def _work_over_phases(
     halved until its error check is below `converged_share` of W.
     """
 
-    def work_rate(phase: Indices, ellipse_of_interval: Indices, angle_in_phase: Array) -> Array:
+    def work_rate(
+        phase_number_of_interval: Indices, ellipse_number: Indices, angle_in_phase: Array
+    ) -> Array:
         """l'/f Lam at angles (nodes, n) in the given phases (n,) of the given ellipses (n,). The
         angle [rad] is time: from the start of a phase on, or back from its end. The level l = +-Q -
         f P grows in slip; `kernel` gives Lam, the kernel of the friction work, from P and P - P_c,
         P_c the load at the stick edge.
         """
         level_rate_over_f, slip_zone_load, load = _rates_and_loads_in_intervals(
-            ellipses, phase, ellipse_of_interval, angle_in_phase
+            ellipses, phase_number_of_interval, ellipse_number, angle_in_phase
         )
         return level_rate_over_f * kernel(load, np.minimum(slip_zone_load, load))
 
@@ -1103,37 +1128,42 @@ def _intervals_of_phases(ellipses: Ellipses, corner_loads: Array, n_rules: int) 
     ):
         has_length = np.diff(cut_angles, axis=0) > 1e-14 * cut_angles[-1]
         # intervals with a length, of ellipses in which something slips
-        ellipse_of_interval, cut_number = np.nonzero(
+        ellipse_number, cut_number = np.nonzero(
             has_length.T & (ellipses.slip_zone_load_scale > 0)[:, None]
         )
-        begin_angle = cut_angles[cut_number, ellipse_of_interval]
-        end_angle = cut_angles[cut_number + 1, ellipse_of_interval]
+        begin_angle = cut_angles[cut_number, ellipse_number]
+        end_angle = cut_angles[cut_number + 1, ellipse_number]
         # The second rule, if there is one, for intervals that end at a corner.
-        is_part_of_phase = end_angle - begin_angle < cut_angles[-1, ellipse_of_interval]
+        is_part_of_phase = end_angle - begin_angle < cut_angles[-1, ellipse_number]
         rule_number = np.minimum(is_part_of_phase, n_rules - 1)
         intervals_of_phases.append(
             AngleIntervals.of_group(
-                phase_number, ellipse_of_interval, begin_angle, end_angle, rule_number
+                phase_number, ellipse_number, begin_angle, end_angle, rule_number
             )
         )
     return AngleIntervals.joined(intervals_of_phases)
 
 
 def _rates_and_loads_in_intervals(
-    ellipses: Ellipses, phase: Indices, ellipse_of_interval: Indices, angle_in_phase: Array
+    ellipses: Ellipses,
+    phase_number_of_interval: Indices,
+    ellipse_number: Indices,
+    angle_in_phase: Array,
 ) -> Array:
     """Rate of w/f = (+-Q - f P)/f per rad, P - P_c and P at angles (nodes, n) of n intervals,
     (3, nodes, n); P_c is the load at the stick edge.
 
-    `phase` (n,) is the number of each interval's phase of slip, in ascending order, and
-    `ellipse_of_interval` (n,) that of its ellipse. Angles count from the start of E-G (reverse
-    slip) and I-J, and back from the end of J-M (forward slip).
+    `phase_number_of_interval` (n,) is the number of each interval's phase of slip, in ascending
+    order, and `ellipse_number` (n,) that of its ellipse. Angles count from the start of E-G
+    (reverse slip) and I-J, and back from the end of J-M (forward slip).
     """
     rates_and_loads = np.empty((3, *angle_in_phase.shape))
     for phase_number, phase_name in enumerate(PHASE_NAMES):
         # the intervals of one phase, which stand side by side
-        columns = slice(*np.searchsorted(phase, [phase_number, phase_number + 1]))
-        ellipses_of_columns = ellipses.take(ellipse_of_interval[columns])
+        columns = slice(
+            *np.searchsorted(phase_number_of_interval, [phase_number, phase_number + 1])
+        )
+        ellipses_of_columns = ellipses.take(ellipse_number[columns])
         for quantity, quantity_in_phase in zip(
             rates_and_loads,
             rate_and_loads_in_phase(phase_name, ellipses_of_columns, angle_in_phase[:, columns]),
@@ -1163,14 +1193,16 @@ def _work_over_loads(
     # ln a counts from that of P0, the mean load: what is left of any constant is round-off.
     log_at_mean_load = log_half_width(ellipses.mean_load[None])[0]
 
-    def weighted_log(course: Indices, ellipse_of_interval: Indices, angle: Array) -> Array:
+    def weighted_log(
+        course_number_of_interval: Indices, ellipse_number: Indices, angle: Array
+    ) -> Array:
         """Weight times ln(a/a(P0)) at angles (nodes, n) along the courses (n,) of ellipses (n,), a
         the contact half-width, P0 the mean load.
         """
         weight, load = _log_weights_and_loads_in_intervals(
-            ellipses, course, ellipse_of_interval, angle
+            ellipses, course_number_of_interval, ellipse_number, angle
         )
-        return weight * (log_half_width(load) - log_at_mean_load[ellipse_of_interval])
+        return weight * (log_half_width(load) - log_at_mean_load[ellipse_number])
 
     # (courses, m) and (m,); _LEAST_WORK_OVER_SQUARED_LOAD: error checks are relative to 50 P0^2 at
     # least
@@ -1202,22 +1234,24 @@ def _work_over_loads(
 
 
 def _log_weights_and_loads_in_intervals(
-    ellipses: Ellipses, course: Indices, ellipse_of_interval: Indices, angle: Array
+    ellipses: Ellipses, course_number_of_interval: Indices, ellipse_number: Indices, angle: Array
 ) -> Array:
     """Weight of ln a per rad in the friction work, and the load, at angles (nodes, n) of n
     intervals, (2, nodes, n); a is the contact half-width under that load.
 
-    A course is P, or P_c at the stick edge, through a phase of slip. `course` (n,) is its number
-    for each interval, in ascending order, and `ellipse_of_interval` (n,) that of the ellipse. The
-    angle is the variable of `log_weight_and_load`: t along P, for instance.
+    A course is P, or P_c at the stick edge, through a phase of slip. `course_number_of_interval`
+    (n,) is its number for each interval, in ascending order, and `ellipse_number` (n,) that of the
+    ellipse. The angle is the variable of `log_weight_and_load`: t along P, for instance.
     """
     weights_and_loads = np.empty((2, *angle.shape))
     # _COURSE_NAMES: "P, E-G", "P, I-M", "P_c, E-G", "P_c, I-J", "P_c, J-M"
-    for course_number, name in enumerate(_COURSE_NAMES):
+    for course_number, course_name in enumerate(_COURSE_NAMES):
         # the intervals of one course, which stand side by side
-        columns = slice(*np.searchsorted(course, [course_number, course_number + 1]))
+        columns = slice(
+            *np.searchsorted(course_number_of_interval, [course_number, course_number + 1])
+        )
         weight, load = log_weight_and_load(
-            name, ellipses.take(ellipse_of_interval[columns]), angle[:, columns]
+            course_name, ellipses.take(ellipse_number[columns]), angle[:, columns]
         )
         weights_and_loads[0][:, columns] = weight
         weights_and_loads[1][:, columns] = load
@@ -1263,9 +1297,9 @@ def _intervals_of_courses(ellipses: Ellipses, cut_loads: Array) -> AngleInterval
         cut_angles = np.sort(
             np.clip(unsorted_angles, first_angle, np.maximum(first_angle, last_angle)), axis=0
         )
-        ellipse_of_interval, cut_number = np.nonzero((np.diff(cut_angles, axis=0) > 1e-14).T)
-        begin_angle = cut_angles[cut_number, ellipse_of_interval]
-        end_angle = cut_angles[cut_number + 1, ellipse_of_interval]
+        ellipse_number, cut_number = np.nonzero((np.diff(cut_angles, axis=0) > 1e-14).T)
+        begin_angle = cut_angles[cut_number, ellipse_number]
+        end_angle = cut_angles[cut_number + 1, ellipse_number]
         if load_is_cosine:
             # The load grows from pi to 2 pi; where it falls the ends change places.
             load_grows = (begin_angle + end_angle) / (2 * math.pi) % 2 > 1
@@ -1276,7 +1310,7 @@ def _intervals_of_courses(ellipses: Ellipses, cut_loads: Array) -> AngleInterval
         rule_number = np.searchsorted(_COURSE_RULE_LENGTHS, np.abs(end_angle - begin_angle))
         intervals_of_courses.append(
             AngleIntervals.of_group(
-                course_number, ellipse_of_interval, begin_angle, end_angle, rule_number
+                course_number, ellipse_number, begin_angle, end_angle, rule_number
             )
         )
     return AngleIntervals.joined(intervals_of_courses)
@@ -1479,8 +1513,10 @@ class _SumsOfIntervals(NamedTuple):
         """Add the integrals and errors of n intervals, (n,) each, to the sums of the groups and
         ellipses that these belong to.
         """
-        np.add.at(self.works_of_groups, (intervals.group, intervals.ellipse), integrals)
-        np.add.at(self.error_of_ellipse, intervals.ellipse, errors)
+        np.add.at(
+            self.works_of_groups, (intervals.group_number, intervals.ellipse_number), integrals
+        )
+        np.add.at(self.error_of_ellipse, intervals.ellipse_number, errors)
 
 
 def _integrals_by_group(
@@ -1504,7 +1540,7 @@ def _integrals_by_group(
     intervals
         the intervals: number of group and ellipse, first and last angle, number of the rule
     integrand
-        function of arrays: group (n,), ellipse (n,) and angle (nodes, n) of n intervals
+        function of arrays: numbers of group and ellipse (n,), and angle (nodes, n) of n intervals
     rules
         quadrature rules. The error check of a rule is a sum over its nodes that is 0 but for the
         error of the integral
@@ -1525,17 +1561,17 @@ def _integrals_by_group(
     for n_halvings_so_far in range(_MOST_HALVINGS + 1):
         # of each interval, (n,): its integral, and the largest of its error checks
         integrals, largest_checks = _integrals_of_intervals(intervals, integrand, rules)
-        ellipse_of_interval = intervals.ellipse
+        ellipse_number = intervals.ellipse_number
         if not n_halvings_so_far:
-            work_of_ellipse = np.bincount(ellipse_of_interval, integrals, n_ellipses)
+            work_of_ellipse = np.bincount(ellipse_number, integrals, n_ellipses)
             reference_work = np.maximum(
                 work_of_ellipse, least_work_over_squared_load * squared_mean_load
             )
             check_limit = converged_share * reference_work
         has_converged, interval_errors = _convergence_of_intervals(
             largest_checks,
-            check_limit[ellipse_of_interval],
-            squared_mean_load[ellipse_of_interval],
+            check_limit[ellipse_number],
+            squared_mean_load[ellipse_number],
             n_halvings_so_far,
         )
         sums.add(
@@ -1543,10 +1579,10 @@ def _integrals_by_group(
         )
         # the others are halved
         intervals = intervals.take(~has_converged).halved()
-        if not len(intervals.ellipse):
+        if not len(intervals.ellipse_number):
             break
     # what has not converged after fifteen halvings
-    sums.works_of_groups[intervals.group, intervals.ellipse] = np.nan
+    sums.works_of_groups[intervals.group_number, intervals.ellipse_number] = np.nan
     return sums.works_of_groups, sums.error_of_ellipse
 
 
@@ -1599,13 +1635,13 @@ def _integrals_of_intervals(
     intervals
         from `begin_angle` to `end_angle`; numbers of group, ellipse and quadrature rule of each
     integrand
-        function of arrays: group (n,), ellipse (n,) and angle (nodes, n)
+        function of arrays: numbers of group and ellipse (n,), and angle (nodes, n)
     rules
         quadrature rules on [0, 1]: nodes as signed distances from one end, their weights, and those
         of the error checks
     """
-    integrals = np.empty(len(intervals.ellipse))
-    largest_checks = np.empty(len(intervals.ellipse))
+    integrals = np.empty(len(intervals.ellipse_number))
+    largest_checks = np.empty(len(intervals.ellipse_number))
     for rule_number, rule in enumerate(rules):
         intervals_of_rule = np.flatnonzero(intervals.rule_number == rule_number)
         intervals_at_once = _INTERVAL_NODES_AT_ONCE // len(rule.weight)
@@ -1616,11 +1652,13 @@ def _integrals_of_intervals(
             begin_angle = intervals.begin_angle[interval_numbers]
             end_angle = intervals.end_angle[interval_numbers]
             angle = (
-                np.where(rule.counts_from_lower_end, begin_angle, end_angle)
+                np.where(rule.is_from_lower_end, begin_angle, end_angle)
                 + (end_angle - begin_angle) * rule.signed_distance
             )
             values_at_nodes = integrand(
-                intervals.group[interval_numbers], intervals.ellipse[interval_numbers], angle
+                intervals.group_number[interval_numbers],
+                intervals.ellipse_number[interval_numbers],
+                angle,
             )
             interval_length = np.abs(end_angle - begin_angle)
             integrals[interval_numbers] = rule.weight @ values_at_nodes * interval_length
@@ -1763,8 +1801,9 @@ class LogHalfWidth:
         Lam = int_{P_c}^P [L(eta) - L(P_c)] d eta with L = ln a, a the contact half-width. P is
         `load`, P - P_c `slip_zone_load`, P_c the load at the stick edge. L is a polynomial in v =
         sqrt(P - P_b) above the load P_b of each corner of the profile. The integral goes from
-        polynomial to polynomial by Gauss' rule in v; the ends of the polynomials are `series_ends`
-        as loads, `_first_v` and `_last_v` in v; `_corner_load` is the P_b of each.
+        polynomial to polynomial (each a series) by Gauss' rule in v; the ends of the polynomials
+        are `series_ends` as loads, `_first_v` and `_last_v` in v; `_corner_load` is the P_b of
+        each.
         """
         stick_edge_load = load - slip_zone_load
         # of Gauss' rule with four nodes on [0, 1]
@@ -2293,9 +2332,9 @@ class LamTable:
         )
         # `log_datum_ratio` is ln(2 datum_length/a), `approach_integral` its integral over the load.
         # With b = 2 datum_length L = ln(a/b) keeps its digits beside the flat.
-        contact = replace(contact, datum_length=contact.least_half_width / 2)
-        integral_of_log = -contact.approach_integral(load)
-        log_half_width = -contact.log_datum_ratio(load)
+        contact_with_datum = replace(contact, datum_length=contact.least_half_width / 2)
+        integral_of_log = -contact_with_datum.approach_integral(load)
+        log_half_width = -contact_with_datum.log_datum_ratio(load)
         # Over a short range about the load Lam is half of its square times L', but for a share of
         # 3e-14.
         load_range = 1e-6 * load
@@ -2303,7 +2342,7 @@ class LamTable:
             # by Lam of a short range of loads
             slope_of_log = (
                 2
-                * contact.dissipation_kernel(load + load_range * (2 / 3), load_range)
+                * contact_with_datum.dissipation_kernel(load + load_range * (2 / 3), load_range)
                 / (load_range * load_range)
             )
         self.largest_log_half_width = float(np.max(log_half_width))
@@ -2347,20 +2386,22 @@ class LamTable:
         written into `buffer` and returned.
         """
         # one phase after the other: it stays in the cache
-        for edge_load, load_above_stick, lam in zip(
+        for stick_edge_load_in_phase, slip_zone_load_in_phase, lam_in_phase in zip(
             stick_edge_load, slip_zone_load, buffer, strict=True
         ):
             # number of the table's cell, and position in it, of P (0) and of P_c (1)
             cell_number, position = self._cell_and_position(
-                np.stack([edge_load + load_above_stick, edge_load])
+                np.stack(
+                    [stick_edge_load_in_phase + slip_zone_load_in_phase, stick_edge_load_in_phase]
+                )
             )
             integral_to_load, integral_to_edge = _polynomials_at(
                 self._integral_of_log, cell_number, position
             )
             integral_to_load -= integral_to_edge
             log_at_edge = _polynomials_at(self._log_half_width, cell_number[1], position[1])
-            np.multiply(load_above_stick, log_at_edge, out=lam)
-            np.subtract(integral_to_load, lam, out=lam)
+            np.multiply(slip_zone_load_in_phase, log_at_edge, out=lam_in_phase)
+            np.subtract(integral_to_load, lam_in_phase, out=lam_in_phase)
         return buffer
 
     def careful_kernel(self, stick_edge_load: Array, slip_zone_load: Array, buffer: Array) -> Array:
