@@ -353,18 +353,20 @@ def _halve_ranges(
 
     # one row for each range of a span to halve: the numbers of its span and of its integral
     halved_span_numbers = np.flatnonzero(halving.needs_halving).tolist()
-    halved_spans = [spans_with_ranges[halved_number] for halved_number in halved_span_numbers]
+    halved_spans = [
+        spans_with_ranges[halved_span_number] for halved_span_number in halved_span_numbers
+    ]
     n_ranges_of_spans = [len(halved_span.integral_number) for halved_span in halved_spans]
     span_number = np.repeat(halved_span_numbers, n_ranges_of_spans)
     integral_number = np.concatenate([halved_span.integral_number for halved_span in halved_spans])
-    integrals_of_parts = partial(
+    integrate_parts = partial(
         _integrals_of_parts, spans_with_ranges, integrate_ranges, span_number, integral_number
     )
     corner_times_of_spans = [
-        halving.corner_times[halved_number] for halved_number in halved_span_numbers
+        halving.corner_times[halved_span_number] for halved_span_number in halved_span_numbers
     ]
     integrals_and_errors = integrals_by_halving(
-        integrals_of_parts,
+        integrate_parts,
         np.concatenate([halved_span.begin for halved_span in halved_spans]),
         np.concatenate([halved_span.end for halved_span in halved_spans]),
         allowed_error_of_span[span_number],
@@ -400,24 +402,27 @@ def _integrals_of_parts(
     begin_times, end_times
         (n,) times at which the parts begin and end
     """
-    span_of_part = span_number[range_number]
-    halved_span_numbers = np.unique(span_of_part).tolist()
-    parts_of_spans = [
-        np.flatnonzero(span_of_part == halved_number) for halved_number in halved_span_numbers
+    span_number_of_part = span_number[range_number]
+    halved_span_numbers = np.unique(span_number_of_part).tolist()
+    part_numbers_of_spans = [
+        np.flatnonzero(span_number_of_part == halved_span_number)
+        for halved_span_number in halved_span_numbers
     ]
     # each part as a range of time in its span
     spans_with_parts = [
         SpanRanges(
-            spans_with_ranges[halved_number].span,
+            spans_with_ranges[halved_span_number].span,
             integral_number[range_number[part_numbers]],
             begin_times[part_numbers],
             end_times[part_numbers],
         )
-        for halved_number, part_numbers in zip(halved_span_numbers, parts_of_spans, strict=True)
+        for halved_span_number, part_numbers in zip(
+            halved_span_numbers, part_numbers_of_spans, strict=True
+        )
     ]
     integrals = np.zeros(len(range_number))
     for part_numbers, integrals_in_span in zip(
-        parts_of_spans, integrate_ranges(spans_with_parts, crowded_nodes), strict=True
+        part_numbers_of_spans, integrate_ranges(spans_with_parts, crowded_nodes), strict=True
     ):
         integrals[part_numbers] = integrals_in_span
     return integrals
@@ -574,8 +579,8 @@ def slip_times(span: Span, contact_edge_load: Array) -> tuple[Array, Array]:
         end_instant.time,
     )
     end_of_span = np.full(time_of_stick_edge.shape, end_instant.time)
-    # From the change itself: where P hardly moves, the last digits of both loads may say that it
-    # falls while it grows.
+    # From the change itself: where P hardly moves, the difference of the loads at both ends may
+    # have the wrong sign by round-off.
     load_change = float(segment.change_of(NORMAL_LOAD, end_instant.time, begin_instant.time))
     # P grows by more than next to nothing: the edge of contact may reach the point from within.
     if load_change >= LEAST_LOAD_CHANGE:
@@ -789,7 +794,6 @@ def _means_along_records(
     function_of_loads
         the function of (record numbers (n,), P, P - P_c (n, nodes)): (n, nodes)
     """
-    # `step_number` of a part: its record; `step_share_at_end`: the share of the record that it is
     smooth_parts = _cut_where_unsmooth(contact, records)
     # the nearer a singularity, or a corner below, the more nodes
     rule_number_of_part = _rule_numbers(
@@ -803,16 +807,16 @@ def _means_along_records(
         place_in_part, weights = rule(0.0, 1.0)
         parts_of_rule = smooth_parts.take(np.flatnonzero(rule_number_of_part == rule_number))
         load, slip_zone_load = _loads_at_places(parts_of_rule, place_in_part)
-        record_number = parts_of_rule.step_number
-        share_of_record = parts_of_rule.step_share_at_end
+        record_number = parts_of_rule.record_number
         values_at_nodes = function_of_loads(record_number, load, np.clip(slip_zone_load, 0.0, load))
-        means_of_parts = share_of_record * np.sum(weights * values_at_nodes, axis=1)
+        # share of its record that each part takes, times the mean along the part
+        means_of_parts = parts_of_rule.share_of_record * np.sum(weights * values_at_nodes, axis=1)
         mean_of_records += np.bincount(record_number, means_of_parts, len(mean_of_records))
         n_nodes += load.size
     return mean_of_records, n_nodes
 
 
-def _loads_at_places(parts: Records, places: Array) -> tuple[Array, Array]:
+def _loads_at_places(parts: _RecordParts, places: Array) -> tuple[Array, Array]:
     """P and P - P_c at places (k,) from 0 to 1 along parts of slip records, (m, k) each [force per
     thickness]; both change linearly, P_c is the load at the stick edge.
     """
@@ -866,7 +870,7 @@ def _rule_numbers(closeness_to_singularity: Array, closeness_to_corner: Array) -
     return rule_number
 
 
-def _closeness_of_loads(parts: Records, corner_loads: Array) -> Array:
+def _closeness_of_loads(parts: _RecordParts, corner_loads: Array) -> Array:
     """How close P or P_c comes to 0, or to the load of the profile's corner below, along each part
     of a slip record, (m,): from 0, far, to 1, reached.
 
@@ -881,7 +885,7 @@ def _closeness_of_loads(parts: Records, corner_loads: Array) -> Array:
     corner_loads
         (c,) ascending loads at which the contact edge is at a corner; empty for the distance from 0
     """
-    largest_closeness = np.zeros(len(parts.step_number))
+    largest_closeness = np.zeros(len(parts.record_number))
     stick_edge_load_at_begin = parts.load_at_begin - parts.slip_zone_load_at_begin
     stick_edge_load_at_end = parts.load_at_end - parts.slip_zone_load_at_end
     for begin_load, end_load in (
@@ -910,13 +914,43 @@ def _closeness(distance_at_begin: Array, distance_at_end: Array) -> Array:
     return np.asarray(1 - least_distance / largest_distance)
 
 
-def _cut_where_unsmooth(contact: Contact, records: Records) -> Records:
+class _RecordParts(NamedTuple):
+    """Parts of slip records, n of them, along which the contact half-width a(P) is smooth at P and
+    at P_c, the load at the stick edge. A record is a portion of a load step.
+
+    Attributes
+    ----------
+    record_number
+        (n,) number of the record that the part belongs to
+    share_of_record
+        (n,) share of the record that the part takes
+    load_at_begin, load_at_end
+        (n,) P at both ends of the part [force per thickness]
+    slip_zone_load_at_begin, slip_zone_load_at_end
+        (n,) P - P_c there
+    level_rise
+        (n,) growth of +-Q - f P along the part
+    """
+
+    record_number: Indices
+    share_of_record: Array
+    load_at_begin: Array
+    load_at_end: Array
+    slip_zone_load_at_begin: Array
+    slip_zone_load_at_end: Array
+    level_rise: Array
+
+    def take(self, numbers: Indices | slice) -> _RecordParts:
+        """The parts of these numbers, or of a slice."""
+        return _RecordParts._make(column[numbers] for column in self)
+
+
+def _cut_where_unsmooth(contact: Contact, records: Records) -> _RecordParts:
     """Records of slip, cut so that a(P), the half-width of the contact, is smooth along each part
     at P and at P_c, the load at the stick edge.
 
-    A record is a portion of a load step in which P and P_c change linearly; `slip_zone_load` is P -
-    P_c, `level_rise` the growth of +-Q - f P. In the parts returned `step_number` is the number of
-    the record, and `step_share_at_end` the share of it that the part takes.
+    A record is a portion of a load step in which P and P_c change linearly; it holds P and P - P_c
+    at both ends, and `level_rise`, the growth of +-Q - f P.
     """
     shares_at_lower_cut = _shares_at_cuts(records, _loads_of_cuts(contact, records))
     shares_at_upper_cut = np.append(
@@ -924,25 +958,24 @@ def _cut_where_unsmooth(contact: Contact, records: Records) -> Records:
     )
     # parts between neighbouring cuts
     record_number, cut_number = np.nonzero(shares_at_upper_cut > shares_at_lower_cut)
-    begin_share = shares_at_lower_cut[record_number, cut_number]
-    end_share = shares_at_upper_cut[record_number, cut_number]
+    lower_share = shares_at_lower_cut[record_number, cut_number]
+    upper_share = shares_at_upper_cut[record_number, cut_number]
 
     # P and P - P_c at the ends of the parts
-    load = records.load_at_begin[record_number]
+    load_at_record_begin = records.load_at_begin[record_number]
     load_growth = (records.load_at_end - records.load_at_begin)[record_number]
-    slip_zone_load = records.slip_zone_load_at_begin[record_number]
+    slip_zone_load_at_record_begin = records.slip_zone_load_at_begin[record_number]
     slip_zone_growth = (records.slip_zone_load_at_end - records.slip_zone_load_at_begin)[
         record_number
     ]
-    return Records(
-        direction=records.direction[record_number],
-        load_at_begin=load + begin_share * load_growth,
-        load_at_end=load + end_share * load_growth,
-        slip_zone_load_at_begin=slip_zone_load + begin_share * slip_zone_growth,
-        slip_zone_load_at_end=slip_zone_load + end_share * slip_zone_growth,
-        level_rise=records.level_rise[record_number] * (end_share - begin_share),
-        step_share_at_end=end_share - begin_share,
-        step_number=record_number,
+    return _RecordParts(
+        record_number=record_number,
+        share_of_record=upper_share - lower_share,
+        load_at_begin=load_at_record_begin + lower_share * load_growth,
+        load_at_end=load_at_record_begin + upper_share * load_growth,
+        slip_zone_load_at_begin=slip_zone_load_at_record_begin + lower_share * slip_zone_growth,
+        slip_zone_load_at_end=slip_zone_load_at_record_begin + upper_share * slip_zone_growth,
+        level_rise=records.level_rise[record_number] * (upper_share - lower_share),
     )
 
 
@@ -1052,7 +1085,7 @@ def density_of_records(contact: Contact, records: Records, x: Array) -> Array:
     return scaled_work_per_area
 
 
-def _work_per_area_of_parts(contact: Contact, parts: Records, x: Array) -> Array:
+def _work_per_area_of_parts(contact: Contact, parts: _RecordParts, x: Array) -> Array:
     """pi/(f A) times the friction work per area of parts of slip records, at |x| = `x` (k,): the
     sum of int p arccosh(|x|/c) dw [stress times force per thickness]; A = 2/E*.
 
@@ -1072,16 +1105,18 @@ def _work_per_area_of_parts(contact: Contact, parts: Records, x: Array) -> Array
     """
     pairs = _SlippingPairs.of_parts(parts, x, contact.load(x))
     closeness_to_corner = _closeness_of_loads(parts, contact.corner_loads)
-    rule_of_pair = _rule_numbers(
+    rule_number_of_pair = _rule_numbers(
         pairs.closeness_to_singularity(), closeness_to_corner[pairs.part_number]
     )
     scaled_work_per_area = np.zeros(len(x))
     # six rules, of 4 nodes and more; 200,000 nodes at once bound the storage
     for rule_number, (rule, n_nodes) in enumerate(_RULES_AND_NODE_COUNTS):
-        pairs_of_rule = np.flatnonzero(rule_of_pair == rule_number)
+        pair_numbers_of_rule = np.flatnonzero(rule_number_of_pair == rule_number)
         pairs_at_once = _NODES_AT_ONCE // n_nodes
-        for first_pair in range(0, len(pairs_of_rule), pairs_at_once):
-            pairs_of_block = pairs.take(pairs_of_rule[first_pair : first_pair + pairs_at_once])
+        for first_pair in range(0, len(pair_numbers_of_rule), pairs_at_once):
+            pairs_of_block = pairs.take(
+                pair_numbers_of_rule[first_pair : first_pair + pairs_at_once]
+            )
             work_of_pairs = parts.level_rise[pairs_of_block.part_number] * _integral_over_slip(
                 contact, pairs_of_block, rule
             )
@@ -1107,7 +1142,7 @@ class _LinearLoads(NamedTuple):
     stick_edge_drop: Array
 
     @classmethod
-    def of_parts(cls, parts: Records) -> _LinearLoads:
+    def of_parts(cls, parts: _RecordParts) -> _LinearLoads:
         """P and P_c, the load at the stick edge, as linear functions along n parts of slip records,
         from P and P - P_c at both ends of each.
         """
@@ -1156,7 +1191,7 @@ class _SlippingPairs(NamedTuple):
     contact_edge_load: Array
 
     @classmethod
-    def of_parts(cls, parts: Records, x: Array, contact_edge_loads: Array) -> _SlippingPairs:
+    def of_parts(cls, parts: _RecordParts, x: Array, contact_edge_loads: Array) -> _SlippingPairs:
         """All pairs of some parts of slip records and points |x| = `x` (k,); `contact_edge_loads`
         (k,) is P_x of each point.
         """
@@ -1434,7 +1469,7 @@ def integrals_by_halving(
         function: integrate_parts(numbers, begins, ends), (n,) each, gives the integral of integrand
         numbers[k] from begins[k] to ends[k], (n,), by one rule
     begin, end
-        (m,)
+        (m,) ends of the range of each integrand
     allowed_error
         (m,) or one: the change by halving at which a part has converged; 1e-12 of the size of the
         integrals (`CONVERGED_CHANGE_SHARE`) where round-off allows it
