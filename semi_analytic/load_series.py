@@ -496,23 +496,25 @@ def _curve_after_slip(
         _STICK_EDGE_ROUNDOFF_SHARE * friction * (begin_load if begin_load > end_load else end_load)
     )
     length_of_passed_lines = 0.0
+    # the line of the memory curve in which the stick edge is
+    line_at_stick_edge = curve
     # where the next record begins, and P - P_c there
-    station = begin_station
-    slip_zone_load = 0.0
+    record_begin_station = begin_station
+    slip_zone_load_at_record_begin = 0.0
     # A line at the limit slips already: the stick edge begins below it.
     if (
-        curve is not None
-        and curve.curve_below is not None
-        and friction * curve.load_length <= direction * curve.force_rise
+        line_at_stick_edge is not None
+        and line_at_stick_edge.curve_below is not None
+        and friction * line_at_stick_edge.load_length <= direction * line_at_stick_edge.force_rise
     ):
-        length_of_passed_lines = curve.load_length
-        slip_zone_load = curve.load_length
-        curve = curve.curve_below
+        length_of_passed_lines = line_at_stick_edge.load_length
+        slip_zone_load_at_record_begin = line_at_stick_edge.load_length
+        line_at_stick_edge = line_at_stick_edge.curve_below
 
     # The lines that the stick edge passes, from the top down.
     level_growth_to_pass_line = 0.0
-    while curve is not None:
-        line_below, _, _, line_length, line_rise, _ = curve
+    while line_at_stick_edge is not None:
+        line_below, _, _, line_length, line_rise, _ = line_at_stick_edge
         level_growth_to_pass_line = friction * line_length - direction * line_rise
         # A stick edge that meets a knot at the very end of the step, to round-off, has not passed
         # it: what lies below may be at the limit already, and the edge would jump through it.
@@ -528,45 +530,54 @@ def _curve_after_slip(
             fraction_at_knot = 1 - remaining_level_growth / level_growth
             slip_zone_load_at_knot = length_of_passed_lines + fraction_at_knot * load_growth
             # Q of a station inside a step is not recorded.
-            next_station = (
+            record_end_station = (
                 begin_load + fraction_at_knot * load_growth,
                 begin_force,
                 step_share_at_begin + fraction_at_knot * (step_share_at_end - step_share_at_begin),
             )
             recorder.add(
-                curve,
+                line_at_stick_edge,
                 direction,
-                station,
-                next_station,
-                (slip_zone_load, slip_zone_load_at_knot),
+                record_begin_station,
+                record_end_station,
+                (slip_zone_load_at_record_begin, slip_zone_load_at_knot),
                 level_growth_to_pass_line,
             )
-            station = next_station
-            slip_zone_load = slip_zone_load_at_knot
+            record_begin_station = record_end_station
+            slip_zone_load_at_record_begin = slip_zone_load_at_knot
         else:
-            slip_zone_load += line_length
-        curve = line_below
+            slip_zone_load_at_record_begin += line_length
+        line_at_stick_edge = line_below
 
-    # The stick edge ends within the line `curve`, whose upper part slips too.
-    sticking_curve = curve
-    if curve is not None and level_growth_to_pass_line > 0 and remaining_level_growth > 0:
+    # The stick edge ends within this line, whose upper part slips too.
+    sticking_curve = line_at_stick_edge
+    if (
+        line_at_stick_edge is not None
+        and level_growth_to_pass_line > 0
+        and remaining_level_growth > 0
+    ):
         # |Q| <= f P was checked: a level growth beyond the lowest line is round-off.
         share_of_line = (
             remaining_level_growth / level_growth_to_pass_line
             if remaining_level_growth < level_growth_to_pass_line
             else 1.0
         )
-        length_of_passed_lines += share_of_line * curve.load_length
+        length_of_passed_lines += share_of_line * line_at_stick_edge.load_length
         sticking_curve = (
-            _without_upper_share(curve, share_of_line) if share_of_line < 1 else curve.curve_below
+            _without_upper_share(line_at_stick_edge, share_of_line)
+            if share_of_line < 1
+            else line_at_stick_edge.curve_below
         )
     slip_zone_load_at_end = length_of_passed_lines + load_growth
     recorder.add(
-        curve,
+        line_at_stick_edge,
         direction,
-        station,
+        record_begin_station,
         end_station,
-        (slip_zone_load, slip_zone_load_at_end if slip_zone_load_at_end > 0 else 0.0),
+        (
+            slip_zone_load_at_record_begin,
+            slip_zone_load_at_end if slip_zone_load_at_end > 0 else 0.0,
+        ),
         remaining_level_growth if remaining_level_growth > 0 else 0.0,
     )
     if not slip_zone_load_at_end > 0:
@@ -638,22 +649,22 @@ def _curve_after_unloading(
     force_tolerance = _ON_CURVE_FORCE_SHARE * friction * begin_load
     # Each part has its direction of slip, and the fall of P from the start of the step to its end.
     *earlier_parts, last_part = _parts_of_unloading(curve, load_drop, path_slope, force_tolerance)
-    station = begin_station
+    part_begin_station = begin_station
     for part in earlier_parts:
         share_at_part_end = step_share_at_begin + part.load_drop_at_end / load_drop * (
             step_share_at_end - step_share_at_begin
         )
-        next_station = (
+        part_end_station = (
             begin_load - part.load_drop_at_end,
             begin_force - path_slope * part.load_drop_at_end,
             share_at_part_end,
         )
         curve = _curve_after_unloading_part(
-            curve, part.direction, station, next_station, friction, recorder
+            curve, part.direction, part_begin_station, part_end_station, friction, recorder
         )
-        station = next_station
+        part_begin_station = part_end_station
     curve = _curve_after_unloading_part(
-        curve, last_part.direction, station, end_station, friction, recorder
+        curve, last_part.direction, part_begin_station, end_station, friction, recorder
     )
     return curve if end_load > 0 else None
 
@@ -771,31 +782,31 @@ def _curve_after_retracing(
     end_load, _, step_share_at_end = end_station
     load_drop = begin_load - end_load
     drop_below_line_top = load_drop  # from the upper end of the uppermost line to the new P
-    station = begin_station
-    while curve is not None and drop_below_line_top > 0 and station is not end_station:
+    record_begin_station = begin_station
+    while curve is not None and drop_below_line_top > 0 and record_begin_station is not end_station:
         # over the line's length: above 1 if P passes the whole line
         removed_share_of_line = drop_below_line_top / curve.load_length
         drop_below_line_top -= curve.load_length
         if curve.curve_below is None or drop_below_line_top <= 0:
-            next_station = end_station
+            record_end_station = end_station
         else:
             # part of the fall of P that is over where P leaves this line
             share_of_drop = 1 - drop_below_line_top / load_drop
             # Q of a station inside a step is not recorded: Q at the start holds its place.
-            next_station = (
+            record_end_station = (
                 begin_load - share_of_drop * load_drop,
                 begin_force,
                 step_share_at_begin + share_of_drop * (step_share_at_end - step_share_at_begin),
             )
-        recorder.add(curve, 0, station, next_station)
-        station = next_station
+        recorder.add(curve, 0, record_begin_station, record_end_station)
+        record_begin_station = record_end_station
         curve = (
             _without_upper_share(curve, removed_share_of_line)
             if removed_share_of_line < 1
             else curve.curve_below
         )
-    if station is not end_station:
-        recorder.add(curve, 0, station, end_station)
+    if record_begin_station is not end_station:
+        recorder.add(curve, 0, record_begin_station, end_station)
     return curve
 
 
@@ -1110,11 +1121,11 @@ class LoadSeries:
         )
         # Slack as a share of each step: eight spacings of floating-point numbers or 1e-10 of the
         # step, but never more than the time by which an instant may miss the whole path.
-        rounding_share = (
+        roundoff_share = (
             _FLOAT_SPACINGS_AT_ROW * np.spacing(np.max(np.abs(row_times))) / step_durations
         )
         slack_share_of_each_step = np.minimum(
-            time_slack / step_durations, np.maximum(_STEP_SHARE_AT_ROW, rounding_share)
+            time_slack / step_durations, np.maximum(_STEP_SHARE_AT_ROW, roundoff_share)
         )
         row_number_at_end = np.clip(
             np.searchsorted(row_times, path_time, side="left"), 1, len(row_times) - 1
@@ -1170,8 +1181,8 @@ def series_of(scene: Scene, time: Array | None) -> LoadSeries:
     # InadmissibleLoadError at the first bad instant
     require_admissible_rows(loading_rows, friction_coefficient)
     if not len(cycle_rows):
-        series = _one_way_series(friction_coefficient, loading_rows)
-        return replace(series, is_long_measurement=is_long_measurement)
+        load_series = _one_way_series(friction_coefficient, loading_rows)
+        return replace(load_series, is_long_measurement=is_long_measurement)
     require_admissible_rows(cycle_rows, friction_coefficient)
 
     # number of cycles to follow at most, and of whole cycles up to the last instant
@@ -1181,10 +1192,10 @@ def series_of(scene: Scene, time: Array | None) -> LoadSeries:
     cycle_parts = (
         PathPart(cycle_rows, cycle_number * period) for cycle_number in range(most_cycles)
     )
-    series = _follow_cycles(
+    load_series = _follow_cycles(
         friction_coefficient, PathPart(loading_rows, 0.0), cycle_parts, period, n_whole_cycles
     )
-    return replace(series, is_long_measurement=is_long_measurement)
+    return replace(load_series, is_long_measurement=is_long_measurement)
 
 
 def _rows_of_loading_and_cycle(scene: Scene) -> tuple[Array, Array]:
@@ -1251,8 +1262,10 @@ def straight_series(path: LoadPath, friction: float, time: Array) -> LoadSeries:
     cycle_starts = np.asarray(
         path.cycle_start + path.period * np.arange(n_whole_cycles + 1), dtype=np.float64
     )
-    loading, *cycles = _parts_between_cycle_starts(rows, cycle_starts, time_slack)
-    return _follow_cycles(friction, loading, cycles, path.period, n_whole_cycles, repeats=False)
+    loading_part, *cycle_parts = _parts_between_cycle_starts(rows, cycle_starts, time_slack)
+    return _follow_cycles(
+        friction, loading_part, cycle_parts, path.period, n_whole_cycles, repeats=False
+    )
 
 
 def _parts_between_cycle_starts(
@@ -1303,21 +1316,21 @@ def require_admissible_rows(rows: Array, friction: float) -> None:
     tangential_load = rows[:, 2]
     # 1e-14 of the largest load
     load_slack = _RATE_ROUNDOFF_SHARE * float(np.max(np.abs(normal_load)))
-    separates = normal_load < -load_slack
-    slides = np.abs(tangential_load) > friction * (normal_load + load_slack)
-    bad_rows = np.flatnonzero(separates | slides)
-    if not len(bad_rows):
+    is_separated = normal_load < -load_slack
+    is_sliding = np.abs(tangential_load) > friction * (normal_load + load_slack)
+    bad_row_numbers = np.flatnonzero(is_separated | is_sliding)
+    if not len(bad_row_numbers):
         return
-    bad_row = bad_rows[0]
-    time_of_row_before, *loads_of_row_before = rows[max(int(bad_row) - 1, 0)].tolist()
-    bad_time, *bad_loads = rows[bad_row].tolist()
+    bad_row_number = bad_row_numbers[0]
+    time_of_row_before, *loads_of_row_before = rows[max(int(bad_row_number) - 1, 0)].tolist()
+    bad_time, *bad_loads = rows[bad_row_number].tolist()
     segment_to_bad_row = StraightSegment(
         time_of_row_before, bad_time, tuple(loads_of_row_before), tuple(bad_loads)
     )
     # It raises with the instant between the rows at which the limit is passed. Where that is within
     # round-off it does not raise: then the row itself is named.
     require_admissible([segment_to_bad_row], friction)
-    reason = "separation" if separates[bad_row] else "gross sliding"
+    reason = "separation" if is_separated[bad_row_number] else "gross sliding"
     raise InadmissibleLoadError(reason, LoadedInstant(bad_time, *bad_loads), friction=friction)
 
 
@@ -1332,7 +1345,7 @@ def _one_way_series(friction: float, rows: Array) -> LoadSeries:
 
 def _follow_cycles(
     friction: float,
-    loading: PathPart,
+    loading_part: PathPart,
     cycle_parts: Iterable[PathPart],
     period: float,
     n_whole_cycles: int,
@@ -1344,7 +1357,7 @@ def _follow_cycles(
 
     Parameters
     ----------
-    loading, cycle_parts
+    loading_part, cycle_parts
         rows of time, P and Q of the initial loading and of the cycles that are followed at most
     period
         duration of a cycle
@@ -1356,14 +1369,14 @@ def _follow_cycles(
         are then copies and are not followed. Else all are followed.
     """
     followed_cycles: list[PathPart] = []
-    steady_from = None
+    steady_from = None  # number of the first steady cycle
     # memory curve M(eta), the tangential force of the flat punches up to each load eta
     curve = None
-    for _, block in blocks_of_part(loading, friction):
+    for _, block in blocks_of_part(loading_part, friction):
         curve = block.curve_at_end
-    for cycle in cycle_parts:
+    for cycle_part in cycle_parts:
         curve_at_begin = curve
-        followed_cycle = cycle._replace(curve_at_begin=curve_at_begin)
+        followed_cycle = cycle_part._replace(curve_at_begin=curve_at_begin)
         followed_cycles.append(followed_cycle)
         largest_slip_zone_load = 0.0
         for _, block in blocks_of_part(followed_cycle, friction):
@@ -1371,7 +1384,7 @@ def _follow_cycles(
             largest_slip_zone_load = max(largest_slip_zone_load, block.largest_slip_zone_load)
         # Where less slips in a cycle its memory curves must agree more closely: the tolerance
         # follows from the largest P - P_c over the largest P, P_c the load at the stick edge.
-        slip_zone_share = share_of_largest_load(largest_slip_zone_load, cycle)
+        slip_zone_share = share_of_largest_load(largest_slip_zone_load, cycle_part)
         tolerance = repeat_tolerance(slip_zone_share)
         if steady_from is None and _is_same_memory(curve_at_begin, curve, friction, tolerance):
             steady_from = len(followed_cycles) - 1
@@ -1382,16 +1395,16 @@ def _follow_cycles(
     n_covered_cycles = n_whole_cycles
     if not n_whole_cycles:
         n_covered_cycles = len(followed_cycles) if repeats else 1
-    followed_of_covered_cycles = tuple(
+    followed_cycle_number_of_covered_cycle = tuple(
         min(cycle_number, len(followed_cycles) - 1) for cycle_number in range(n_covered_cycles)
     )
     return LoadSeries(
         friction,
-        (loading, *followed_cycles),
+        (loading_part, *followed_cycles),
         first_cycle_part=1,
         steady_from=steady_from,
         period=period,
-        covered=followed_of_covered_cycles,
+        covered=followed_cycle_number_of_covered_cycle,
         repeats=repeats,
     )
 
@@ -1502,10 +1515,13 @@ class States:
         number_among_new_lines = np.zeros(len(step_number), dtype=np.intp)
         n_lines_before = len(self._lines)
         if self.stores_curves:
-            records_with_instants, number_among_new_lines = np.unique(
+            record_numbers_with_instants, number_among_new_lines = np.unique(
                 record_number, return_inverse=True
             )
-            self._lines += [block.lines[record] for record in records_with_instants.tolist()]
+            self._lines += [
+                block.lines[record_number_with_instants]
+                for record_number_with_instants in record_numbers_with_instants.tolist()
+            ]
         self._columns.append(
             _StateColumns(
                 normal_load,
