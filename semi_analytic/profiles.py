@@ -361,7 +361,11 @@ _CONVERGED_LOG_STEP = 3e-9
 
 
 def edge_advance_function(
-    load: Function, stiffness: Function, unit: float, corner: float = 0.0, extent: float = math.inf
+    load: Function,
+    stiffness: Function,
+    reference_length: float,
+    corner_advance: float = 0.0,
+    advance_limit: float = math.inf,
 ) -> Function:
     """The inverse d(P) of a rising contact law P(d), to round-off: advance d of the contact edge
     beyond the half-width without load, from the load. The function takes and returns arrays.
@@ -373,12 +377,12 @@ def edge_advance_function(
     ----------
     load, stiffness
         P and dP/dd as functions of arrays d [length]
-    unit
-        a length of the profile; from 1e-22 to 1e15 of it, `extent` at most, the cubic is
+    reference_length
+        a length of the profile; from 1e-22 to 1e15 of it, `advance_limit` at most, the cubic is
         tabulated, beyond this range P is a power of d
-    corner
+    corner_advance
         an advance at which P is less smooth
-    extent
+    advance_limit
         largest d
 
     Examples
@@ -389,7 +393,7 @@ def edge_advance_function(
 
     @cache
     def table() -> _LogTable:
-        return _log_table(load, stiffness, unit, corner, extent)
+        return _log_table(load, stiffness, reference_length, corner_advance, advance_limit)
 
     def edge_advance(loads: Array) -> Array:
         """Advance d [length] of the contact edge beyond the half-width without load, under each of
@@ -463,15 +467,21 @@ class _LogTable(NamedTuple):
             + self.slope[0] * log_below_table
             + self.slope[-1] * log_above_table
         )
-        row_below = np.searchsorted(self.log_load[1:-1], log_load)
+        row_number_below = np.searchsorted(self.log_load[1:-1], log_load)
         is_in_table = log_below_table == log_above_table
-        least_advance = np.where(is_in_table, self.edge_advance[row_below], advance / 2)
-        largest_advance = np.where(is_in_table, self.edge_advance[row_below + 1], advance * 2)
+        least_advance = np.where(is_in_table, self.edge_advance[row_number_below], advance / 2)
+        largest_advance = np.where(
+            is_in_table, self.edge_advance[row_number_below + 1], advance * 2
+        )
         return advance, least_advance, largest_advance
 
 
 def _log_table(
-    load: Function, stiffness: Function, unit: float, corner: float, extent: float
+    load: Function,
+    stiffness: Function,
+    reference_length: float,
+    corner_advance: float,
+    advance_limit: float,
 ) -> _LogTable:
     """Table of the advance d(P) of the contact edge, the inverse of a rising contact law P(d): a
     cubic of ln d over ln P, which rises everywhere.
@@ -484,31 +494,33 @@ def _log_table(
     ----------
     load, stiffness
         P and dP/dd as functions of d
-    unit
+    reference_length
         a length of the profile; the table covers 22 decades of d below and 15 above it [length]
-    corner
+    corner_advance
         a value of d at which the law is not smooth; it is a row of the table [length]
-    extent
+    advance_limit
         largest d that the profile allows [length]
     """
-    first_advance = _LEAST_RATIO_TO_UNIT * unit
-    last_advance = min(_LARGEST_RATIO_TO_UNIT * unit, extent)
+    first_advance = _LEAST_RATIO_TO_UNIT * reference_length
+    last_advance = min(_LARGEST_RATIO_TO_UNIT * reference_length, advance_limit)
     # twenty rows to each factor e
     log_advances = np.arange(math.log(first_advance), math.log(last_advance), _LOG_STEP_OF_TABLE)
-    advances = np.append(np.exp(log_advances), [corner, extent])
+    advances = np.append(np.exp(log_advances), [corner_advance, advance_limit])
     advances = np.unique(advances[(advances > 0) & np.isfinite(advances)])
     with np.errstate(all="ignore"):
         loads = load(advances)
         # Rows with a load that neither vanishes nor overflows, and each load once.
         usable_row_numbers = np.flatnonzero((loads > 1e-290) & (loads < 1e290))
-        log_loads, first_row_of_each_load = np.unique(
+        log_loads, first_row_number_of_each_load = np.unique(
             np.log(loads[usable_row_numbers]), return_index=True
         )
-        advances = advances[usable_row_numbers[first_row_of_each_load]]
+        advances = advances[usable_row_numbers[first_row_number_of_each_load]]
         # Where the loads of neighbouring rows differ by round-off, d may fall as the load rises.
-        first_rising_row = int(np.max(np.flatnonzero(np.diff(advances) <= 0), initial=-1)) + 1
-        advances = advances[first_rising_row:]
-        log_loads = log_loads[first_rising_row:]
+        first_rising_row_number = (
+            int(np.max(np.flatnonzero(np.diff(advances) <= 0), initial=-1)) + 1
+        )
+        advances = advances[first_rising_row_number:]
+        log_loads = log_loads[first_rising_row_number:]
         # slope of ln d over ln P, P/d over dP/dd, and that of the chord between neighbouring rows
         slopes = np.exp(log_loads) / (advances * stiffness(advances))
         chord_slopes = np.diff(np.log(advances)) / np.diff(log_loads)
@@ -602,9 +614,12 @@ def law_of_even_polynomial(modulus: float, length: float, rises: tuple[float, ..
         return np.asarray(squared_ratio * polynomial.polyval(squared_ratio, loads_of_terms))
 
     def stiffness(a: Array) -> Array:
-        ratio = a / length
+        half_width_ratio = a / length
         return np.asarray(
-            2 * ratio / length * polynomial.polyval(ratio * ratio, loads_of_terms * k)
+            2
+            * half_width_ratio
+            / length
+            * polynomial.polyval(half_width_ratio * half_width_ratio, loads_of_terms * k)
         )
 
     # The lowest term leads for small a: P goes as a^exponent there.
@@ -1369,7 +1384,7 @@ def law_of_function(modulus: float, profile: CallableProfile) -> ContactLaw:
     load = partial(load_or_stiffness, derivative_order=0)
     stiffness = partial(load_or_stiffness, derivative_order=1)
     advance_under_load = edge_advance_function(
-        load, stiffness, profile.extent, extent=profile.extent - least_half_width
+        load, stiffness, profile.extent, advance_limit=profile.extent - least_half_width
     )
 
     def edge_advance(loads: Array) -> Array:
@@ -1409,7 +1424,12 @@ def _require_no_split(
     load. It is sampled at 200 half-widths of each of the ranges between two corners of the profile.
     """
     half_widths = np.unique(
-        np.concatenate([np.linspace(begin, end, 200) for begin, end in half_width_ranges])
+        np.concatenate(
+            [
+                np.linspace(first_half_width, last_half_width, 200)
+                for first_half_width, last_half_width in half_width_ranges
+            ]
+        )
     )
     stiffness_at_samples = stiffness(half_widths - least_half_width)
     is_negative = stiffness_at_samples < -1e-10 * np.max(stiffness_at_samples)

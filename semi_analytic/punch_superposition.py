@@ -640,18 +640,20 @@ class PunchSuperposition:
             n_parts_in_chunk = n_parts[integral_numbers]
             # of each part: the integral it belongs to, its number there, and the corner behind
             # which it lies
-            integral_of_part = np.repeat(integral_numbers, n_parts_in_chunk)
-            first_part_of_integral = np.cumsum(n_parts_in_chunk) - n_parts_in_chunk
-            part_number_in_integral = np.arange(len(integral_of_part)) - np.repeat(
-                first_part_of_integral, n_parts_in_chunk
+            integral_number_of_part = np.repeat(integral_numbers, n_parts_in_chunk)
+            first_part_number_of_integral = np.cumsum(n_parts_in_chunk) - n_parts_in_chunk
+            part_number_in_integral = np.arange(len(integral_number_of_part)) - np.repeat(
+                first_part_number_of_integral, n_parts_in_chunk
             )
             number_of_corner_below = (
-                part_number_in_integral + first_corner_number[integral_of_part] - 1
+                part_number_in_integral + first_corner_number[integral_number_of_part] - 1
             )
             integrals_of_parts = self._integrals_of_parts(
-                load[integral_of_part], load_above_stick[integral_of_part], number_of_corner_below
+                load[integral_number_of_part],
+                load_above_stick[integral_number_of_part],
+                number_of_corner_below,
             )
-            kernel += np.bincount(integral_of_part, integrals_of_parts, len(kernel))
+            kernel += np.bincount(integral_number_of_part, integrals_of_parts, len(kernel))
         return kernel
 
     def _integrals_of_parts(
@@ -703,7 +705,7 @@ class PunchSuperposition:
                 loads_from_begin, weights = _nodes_in_root(load_above_corner, range_column)
             else:
                 loads_from_begin, weights = (
-                    values[:, 0] for values in graded_nodes(0.0, range_column)
+                    nodes_or_weights[:, 0] for nodes_or_weights in graded_nodes(0.0, range_column)
                 )
             # P - eta from P - P_c, which keeps its digits
             load_above_node = load_above_stick[uses_rule, None] - (
@@ -914,20 +916,20 @@ class PunchSuperposition:
         # _advance_ratio_of_primitive: the ratio of advances that one primitive serves
         if largest_advance < least_advance * self._advance_ratio_of_primitive:
             return self._integral_and_error_in_band(kind, load_power, x, advance)
-        points, advances = np.broadcast_arrays(x, advance)
+        broadcast_x, broadcast_advance = np.broadcast_arrays(x, advance)
         # Bands are numbered from the largest advance down; -1 where there is no contact.
-        band_numbers = np.full(advances.shape, -1)
-        ratio_to_largest_advance = largest_advance / advances[advances > 0]
-        band_numbers[advances > 0] = np.log(ratio_to_largest_advance) / math.log(
+        band_numbers = np.full(broadcast_advance.shape, -1)
+        ratio_to_largest_advance = largest_advance / broadcast_advance[broadcast_advance > 0]
+        band_numbers[broadcast_advance > 0] = np.log(ratio_to_largest_advance) / math.log(
             self._advance_ratio_of_primitive
         )
-        integral = np.zeros(advances.shape)
-        error = np.zeros(advances.shape)
+        integral = np.zeros(broadcast_advance.shape)
+        error = np.zeros(broadcast_advance.shape)
         for band_number in range(int(band_numbers.max()) + 1):
             is_in_band = band_numbers == band_number
             if np.any(is_in_band):
                 integral[is_in_band], error[is_in_band] = self._integral_and_error_in_band(
-                    kind, load_power, points[is_in_band], advances[is_in_band]
+                    kind, load_power, broadcast_x[is_in_band], broadcast_advance[is_in_band]
                 )
         return integral, error
 
@@ -955,17 +957,17 @@ class PunchSuperposition:
         # A primitive takes some kilobytes a point: above 4096 different points they are taken in
         # chunks. Points that come back at many instants count once.
         if len(unique_x) > _POINTS_OF_PRIMITIVE:
-            points, advances, broadcast_numbers_in_unique_x = np.broadcast_arrays(
+            broadcast_x, broadcast_advance, broadcast_numbers_in_unique_x = np.broadcast_arrays(
                 x, advance, number_in_unique_x
             )
-            integral = np.zeros(points.shape)
-            error = np.zeros(points.shape)
+            integral = np.zeros(broadcast_x.shape)
+            error = np.zeros(broadcast_x.shape)
             for first_number in range(0, len(unique_x), _POINTS_OF_PRIMITIVE):
                 is_in_chunk = (broadcast_numbers_in_unique_x >= first_number) & (
                     broadcast_numbers_in_unique_x < first_number + _POINTS_OF_PRIMITIVE
                 )
                 integral[is_in_chunk], error[is_in_chunk] = self._integral_and_error(
-                    kind, load_power, points[is_in_chunk], advances[is_in_chunk]
+                    kind, load_power, broadcast_x[is_in_chunk], broadcast_advance[is_in_chunk]
                 )
             return integral, error
 
@@ -1126,14 +1128,16 @@ class Panels:
         the panels in v.
         """
         n_parts = np.maximum(np.ceil((self.end_v - self.begin_v) / largest_length), 1).astype(int)
-        panel_of_part = np.repeat(np.arange(len(n_parts)), n_parts)
-        first_part_of_panel = np.cumsum(n_parts) - n_parts
-        number_in_panel = np.arange(len(panel_of_part)) - np.repeat(first_part_of_panel, n_parts)
-        part_length = ((self.end_v - self.begin_v) / n_parts)[panel_of_part]
+        panel_number_of_part = np.repeat(np.arange(len(n_parts)), n_parts)
+        first_part_number_of_panel = np.cumsum(n_parts) - n_parts
+        part_number_in_panel = np.arange(len(panel_number_of_part)) - np.repeat(
+            first_part_number_of_panel, n_parts
+        )
+        part_length = ((self.end_v - self.begin_v) / n_parts)[panel_number_of_part]
         # for each part, the panel it is cut from
-        uncut_panels = self.take(panel_of_part)
-        begin_v = uncut_panels.begin_v + number_in_panel * part_length
-        is_last_of_panel = number_in_panel == n_parts[panel_of_part] - 1
+        uncut_panels = self.take(panel_number_of_part)
+        begin_v = uncut_panels.begin_v + part_number_in_panel * part_length
+        is_last_of_panel = part_number_in_panel == n_parts[panel_number_of_part] - 1
         end_v = np.where(is_last_of_panel, uncut_panels.end_v, begin_v + part_length)
         return replace(uncut_panels, begin_v=begin_v, end_v=end_v)
 
@@ -1199,8 +1203,8 @@ class Primitive:
         key = self._key(point_number, rank_of_advance)
         panel_number = np.searchsorted(self._panel_keys, key, side="right") - 1
         # Below the first panel of a point its integral is still 0.
-        first_panel_of_point = np.searchsorted(panels.point_number, point_number)
-        panel_number = np.maximum(panel_number, first_panel_of_point)
+        first_panel_number_of_point = np.searchsorted(panels.point_number, point_number)
+        panel_number = np.maximum(panel_number, first_panel_number_of_point)
         v = _integration_variable(
             self.kind,
             advance,
@@ -1543,21 +1547,23 @@ def _with_empty_panels(series_of_panels: _PanelSeries, x: Array) -> _PanelSeries
     A point without a panel, whose integral is 0 everywhere, gets one with zero coefficients:
     look-ups by point then need no special case.
     """
-    points_without_panel = np.setdiff1d(np.arange(len(x)), series_of_panels.panels.point_number)
-    if not len(points_without_panel):
+    point_numbers_without_panel = np.setdiff1d(
+        np.arange(len(x)), series_of_panels.panels.point_number
+    )
+    if not len(point_numbers_without_panel):
         return series_of_panels
-    zeros = np.zeros(len(points_without_panel))
+    zeros = np.zeros(len(point_numbers_without_panel))
     # v from 0 to 1 with the factor 1
     empty_panels = Panels(
-        point_number=points_without_panel,
-        x=x[points_without_panel],
+        point_number=point_numbers_without_panel,
+        x=x[point_numbers_without_panel],
         advance_at_v0=zeros,
         scale=zeros + 1,
         begin_v=zeros,
         end_v=zeros + 1,
     )
     zero_coefficients = np.zeros(
-        (len(points_without_panel), series_of_panels.coefficients.shape[1])
+        (len(point_numbers_without_panel), series_of_panels.coefficients.shape[1])
     )
     return _PanelSeries(
         Panels.joined([series_of_panels.panels, empty_panels]),
