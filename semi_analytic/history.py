@@ -577,7 +577,7 @@ def slip_directions(
                 segment.time_of(NORMAL_LOAD, load_change_to_bottom, begin_instant.time, end_time)
             )
         if time_at_piece_bottom > time_at_piece_top:
-            parts_by_direction += _directions_on(
+            parts_by_direction += _parts_on_piece(
                 memory_piece, segment, time_at_piece_top, time_at_piece_bottom, friction
             )
         time_at_piece_top = max(time_at_piece_top, time_at_piece_bottom)
@@ -597,7 +597,7 @@ def slip_directions(
     return merged_parts
 
 
-def _directions_on(
+def _parts_on_piece(
     memory_piece: Piece, segment: LoadSegment, begin_time: float, end_time: float, friction: float
 ) -> list[tuple[float, float, int]]:
     """Parts by direction of slip of an unloading path between two times, while P is within one
@@ -825,17 +825,18 @@ class History:
         span_end_times = np.array([span.end.time for span in spans])
         span_delays = np.array([span.delay for span in spans])
         # ends of the spans in the time of the path
-        path_end_times = span_end_times + span_delays
+        span_end_times_in_path = span_end_times + span_delays
         path_time, time_slack = time_in_followed_path(
             time,
             float(span_begin_times[0] + span_delays[0]),
-            float(path_end_times[-1]),
+            float(span_end_times_in_path[-1]),
             self.period,
         )
         # Minus the slack: a turning point that is right to round-off still belongs to the span
         # that it ends.
         span_number = np.minimum(
-            np.searchsorted(path_end_times, path_time - time_slack, side="left"), len(spans) - 1
+            np.searchsorted(span_end_times_in_path, path_time - time_slack, side="left"),
+            len(spans) - 1,
         )
         times_in_segments = np.clip(
             path_time - span_delays[span_number],
@@ -846,7 +847,7 @@ class History:
 
 
 def follow(
-    loading: Sequence[LoadSegment], cycles_of_path: Iterable[CycleOfPath], friction: float
+    loading_segments: Sequence[LoadSegment], cycles_of_path: Iterable[CycleOfPath], friction: float
 ) -> History:
     """Friction history of an initial loading and of the cycles after it: up to the first cycle that
     ends in the state in which it began, if there is one; `friction` is f.
@@ -857,7 +858,7 @@ def follow(
     loads must be admissible, |Q| <= f P and P >= 0.
     """
     # spans of stick and slip, and the memory curve at their end; None: not yet in contact
-    loading_spans, memory_curve = spans_along(None, loading, friction, 0.0)
+    loading_spans, memory_curve = spans_along(None, loading_segments, friction, 0.0)
     curves_between_cycles = [memory_curve]
     spans_of_cycles = []
     steady_from = None
@@ -915,10 +916,10 @@ def history_of(
     n_solved_cycles = len(history.cycles)
     n_covered_cycles = n_whole_cycles or n_solved_cycles
     # Cycles after the last one that was solved are copies of it.
-    solved_cycle_of_covered_cycle = tuple(
+    solved_cycle_number_of_covered_cycle = tuple(
         min(cycle_number, n_solved_cycles - 1) for cycle_number in range(n_covered_cycles)
     )
-    return replace(history, covered=solved_cycle_of_covered_cycle)
+    return replace(history, covered=solved_cycle_number_of_covered_cycle)
 
 
 @contextmanager
@@ -1098,17 +1099,17 @@ def corner_times(contact: Contact, span: Span) -> Array:
         begin_instant.time,
         end_instant.time,
     )
-    shortest_time = 1e-12 * max(
+    least_time_difference = 1e-12 * max(
         abs(begin_instant.time), abs(end_instant.time), end_instant.time - begin_instant.time
     )
     sorted_times = np.sort(
         np.concatenate([times_of_contact_edge, _times_of_stick_edge_at(corner_loads, span)])
     )
-    is_inside_span = (sorted_times - begin_instant.time > shortest_time) & (
-        end_instant.time - sorted_times > shortest_time
+    is_inside_span = (sorted_times - begin_instant.time > least_time_difference) & (
+        end_instant.time - sorted_times > least_time_difference
     )
     inner_times = sorted_times[is_inside_span]
-    return inner_times[np.diff(inner_times, prepend=-np.inf) > shortest_time]
+    return inner_times[np.diff(inner_times, prepend=-np.inf) > least_time_difference]
 
 
 def _times_of_stick_edge_at(loads: Array, span: Span) -> Array:

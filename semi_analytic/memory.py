@@ -80,7 +80,7 @@ def instant(segment: LoadSegment, time: float) -> Instant:
 
 
 def combination_change(
-    earlier: Instant, segment: LoadSegment, combination: Combination, time: ArrayLike
+    earlier_instant: Instant, segment: LoadSegment, combination: Combination, time: ArrayLike
 ) -> Array:
     """Change of a weighted sum c_P P + c_Q Q of the loads between two instants of the load path
     [force per thickness]. They may lie on two segments of it.
@@ -89,20 +89,22 @@ def combination_change(
 
     Parameters
     ----------
-    earlier
+    earlier_instant
         first instant: its segment, P as `normal_load` and Q as `tangential_load`
     segment, time
         segment of the second instant, and times on it, any shape
     combination
         the factors c_P as `normal` and c_Q as `tangential`
     """
-    if earlier.segment is segment:
-        return segment.change_of(combination, time, earlier.time)
+    if earlier_instant.segment is segment:
+        return segment.change_of(combination, time, earlier_instant.time)
     # P and Q at the start of the later segment
     begin_instant = instant(segment, segment.start)
-    change_before_segment = combination.normal * (begin_instant.normal_load - earlier.normal_load)
+    change_before_segment = combination.normal * (
+        begin_instant.normal_load - earlier_instant.normal_load
+    )
     change_before_segment += combination.tangential * (
-        begin_instant.tangential_load - earlier.tangential_load
+        begin_instant.tangential_load - earlier_instant.tangential_load
     )
     return segment.change_of(combination, time, segment.start) + change_before_segment
 
