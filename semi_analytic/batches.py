@@ -333,8 +333,8 @@ def _relative_roundoff(ellipses: Ellipses) -> Array:
     """Relative round-off of the largest friction work per area W(x) of each load ellipse, (m,).
 
     It is 1e-12, and more where the load P - P_c carried by the slip zones is small beside the
-    largest P = P0 + P1. P_c is the load at the stick edge. `slip_zone_load_scale` is the largest P
-    - P_c of an ellipse to a factor of two.
+    largest P = P0 + P1, mean plus amplitude. P_c is the load at the stick edge.
+    `slip_zone_load_scale` is the largest P - P_c of an ellipse to a factor of two.
     """
     slip_zone_load = ellipses.slip_zone_load_scale
     # LAST_DIGITS: four round-offs
@@ -681,8 +681,8 @@ def _narrowed_brackets(
 
 
 def _bracket_about_highest(places: Array, densities: Array) -> tuple[Array, Array]:
-    """The place of the highest W(x) of six, with its neighbours, and W(x) there, (3, n) each, for
-    each of n maxima; places ascending.
+    """The place of the highest of six values of the friction work per area W(x), with its
+    neighbours, and W(x) there, (3, n) each, for each of n maxima; places ascending.
 
     `places` and `densities`, W(x) there, (6, n) are in any order. The middle place of a bracket has
     a neighbour on each side: the outermost of the six are never in the middle.
@@ -1014,7 +1014,8 @@ def _works_of_members(members: Members) -> Array:
     flat and rounded faces a table. Other profiles take a quadrature, with one contact for all
     members whose profiles have one shape, in units of length and load. `members` holds the load
     ellipses, mirrored to Q -> -Q where they go round the other way. It also holds the kind of
-    profile and its parameters; of a power law the exponent comes first.
+    profile and its parameters; of a power law the exponent comes first. E* is the composite
+    modulus, f the friction.
     """
     ellipses = members.ellipses
     kind = members.kind
@@ -1070,7 +1071,8 @@ def _works_with_effects(curvatures_per_load: Curvatures, members: Members) -> Ar
     The work is that on half-planes, exact, plus the change by the curvatures. One quadrature rule
     gives the works with and without curvatures, so that its error nearly cancels in the change. A
     curvature is a second derivative of the gap, or of the displacement of the faces, per unit of
-    load [1/(stress length^2)]. Members are taken in groups whose profiles have one shape.
+    load [1/(stress length^2)]. Members are taken in groups whose profiles have one shape. E* is the
+    composite modulus, f the friction.
     """
     # on half-planes
     rows_of_results = _works_of_members(members)
@@ -1155,8 +1157,8 @@ def _change_by_curvatures(
 
 
 def _loads_in_units(members: Members, group: ShapeGroup) -> EllipseOfLoads:
-    """Loads of the members of a group in the unit of load of each, as columns (k, 1): P0, P1, Q0
-    and Q1, with phase and coefficient of friction.
+    """Loads of the members of a group in the unit of load of each, as columns (k, 1): mean and
+    amplitude of P and of Q, with phase and coefficient of friction.
 
     `members` has the loads of all members as given, the group the numbers of its own.
     """
@@ -1281,6 +1283,7 @@ def _works_on_table(ellipses: Ellipses, load_unit: Array) -> Array:
     edge, to P, is read from tables. They hold loads divided by `load_unit` = E* b^2/R (m,): so one
     table serves all such faces. b is the half-length of the flat, R the radius of its rounded ends.
     The table has a quick and a careful kernel, and its largest ln a. a is the contact half-width.
+    E* is the composite modulus, f the friction.
     """
     scaled_ellipses = ellipses.divided_by(load_unit)
     works_and_error = np.empty((3, len(load_unit)))
@@ -1585,7 +1588,7 @@ class _Batch:
 
         `extent` of the contact is the half-width where the profile ends. A profile given as keys
         with arrays has no contact yet: each member gets its own later. `kind` is that of the
-        profile.
+        profile. E* is the composite modulus.
         """
         self.kind = kind
         self.modulus = composite_modulus(material)

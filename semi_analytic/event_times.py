@@ -323,7 +323,7 @@ def _time_by_letter(history: History) -> dict[str, float]:
     the events before it. A is the start of the cycle. Full stick ends at B and I, forward slip at E
     and M, reverse slip at G. J is as long after I as I is after G: the stick edge is then where it
     was at G. A clockwise ellipse is mirrored, Q for -Q; times are in rad. Loads on a straight line,
-    an ellipse of no area, have no letters: C and D would coincide.
+    an ellipse of no area, have no letters: C and D would coincide. f is the friction.
     """
     if history.ellipse_of_cycle is None or history.steady_from is None:
         return {}

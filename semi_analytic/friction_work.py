@@ -89,7 +89,8 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
     the integral of ln(a/c) over the loads from P_c to P. P_c is the load at the stick edge, c =
     a(P_c), a the contact half-width. At |Q| = f P itself, where nothing sticks, nothing is added.
 
-    From Q = 0 to k f P at constant P, W is (A f^2 P^2/(2 pi)) [(1 - k) ln(1 - k) + k - k^2/2].
+    From Q = 0 to k f P at constant P, W is (A f^2 P^2/(2 pi)) [(1 - k) ln(1 - k) + k - k^2/2]. f is
+    the friction.
 
     Parameters
     ----------
@@ -145,7 +146,7 @@ def _work_in_range(contact: Contact, span_with_ranges: SpanRanges, rule: Quadrat
     """Friction work W pi/A of a range of time within a span of slip, by a quadrature `rule`, (1,):
     the integral of f w' Lam. w = +-Q - f P grows in slip; Lam is the integral of ln(a/c) over the
     loads from P_c, that at the stick edge, to P; a and c are the half-widths of contact and of
-    stick, A = 2/E*.
+    stick, A = 2/E*, E* the composite modulus, f the friction.
     """
     span = span_with_ranges.span
     times, weights = rule(span_with_ranges.begin, span_with_ranges.end)
@@ -463,11 +464,11 @@ def pointwise_dissipation(
     its error, (k,) each [energy per area].
 
     A span is the time of one direction of slip, or of full stick. A point that always sticks, or is
-    never in contact, has W(x) = 0. While Q grows at constant P, W(x) is f p(x) s(x) with the slip
-    s = (f A/pi) [S(x, P) - S(x, P_c)]. S(x, P) is the integral of arccosh(|x|/a) over the loads up
-    to P, a the contact half-width. P_c is the load at the stick edge, A = 2/E*, E* = `modulus`. In
-    general W(x) is f A/pi times the integral of p w' arccosh(|x|/c) over the time of slip,
-    w = +-Q - f P, c = a(P_c).
+    never in contact, has W(x) = 0. While Q grows at constant P, W(x) is f p(x) s(x) with the slip s
+    = (f A/pi) [S(x, P) - S(x, P_c)]. S(x, P) is the integral of arccosh(|x|/a) over the loads up to
+    P, a the contact half-width. P_c is the load at the stick edge, A = 2/E*, E* = `modulus`. In
+    general W(x) is f A/pi times the integral of p w' arccosh(|x|/c) over the time of slip, w = +-Q
+    - f P, c = a(P_c). f is the friction.
 
     >>> from scenes.segments import straight_segments
     >>> from semi_analytic.hertz import HertzContact
@@ -524,7 +525,8 @@ def _work_per_area_in_ranges(
     """Friction work per area W(x) pi/A in the ranges of time in which n points slip, (n,): the
     integral of f w' p arccosh(|x|/c) over each range.
 
-    w = +-Q - f P grows in slip, c is the half-width of stick, p the pressure, A = 2/E*.
+    w = +-Q - f P grows in slip, c is the half-width of stick, p the pressure, A = 2/E*, E* the
+    composite modulus, f the friction.
 
     Parameters
     ----------
@@ -603,6 +605,7 @@ def _times_of_stick_edge(span: Span, contact_edge_load: Array) -> Array:
 
     The stick edge is at P_x when the path's excess, +-Q - f P, equals that of the memory curve
     there, +-M(P_x) - f P_x. M(eta) is the tangential force of the flat punches up to the load eta.
+    f is the friction.
 
     Parameters
     ----------
@@ -696,7 +699,7 @@ def _roundoff_of_loop(contact: Contact, spans: Sequence[Span], largest_load: flo
     The relative tangential displacement U is a sum of logarithms times loads up to f P, however
     little of it changes. Its round-off error counts along the whole way that Q goes. `contact` has
     the datum of U, `largest_load` is the largest P. A span is the time of one direction of slip, or
-    of full stick.
+    of full stick. E* is the composite modulus, f the friction.
     """
     # `approach_integral`: the integral of ln(2 L/a) over the loads up to P. L is the datum
     # length, a(P) the contact half-width.
@@ -720,7 +723,7 @@ def _works_of_ranges(
 
     U is the relative tangential displacement, A = 2/E*. U pi/A is an integral over the memory curve
     (tangential force up to each load) at each time. It is evaluated at the nodes of all spans in
-    one call.
+    one call. E* is the composite modulus.
 
     Parameters
     ----------
@@ -950,7 +953,7 @@ def _cut_where_unsmooth(contact: Contact, records: Records) -> _RecordParts:
     at P and at P_c, the load at the stick edge.
 
     A record is a portion of a load step in which P and P_c change linearly; it holds P and P - P_c
-    at both ends, and `level_rise`, the growth of +-Q - f P.
+    at both ends, and `level_rise`, the growth of +-Q - f P. f is the friction.
     """
     shares_at_lower_cut = _shares_at_cuts(records, _loads_of_cuts(contact, records))
     shares_at_upper_cut = np.append(
@@ -1020,7 +1023,7 @@ def slip_work(contact: Contact, records: Records) -> tuple[Array, int]:
     A record is a portion of a load step with slip, w = +-Q - f P, which grows by `level_rise` along
     the record. Lam(P, P_c) is the integral of ln(a/c) over the loads from P_c to P, c = a(P_c) the
     stick half-width, A = 2/E*; the quadrature takes its mean along the record. P_c is the load at
-    the stick edge.
+    the stick edge. E* is the composite modulus.
     """
     mean_kernels, n_nodes = _means_along_records(
         contact,
@@ -1038,7 +1041,8 @@ def work_error(contact: Contact, records: Records) -> float:
     is that growth times the mean of the kernel int ln(a/c) d eta over the loads from P_c, that at
     the stick edge, to P. So the error is the largest error of the kernel in a sample of 200
     records, times the sum of the `level_rise` of all. a and c are the half-widths of contact and of
-    stick. The error of the kernel includes 3e-13 of it for the quadrature rule.
+    stick. The error of the kernel includes 3e-13 of it for the quadrature rule. E* is the composite
+    modulus.
 
     Raises
     ------
@@ -1073,7 +1077,7 @@ def density_of_records(contact: Contact, records: Records, x: Array) -> Array:
 
     A record is a portion of a load step with slip. It is cut into parts along which the edges of
     contact and stick pass no corner of the profile. w = +-Q - f P grows in slip, p is the pressure
-    at x and c the stick half-width.
+    at x and c the stick half-width. E* is the composite modulus.
     """
     scaled_work_per_area = np.zeros(len(x))
     smooth_parts = _cut_where_unsmooth(contact, records)
@@ -1092,7 +1096,7 @@ def _work_per_area_of_parts(contact: Contact, parts: _RecordParts, x: Array) -> 
     w = +-Q - f P grows in slip, p is the pressure at x and c the stick half-width. p is singular
     like a square root at P = P_x, the load at which the edge of contact is at x. The arccosh is so
     at P_c = P_x, and like a logarithm at P_c = 0; P_c is the load at the stick edge. A pair of part
-    and point takes as many nodes as the nearest of these needs.
+    and point takes as many nodes as the nearest of these needs. E* is the composite modulus.
 
     Parameters
     ----------
@@ -1251,7 +1255,8 @@ def _integral_over_slip(contact: Contact, pairs: _SlippingPairs, rule: Quadratur
     part and point, (n,) [stress]; p is the pressure at the point, c the stick half-width.
 
     A share runs from 0 to 1 along the part: times the growth of w = +-Q - f P along it this is int
-    p arccosh(|x|/c) dw. `rule` gives quadrature nodes and weights between two shares.
+    p arccosh(|x|/c) dw. `rule` gives quadrature nodes and weights between two shares. f is the
+    friction.
     """
     shares_at_nodes, weights = rule(pairs.begin_share, pairs.end_share)
     load_at_nodes, stick_edge_load = pairs.loads.at(shares_at_nodes)
@@ -1319,7 +1324,7 @@ class LoopWorkOfSeries:
         self, contact: Contact, modulus: float, friction: float, largest_load: float
     ) -> None:
         """Set the closed integral of Q dU to 0, before the blocks of a cycle are added to it, by
-        the normal contact, E*, f and the largest P of the cycle.
+        the normal contact, the composite modulus E*, the friction f and the largest P of the cycle.
         """
         # U counted from a datum at which ln(2 L/a) is 0 under the largest P
         self._contact = _with_moved_datum(contact, largest_load)
@@ -1338,7 +1343,8 @@ class LoopWorkOfSeries:
         record being a portion of a load step with one direction of slip or none. Each takes the
         change of Q times the mean of U along it. The block holds its records, with P and P - P_c at
         both ends; P_c is the load at the stick edge. It also holds the slope of the memory curve,
-        tangential force up to each load, at the stick edge of each record.
+        tangential force up to each load, at the stick edge of each record. E* is the composite
+        modulus.
         """
         records = block.records
         # U pi/A along each record, minus a constant of the record, as a function of P and P - P_c
@@ -1371,9 +1377,9 @@ class LoopWorkOfSeries:
     def _force_changes(self, block: StepBlock) -> Array:
         """Change of Q along each record of a block, (m,) [force per thickness].
 
-        A record is a portion of a load step. In slip Q follows from the growth `level_rise` of
-        +-Q - f P. In full stick Q changes by the slope of the memory curve, the tangential force
-        carried up to each load, times the change of P.
+        A record is a portion of a load step. In slip Q follows from the growth `level_rise` of +-Q
+        - f P. In full stick Q changes by the slope of the memory curve, the tangential force
+        carried up to each load, times the change of P. f is the friction.
         """
         records = block.records
         load_growth = records.load_at_end - records.load_at_begin
@@ -1409,7 +1415,8 @@ def _displacement_minus_constant(
     2/E*.
 
     A record is a portion of a load step. U follows from the integral of ln(2 L/a) over the loads up
-    to P, and up to P_c. L is the length of the datum of U, a the contact half-width.
+    to P, and up to P_c. L is the length of the datum of U, a the contact half-width. E* is the
+    composite modulus.
 
     Parameters
     ----------

@@ -102,7 +102,7 @@ class HertzContact:
 
     def half_width(self, load: ArrayLike) -> Array:
         """Half-width of contact a(P) = sqrt(4 R P/(pi E*)) of a parabola of radius R on a
-        half-plane under the load P [length].
+        half-plane under the load P [length]. E* is the composite modulus.
 
         >>> round(
         ...     float(
@@ -134,6 +134,7 @@ class HertzContact:
         middle; 0 outside the contact.
 
         a is the contact half-width, R the radius. Equation (22) of Davies, Barber and Hills (2012).
+        E* is the composite modulus.
 
         >>> float(
         ...     HertzContact(modulus=100.0, radius=1.0, datum_length=1.0)
@@ -160,7 +161,7 @@ class HertzContact:
         eta. (A/pi) S, A = 2/E*, is the displacement of the surface at the middle of the contact
         minus that at x. S = P arccosh(sqrt(P_x/P)) + P_x - sqrt(P_x (P_x - P)) for P < P_x, and P_x
         beyond. The initial gap closes where the edge comes: x^2/(2 R) = (A/pi) S(x, P_x), R the
-        radius of the parabola.
+        radius of the parabola. E* is the composite modulus.
 
         >>> contact = HertzContact(modulus=1.0, radius=1.0, datum_length=1.0)
         >>> round(2 / np.pi * float(contact.slip_integral(0.6, contact.load(0.6))), 12)  # 0.6^2/2
@@ -240,7 +241,7 @@ class HertzContact:
 
         Times A/pi it is the normal approach of the half-planes, relative to a datum at the distance
         L, `datum_length`; A = 2/E* is the compliance of both, a(eta) the half-width under the load
-        eta.
+        eta. E* is the composite modulus.
 
         >>> contact = HertzContact(
         ...     modulus=100.0, radius=1.0, datum_length=0.5

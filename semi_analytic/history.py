@@ -307,9 +307,9 @@ def spans_along(
     curve at their end; `curve` is that at their start.
 
     The memory curve M(eta) is the tangential force of the flat punches up to the load eta; None
-    where there is no contact. Slip erases its upper end, loading in stick extends it. A
-    segment is first cut into parts on which P, Q - f P and Q + f P are monotonic. The spans are
-    `delay` later than the time of the segments: whole periods of a cycle.
+    where there is no contact. Slip erases its upper end, loading in stick extends it. A segment is
+    first cut into parts on which P, Q - f P and Q + f P are monotonic. The spans are `delay` later
+    than the time of the segments: whole periods of a cycle. f is the friction.
 
     >>> from scenes.segments import straight_segments
     >>> segments = straight_segments(
@@ -606,7 +606,7 @@ def _parts_on_piece(
     M(eta) is the tangential force of the flat punches up to the load eta. The direction is the sign
     of Q - M(P): 1, -1, or 0 where the path retraces the curve without slip. It is sampled at some
     times, and the zero of Q - M(P) between two samples of opposite sign is found. Q - M(P) counts
-    as 0 up to 1e-14 of f P + |Q| at the upper end of the piece, its `anchor`.
+    as 0 up to 1e-14 of f P + |Q| at the upper end of the piece, its `anchor`. f is the friction.
     """
     force_above_piece = _ForceAbovePiece(memory_piece, segment)
     sample_times = force_above_piece.sample_times(begin_time, end_time)
@@ -1120,7 +1120,7 @@ def _times_of_stick_edge_at(loads: Array, span: Span) -> Array:
     M(eta), the memory curve, is the tangential force of the flat punches up to the load eta.
     `sticking_piece` is the piece of it through which the edge moves, from `bottom_load` to
     `top_load`; loads outside are left out. Both levels count from its `anchor`, the instant of the
-    path from which it is measured.
+    path from which it is measured. f is the friction.
     """
     sticking_piece = span.sticking_piece
     if not span.direction or sticking_piece is None:

@@ -863,7 +863,8 @@ def follow(
 
     A record is a portion of a step in which the stick edge moves along one line. It holds the load
     P - P_c of the slip zones, P_c that at the stick edge. Where `stores_curves` the memory curve of
-    each record is stored too. The loads must be admissible, |Q| <= f P and P >= 0.
+    each record is stored too. The loads must be admissible, |Q| <= f P and P >= 0. f is the
+    friction.
 
     >>> block = follow(None, np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 0.5], [2.0, -0.5]]), 0.5)
     >>> (
@@ -952,7 +953,7 @@ def _is_same_memory(
     agree, so that a cycle between them is steady.
 
     Their largest eta must agree within `tolerance` times the larger one. M at the ends of the lines
-    of both must agree within `tolerance` times f P, P the larger of these loads.
+    of both must agree within `tolerance` times f P, P the larger of these loads. f is the friction.
     """
     # eta and M at the ends of the lines, ascending from (0, 0)
     first_loads, first_forces = _knots_of(first_curve)

@@ -124,7 +124,7 @@ class _Kind(NamedTuple):
     ) -> _Kind:
         """A kind of profile whose contact is the superposition of flat punches for P(a) = `law`, a
         function of E* and the profile. `convex_curve` makes of the profile a curve that can be
-        tilted.
+        tilted. E* is the composite modulus.
         """
 
         def contact(modulus: float, profile: Any, datum_length: float) -> SymmetricContact:
@@ -1074,7 +1074,7 @@ class _KnotSums(NamedTuple):
             dP/da = a sum of jump arccos(b/a)
 
         b are the knots, half-widths at which the curvature h'' of the profile jumps; jump is that
-        of E* h''.
+        of E* h''. E* is the composite modulus.
 
         Parameters
         ----------

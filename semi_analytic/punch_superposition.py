@@ -273,7 +273,8 @@ class PunchSuperposition:
 
         a(eta) is the contact half-width under the load eta, P_x the load at which the edge of
         contact reaches x, A = 2/E*. First loading by Q = f (P - P_c) makes the slip (f A/pi) [S(x,
-        P) - S(x, P_c)] outside the stick zone, P_c being the load at its edge.
+        P) - S(x, P_c)] outside the stick zone, P_c being the load at its edge. E* is the composite
+        modulus, f the friction.
 
         >>> from semi_analytic.profiles import law_of_power
         >>> contact = PunchSuperposition(
@@ -311,7 +312,7 @@ class PunchSuperposition:
 
         alpha is the half-width of a flat punch within. L is the distance of the datum of rigid
         movements, A = 2/E*, a(eta) the contact half-width under the load eta. `_log_datum_ratio` is
-        ln(2 L/a) from a - a_0.
+        ln(2 L/a) from a - a_0. E* is the composite modulus.
 
         >>> from semi_analytic.profiles import law_of_power
         >>> contact = PunchSuperposition(
@@ -531,7 +532,8 @@ class PunchSuperposition:
         Lam is 0 where nothing slips.
 
         Far apart, Lam is P ln(a/c) minus int_c^a P/alpha d alpha over the half-widths alpha between
-        c and a. Close together, that would lose digits: there it is int (P - eta) d ln(a(eta)).
+        c and a. Close together, that would lose digits: there it is int (P - eta) d ln(a(eta)). E*
+        is the composite modulus.
 
         >>> from semi_analytic.profiles import law_of_power
         >>> contact = PunchSuperposition(

@@ -144,7 +144,7 @@ class Ellipses:
         # notation: u and v (`forward_amplitude`, `reverse_amplitude`) amplitudes of (Q -+ f P)/f; D
         #           (`slip_angle`) length of E-G and of J-M [rad]; P1 (`load_amplitude`) amplitude
         #           of P; `sine_of_start` sin(t_E); t_E angle t at which reverse slip begins; s
-        #           angle in I-J, from 0 to pi - D; P_c load at the stick edge
+        #           angle in I-J, from 0 to pi - D; P_c load at the stick edge; f friction
         """
         tangent_of_half = np.tan(self.slip_angle / 2)
         squared_tangent_of_half = tangent_of_half * tangent_of_half
@@ -171,8 +171,8 @@ class Ellipses:
         the phase where D > pi/2 (Q1 > f P1), else v sin^2(D) at J. Elsewhere P - P_c is at most
         `slip_zone_load_scale`.
 
-        # notation: v (`reverse_amplitude`) amplitude of (Q + f P)/f; D (`slip_angle`) length of
-        #           J-M [rad]; s angle in J-M, counted back from its end
+        # notation: v (`reverse_amplitude`) amplitude of (Q + f P)/f; D (`slip_angle`) length of J-M
+        #           [rad]; s angle in J-M, counted back from its end; f friction
         """
         largest_sine = np.sin(np.minimum(self.slip_angle, math.pi / 2))
         largest_load_in_j_to_m = self.reverse_amplitude * largest_sine * largest_sine
@@ -265,7 +265,8 @@ def rate_and_loads_in_phase(
 
     # notation: t_E (`slip_start`, `sine_of_start`) time at which E-G begins; u and v
     #           (`forward_amplitude`, `reverse_amplitude`) amplitudes of (Q -+ f P)/f; D
-    #           (`slip_angle`) length of E-G and of J-M; P1 (`load_amplitude`) amplitude of P
+    #           (`slip_angle`) length of E-G and of J-M; P1 (`load_amplitude`) amplitude of P; f
+    #           friction
     """
     # Tangents of half the angles stand for sines: numpy has them in vector code. `_sine_and_square`
     # of an angle is sin(angle) and sin^2(angle/2); `ellipses.load_at_cosine` is P from cos(t).
@@ -309,7 +310,7 @@ def _stick_edge_angles(ellipses: Ellipses, loads: Array) -> tuple[Array, Array]:
     slip E-G and J-M: 2 arcsin(sqrt((P_c - P_T)/v)) and 2 arcsin(sqrt((P_c - P_T)/u)).
 
     # notation: u and v (`forward_amplitude`, `reverse_amplitude`) amplitudes of (Q -+ f P)/f; P_T
-    #           (`permanent_stick_load`) least load at the stick edge
+    #           (`permanent_stick_load`) least load at the stick edge; f friction
 
     E-G is reverse slip, J-M the later part of forward slip. Both angles count back from the end of
     the phase. They are 0 for P_c below P_T, the load of the permanent stick zone, and pi for loads
@@ -419,10 +420,10 @@ def work_density_of(
     """Friction work per area W(x) of a cycle of each load ellipse, at one place |x| for each: in
     forward slip and in reverse slip, (m,) each.
 
-    Both are times pi E*/(2 f^2) [stress * force per thickness].
-    `ellipses` holds the loads and angles of m ellipses, `contact` is the normal contact P(a) of the
-    profile. With `node_stride` = 2 every second node of the quadrature rule is taken, which is
-    right to some 1e-6.
+    Both are times pi E*/(2 f^2) [stress * force per thickness]. `ellipses` holds the loads and
+    angles of m ellipses, `contact` is the normal contact P(a) of the profile. With `node_stride` =
+    2 every second node of the quadrature rule is taken, which is right to some 1e-6. E* is the
+    composite modulus, f the friction.
     """
     # rows: the slip phases E-G (reverse), I-J and J-M (forward)
     densities_of_phases = np.zeros((len(PHASE_NAMES), len(x)))
@@ -445,7 +446,8 @@ def _work_density_of_phases(
     w = +-Q - f P grows in slip, and (A/pi) w' arccosh(|x|/c) is the slip rate at x; c is the
     half-width of stick, A = 2/E*. The phases are E-G (reverse slip), I-J and J-M (forward slip).
     `contact` gives P(a), p(x, P) and arccosh(|x|/c). `ellipses` and `x` are columns (m, 1);
-    `node_stride` 2 takes every second node of the quadrature rule.
+    `node_stride` 2 takes every second node of the quadrature rule. E* is the composite modulus, f
+    the friction.
     """
     # P_x, under which the edge of contact is at x
     load_at_x = contact.load(x)
@@ -503,7 +505,7 @@ def _weighted_work_rate_at_points(
     w'/f p(x, P) arccosh(|x|/c), which is W(x) pi E*/(2 f^2) when summed over the nodes.
 
     w = +-Q - f P grows in slip; c is the half-width of stick, P_c the load at which the contact
-    would end there.
+    would end there. E* is the composite modulus, f the friction.
 
     Parameters
     ----------
@@ -546,7 +548,7 @@ def _ranges_of_slip(ellipses: Ellipses, load_at_x: Array) -> tuple[tuple[int, Ar
     # notation: P = P0 + P1 cos t, with `mean_load` P0 and `load_amplitude` P1 (`load_moves`: not
     #           0); P_T least load at the stick edge; u, v amplitudes of (Q -+ f P)/f; t_E
     #           (`slip_start`) time of E, D (`slip_angle`) angle from E to G; s counts from the
-    #           start of E-G and I-J, and back from the end of J-M
+    #           start of E-G and I-J, and back from the end of J-M; f friction
     """
     share_of_load_range = (load_at_x - ellipses.mean_load + ellipses.load_amplitude) / np.where(
         ellipses.load_moves, 2 * ellipses.load_amplitude, 1.0
@@ -565,32 +567,26 @@ def _ranges_of_slip(ellipses: Ellipses, load_at_x: Array) -> tuple[tuple[int, Ar
     )
     # that of E-G, counted from the start of E-G
     start_of_slip_at_x = np.maximum(length_of_reverse_slip - stick_edge_angle_in_reverse_slip, 0.0)
+    end_of_slip_at_x = np.minimum(length_of_reverse_slip, stick_edge_angle_in_late_forward_slip)
+    # angles at which the point opens before the least load, and closes after it; back in J-M
+    opening_in_reverse_slip = math.pi - open_angle - start_of_reverse_slip
+    closing_in_reverse_slip = math.pi + open_angle - start_of_reverse_slip
+    opening_in_early_forward_slip = 2 * math.pi - open_angle - start_of_reverse_slip
+    opening_in_late_forward_slip = start_of_reverse_slip - math.pi + open_angle
+    closing_in_late_forward_slip = start_of_reverse_slip + math.pi - open_angle
     # E-G (0) before and after the least load, I-J (1), J-M (2)
     return (
-        (
-            0,
-            start_of_slip_at_x,
-            np.minimum(length_of_reverse_slip, math.pi - open_angle - start_of_reverse_slip),
-        ),
-        (
-            0,
-            np.maximum(start_of_slip_at_x, math.pi + open_angle - start_of_reverse_slip),
-            length_of_reverse_slip,
-        ),
+        (0, start_of_slip_at_x, np.minimum(length_of_reverse_slip, opening_in_reverse_slip)),
+        (0, np.maximum(start_of_slip_at_x, closing_in_reverse_slip), length_of_reverse_slip),
         (
             1,
             np.abs(start_of_reverse_slip - open_angle),
-            np.minimum(
-                math.pi - length_of_reverse_slip, 2 * math.pi - open_angle - start_of_reverse_slip
-            ),
+            np.minimum(math.pi - length_of_reverse_slip, opening_in_early_forward_slip),
         ),
         (
             2,
-            np.maximum(0.0, start_of_reverse_slip - math.pi + open_angle),
-            np.minimum(
-                np.minimum(length_of_reverse_slip, stick_edge_angle_in_late_forward_slip),
-                start_of_reverse_slip + math.pi - open_angle,
-            ),
+            np.maximum(0.0, opening_in_late_forward_slip),
+            np.minimum(end_of_slip_at_x, closing_in_late_forward_slip),
         ),
     )
 
@@ -789,7 +785,7 @@ def roundoff_error(ellipses: Ellipses, work: Array) -> Array:
 
     # notation: u and v (`forward_amplitude`, `reverse_amplitude`) amplitudes of (Q -+ f P)/f; D
     #           (`slip_angle`) length of the phases E-G and J-M [rad], pi - D of I-J; P1, Q1
-    #           amplitudes of P and Q
+    #           amplitudes of P and Q; E* composite modulus
 
     u and v are differences of Q1/f and P1. Digits are lost where u or v is small against the loads,
     or D or pi - D against pi. The relative error is 2e-12 plus 1e-15, a last digit, times the loads
@@ -866,6 +862,7 @@ def works_over_time(ellipses: Ellipses, contact: Contact) -> tuple[Array, Array]
     `contact` is the normal contact P(a) of the profile.
 
     At constant P and Q between -k f P and k f P the sum is 2 P^2 [(1 - k) ln(1 - k) + k - k^2/2].
+    E* is the composite modulus, f the friction.
 
     >>> from semi_analytic.hertz import HertzContact
     >>> loop = ellipses_of(
@@ -930,7 +927,7 @@ def dissipation_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
     Right to ten digits; NaN where the quadrature does not converge. E* is the composite modulus.
     `ellipses` holds the loads and angles of m ellipses, `contact` is the normal contact P(a) of the
     profile. Where the load of the slip zones is no small share of the mean of P, ln a(P) is looked
-    up in a series, a(P) the contact half-width.
+    up in a series, a(P) the contact half-width. E* is the composite modulus, f the friction.
 
     >>> from semi_analytic.hertz import HertzContact
     >>> from semi_analytic.steady_ellipse import ellipses_of
@@ -953,7 +950,7 @@ def dissipation_and_error(ellipses: Ellipses, contact: SymmetricContact) -> Arra
 
     All are times pi E*/(2 f^2) [force^2 per thickness^2]. NaN where the quadrature does not
     converge. `contact` is the normal contact P(a) of the profile, `relative_roundoff` the relative
-    error of P(a).
+    error of P(a). E* is the composite modulus, f the friction.
     """
     # rows: forward work, reverse work, error of their sum
     works_and_error = np.empty((3, len(ellipses.mean_load)))
@@ -986,7 +983,8 @@ def _dissipation_of_group(
 
     P_c is the load at the stick edge, a the contact half-width. Loads of the ellipses lie from
     2^`first_octave` to 2^(`last_octave` + 1). The last arguments of `_work_over_phases` are
-    quadrature rules and 3e-8, the share of W below which error checks count as converged.
+    quadrature rules and 3e-8, the share of W below which error checks count as converged. E* is the
+    composite modulus, f the friction.
     """
     works_and_error = np.empty((3, len(ellipses.mean_load)))
 
@@ -1041,9 +1039,10 @@ def _work_by_table(
     error of their sum, (3, m), from a table of ln a.
 
     The kernel of the work is Lam = int ln(a(eta)/a(P_c)) d eta over the loads from P_c to P. a is
-    the contact half-width, P_c the load at the stick edge. `slip_zone_share` (m,) is the
-    largest P - P_c over the mean load, to a factor of two. Lam by the series of the `log_table` has
-    the last digits of P - P_c times the slope of ln a, not of itself: that error is added.
+    the contact half-width, P_c the load at the stick edge. `slip_zone_share` (m,) is the largest P
+    - P_c over the mean load, to a factor of two. Lam by the series of the `log_table` has the last
+    digits of P - P_c times the slope of ln a, not of itself: that error is added. E* is the
+    composite modulus, f the friction.
     """
     works_and_error = _work_over_phases(
         ellipses,
@@ -1074,7 +1073,8 @@ def _work_over_phases(
     forward slip and -Q - f P in reverse slip. It grows there at the rate l'. P_c is the load at the
     stick edge, a the contact half-width. Phases are cut where an edge passes a corner of the
     profile. Each interval is integrated by one of the quadrature `rules`, weights at nodes, and
-    halved until its error check is below `converged_share` of W.
+    halved until its error check is below `converged_share` of W. E* is the composite modulus, f the
+    friction.
     """
 
     def work_rate(
@@ -1155,7 +1155,7 @@ def _rates_and_loads_in_intervals(
 
     `phase_number_of_interval` (n,) is the number of each interval's phase of slip, in ascending
     order, and `ellipse_number` (n,) that of its ellipse. Angles count from the start of E-G
-    (reverse slip) and I-J, and back from the end of J-M (forward slip).
+    (reverse slip) and I-J, and back from the end of J-M (forward slip). f is the friction.
     """
     rates_and_loads = np.empty((3, *angle_in_phase.shape))
     for phase_number, phase_name in enumerate(PHASE_NAMES):
@@ -1188,7 +1188,8 @@ def _work_over_loads(
 
     A course is one of the loads, P or P_c at the stick edge, through one phase of slip: E-G
     (reverse), I-J or J-M (forward); I-M is both of these. Courses are cut at the `cut_loads` (n,),
-    between which `log_half_width`, ln a as a function of the load, is smooth.
+    between which `log_half_width`, ln a as a function of the load, is smooth. E* is the composite
+    modulus, f the friction.
     """
     # ln a counts from that of P0, the mean load: what is left of any constant is round-off.
     log_at_mean_load = log_half_width(ellipses.mean_load[None])[0]
@@ -1410,7 +1411,7 @@ def log_weight_and_load(course_name: str, ellipses: Ellipses, angle: Array) -> t
     # notation: t_E (`slip_start`, with its sine and cosine), t_I times at which reverse and forward
     #           slip begin, P1 (`load_amplitude`) amplitude of P; u and v (`forward_amplitude`,
     #           `reverse_amplitude`) amplitudes of (Q -+ f P)/f; D (`slip_angle`) length of E-G and
-    #           of J-M
+    #           of J-M; E* composite modulus
 
     `course_name` is the load and the phase: "P, E-G", "P, I-M", "P_c, E-G", "P_c, I-J" or "P_c,
     J-M". E-G is reverse slip, I-M = I-J and J-M forward slip. a is the contact half-width. `angle`
@@ -1484,7 +1485,8 @@ def _log_weight_and_stick_edge_load(
     largest value. P_T (`permanent_stick_load`) is the load at the edge of the permanent stick zone,
     a the contact half-width. The angle counts back from the end of the phase.
     `squared_sine_of_half` is sin^2(angle/2); `cosine` and `sine` are of the angle. The two
-    amplitudes are v, u in reverse slip and u, v in forward slip, those of (Q -+ f P)/f.
+    amplitudes are v, u in reverse slip and u, v in forward slip, those of (Q -+ f P)/f. E* is the
+    composite modulus.
     """
     load_above_permanent_stick = amplitude_of_stick_load * squared_sine_of_half
     cosine_from_no_slip = np.cos(angle_at_no_slip) * cosine + np.sin(angle_at_no_slip) * sine
@@ -1592,7 +1594,8 @@ def _convergence_of_intervals(
     """Whether the integral over each of n intervals of angle has converged, and an upper bound of
     its error, (n,) each.
 
-    After three halvings an error check of 1e-14 P0^2 is enough, however small W is. The error is at
+    After three halvings an error check of 1e-14 P0^2 is enough, however small the friction work W
+    is; P0 is the mean load. The error is at
     most 0.01 of the check where it is small, and 4 times the check where it is only negligible.
 
     Parameters
@@ -1873,17 +1876,17 @@ def works_by_lam(
     times pi E*/(2 f^2), (m,) each [force^2 per thickness^2].
 
     For profiles whose kernel of the work is cheap. The kernel is Lam = int_{P_c}^P [ln a(eta) - ln
-    a(P_c)] d eta; a multiple of Lam gives W times the same factor. Each ellipse gets as few
-    nodes as it needs: one of the _LAM_RULES, nine Gauss rules and one for singular ends. Ellipses
-    of one rule and one formula for Lam are integrated together. P_c is the load at the stick edge,
-    a(eta) the contact half-width under the load eta.
+    a(P_c)] d eta; a multiple of Lam gives W times the same factor. Each ellipse gets as few nodes
+    as it needs: one of the _LAM_RULES, nine Gauss rules and one for singular ends. Ellipses of one
+    rule and one formula for Lam are integrated together. P_c is the load at the stick edge, a(eta)
+    the contact half-width under the load eta. E* is the composite modulus, f the friction.
 
     Parameters
     ----------
     quick_kernel
         Lam to round-off of P - P_c; taken where the largest load P - P_c of the slip zones exceeds
-        `deep_share` of P0, and each of u and v, the amplitudes of (Q -+ f P)/f, exceeds that share
-        of the other
+        `deep_share` of the mean load P0, and each of u and v, the amplitudes of (Q -+ f P)/f,
+        exceeds that share of the other
     careful_kernel
         Lam to round-off of itself; taken for all other ellipses
     deep_share
@@ -1940,7 +1943,8 @@ def _works_of_sums(ellipses: Ellipses, sums_by_phase: Array) -> tuple[Array, Arr
     # notation: u, v (`forward_amplitude`, `reverse_amplitude`) amplitudes of (Q -+ f P)/f; P0, P1
     #           mean and amplitude of P; D (`slip_angle`) length of reverse slip E-G and of later
     #           forward slip J-M [rad], pi - D of earlier forward slip I-J; `sine_of_start`
-    #           sin(t_E), t_E the start of E-G; P_c load at the stick edge
+    #           sin(t_E), t_E the start of E-G; P_c load at the stick edge; E* composite modulus; f
+    #           friction
 
     `sums_by_phase` (3, m) are those of E-G, J-M and I-J. The factors are D v, D u and, in I-J,
     (pi - D) u over twice the largest P - P_c. There is no earlier forward slip where the slip zones
@@ -1995,7 +1999,8 @@ def error_of_works_by_lam(
     Lam is the integral of ln a - ln a(P_c) over the loads from P_c, that at the stick edge, to P; a
     is the contact half-width. A quick or a careful formula gives it. The quick one is a difference,
     which loses the last digits of P times L, L = ln a. u and v (`forward_amplitude`,
-    `reverse_amplitude`) are the amplitudes of (Q -+ f P)/f, P0 and P1 mean and amplitude of P.
+    `reverse_amplitude`) are the amplitudes of (Q -+ f P)/f, P0 and P1 mean and amplitude of P. E*
+    is the composite modulus.
 
     Parameters
     ----------
@@ -2155,7 +2160,8 @@ def phase_integrals(
     #           amplitude of P; u, v forward and reverse amplitude, of (Q -+ f P)/f; D angle from E
     #           to G, t_E time of E; h = D/2, g = (pi - D)/2, y node of [0, 1], nodes along axis 0,
     #           ellipses along axis 1; alpha = sqrt(2 P1) sin(t_E/2), beta = sqrt(2 P1) cos(t_E/2),
-    #           k = 4 alpha beta = 4 P1 sin(t_E); a(eta) contact half-width under the load eta
+    #           k = 4 alpha beta = 4 P1 sin(t_E); a(eta) contact half-width under the load eta; f
+    #           friction
 
     At the nodes S = sin(h y), C = cos(h y), Z = sin(g y) and X = cos(g y). A bar stands for the
     node 1 - y, which is one of the same rule. s is the angle in the phase of slip:
@@ -2313,8 +2319,9 @@ class LamTable:
         """Tabulate J = int_0^P ln a d eta, L = ln a and dL/dP of a contact as polynomials in P.
         Each octave of loads from 2^first_octave to 2^(last_octave + 1) has sixteen equal cells.
 
-        a is the contact half-width over b, half the length of the flat. dL/dP serves two loads
-        close together, where differences of J and L lose digits. `contact` is that of a flat and
+        a is the contact half-width over b, half the length of the flat. The kernel Lam of the
+        friction work follows from J and L; dL/dP serves two loads close together, where differences
+        of J and L lose digits. `contact` is that of a flat and
         rounded face, b its `least_half_width`. The cell number is the leading bits of the load:
         exponent (1023 for 1) and four bits of fraction. _CHEBYSHEV_POINTS are twelve points of [-1,
         1]; _VALUES_TO_POWERS turns values there into coefficients of powers.
