@@ -18,7 +18,8 @@ In the order in which a scene passes through::
     interface.py, mortar.py                the two bodies as one compliance; dual mortar for sides
                                            that do not match, or are curved
     mirror.py                              symmetric faces on one half
-    law.py                                 Signorini and Coulomb as one projection: return mapping
+    law.py                                 Signorini and Coulomb as one projection: return mapping;
+                                           bound of the error of an increment's friction work
     contact.py                             one increment: active set, semismooth Newton
     systems.py                             its linear systems for many sets of node states: Woodbury
                                            updates of a few, cached
@@ -29,7 +30,8 @@ In the order in which a scene passes through::
     stepping.py                            along a stretch of the path, to each touch and release
     run.py                                 over the whole path; shakedown and ratcheting: what
                                            revolutions have left to go
-    energy.py                              balance, friction work, step error, admissibility checks
+    energy.py                              balance, friction work, kinks in an increment,
+                                           admissibility checks
     between_nodes.py                       edges between nodes: where the permanent stick zone ends,
                                            what they add to the dissipation, which is taken off
     edges.py                               edges of contact and stick at every instant, by fits

@@ -17,47 +17,9 @@ other as a whole: the contact still has an answer when no node sticks.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
-from scenes import HalfPlane, LoadPath, Scene
-
-
-class Actuators(NamedTuple):
-    """Which of the first two loads, P and Q, are replaced by movements of actuators.
-
-    Attributes
-    ----------
-    normal_compliance, tangential_compliance
-        compliance between actuator and contact, times E*; None where P or Q is given
-    """
-
-    normal_compliance: float | None = None
-    tangential_compliance: float | None = None
-
-    @property
-    def prescribe_approach(self) -> bool:
-        """Whether a movement stands in the place of P."""
-        return self.normal_compliance is not None
-
-    @property
-    def prescribe_displacement(self) -> bool:
-        """Whether a movement stands in the place of Q."""
-        return self.tangential_compliance is not None
-
-    @property
-    def prescribe_movements(self) -> bool:
-        """Whether a movement stands in the place of P or of Q."""
-        return self.prescribe_approach or self.prescribe_displacement
-
-
-LOADS_ARE_GIVEN = Actuators()
-
-
-def prescribed_path(scene: Scene) -> LoadPath:
-    """Load path of a scene: of P and Q, or of the movements that actuators prescribe in the place
-    of one or both.
-    """
-    return scene.load.path_of_actuators() if scene.load.is_driven else scene.load.path()
+from halfplane_fe.systems import LOADS_ARE_GIVEN, Actuators
+from scenes import HalfPlane, Scene
 
 
 def actuators_of(scene: Scene, datum_length: float) -> Actuators:

@@ -50,7 +50,7 @@ from scenes.array_types import Array, Indices, Mask
 _BENT = 0.2
 # The same in records, whose increments are longer.
 _BENT_IN_RECORDS = 0.3
-# Share of the bound of `energy.step_errors` of bodies of two shapes whose edges are located: of
+# Share of the bound of `law.step_errors` of bodies of two shapes whose edges are located: of
 # blocks, pads and cylinders at constant P less than a tenth is left.
 _OF_BOUND = 0.5
 # Loads beside P and Q, and the least share of a second direction of their path: less is round-off.

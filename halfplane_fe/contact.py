@@ -16,11 +16,10 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from halfplane_fe.actuators import LOADS_ARE_GIVEN, Actuators
 from halfplane_fe.interface import Interface
 from halfplane_fe.law import slip_sign, states_if_closed
 from halfplane_fe.settings import Method
-from halfplane_fe.systems import Layer, SingularSet, Systems
+from halfplane_fe.systems import LOADS_ARE_GIVEN, Actuators, Layer, SingularSet, Systems
 from halfplane_fe.tresca import pressure_at_known_shear, shear_at_known_pressure
 from scenes import (
     OPEN,

@@ -32,7 +32,7 @@ import numpy as np
 
 from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState, nodal_values
 from halfplane_fe.interface import Interface
-from halfplane_fe.law import force_to_limit, slip_sign, violations
+from halfplane_fe.law import force_to_limit, is_slip_onset, slip_sign, step_errors, violations
 from scenes import STICK
 from scenes.array_types import Array, Indices, Mask, States
 
@@ -66,7 +66,7 @@ class Energies:
     end_of_step
         work of shear minus that of pressure, with the forces at the end of the increment
     step_error
-        bound of the error of the dissipation, see `step_errors`
+        bound of the error of the dissipation, see `law.step_errors`
     kink_work
         part of the dissipation, where three nodes and more start to slide, by kinks of pressure
         and slip, see `_work_with_onsets`; its error is smaller than it
@@ -247,33 +247,6 @@ def elastic_energies(
     return np.asarray(elastic_energy), np.asarray(layer_energy)
 
 
-def _is_slip_onset(node_states_before: States, node_states_after: States) -> Mask:
-    """Whether each node starts to slide, or turns round: it slides after an increment and did not
-    slide that way before. All arrays have one shape (...).
-    """
-    sense = slip_sign(node_states_after)
-    return (sense != 0) & (sense != slip_sign(node_states_before))
-
-
-def step_errors(
-    friction: float,
-    pressure_change: Array,
-    slip_change: Array,
-    node_states_before: States,
-    node_states_after: States,
-) -> Array:
-    """Bound (...) of the error of the dissipation of increments: f |dp| |ds| / 2 of the nodes that
-    start to slide in them.
-
-    `friction` is the coefficient f. `pressure_change` and `slip_change` are dp and ds of the
-    increment. `node_states_before` and `node_states_after` are open, stick or slip of the nodes.
-    Each is (..., n), scaled.
-    """
-    starts_to_slide = _is_slip_onset(node_states_before, node_states_after)
-    products = np.where(starts_to_slide, np.abs(pressure_change * slip_change), 0.0)
-    return np.asarray(friction * products.sum(axis=-1) / 2)
-
-
 def increment_energies(
     problem: ContactProblem,
     contact_states: Sequence[InterfaceState],
@@ -402,7 +375,7 @@ def _friction_work(
     dissipation = problem.friction * mean_p * np.maximum(slip_sense * increments.slip_change, 0.0)
     kink_work = np.zeros(len(slip_sense))
     mean_onset = np.ones(len(slip_sense))
-    is_onset = _is_slip_onset(increments.node_states_before, increments.node_states_after)
+    is_onset = is_slip_onset(increments.node_states_before, increments.node_states_after)
     numbers_with_onsets = np.flatnonzero(is_onset.any(axis=1))
     if len(numbers_with_onsets):
         work_with_onsets = _work_with_onsets(problem, increments.subset(numbers_with_onsets))
@@ -578,7 +551,7 @@ def _without_idle_onsets(
     """
     # ROUNDING: round-off of scaled forces and displacements, 1e-11
     has_moved = np.abs(slip) > ROUNDING * min(friction, 1.0)
-    is_idle_onset = _is_slip_onset(node_states_before, node_states_after) & ~has_moved
+    is_idle_onset = is_slip_onset(node_states_before, node_states_after) & ~has_moved
     return np.where(is_idle_onset, node_states_before, node_states_after)
 
 
@@ -778,7 +751,7 @@ def _integral_of_kinks(
     slip_change_before, p_change_before, _, _ = changes_before
     slip_change_after, p_change_after, _, _ = changes_after
     n_onsets = _length_of_longest_run(
-        _is_slip_onset(increments.node_states_before, increments.node_states_after)
+        is_slip_onset(increments.node_states_before, increments.node_states_after)
     )
     kink_factor = np.maximum(n_onsets - 2, 0) / np.maximum(n_onsets - 1, 1) / 12
     return np.asarray(
@@ -822,7 +795,7 @@ def _first_and_last_onset(
         coefficient f
     """
     slip_sense = slip_sign(increments.node_states_after)
-    is_onset = _is_slip_onset(increments.node_states_before, increments.node_states_after)
+    is_onset = is_slip_onset(increments.node_states_before, increments.node_states_after)
     _, p_change_before, q_change_before, _ = changes_before
     slip_change_after, _, _, _ = changes_after
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -853,7 +826,7 @@ def _states_with_rates(increments: _Increments) -> States:
     A node that has just touched and starts to slide counts as sliding already, unless no node would
     stick then: the bodies would be free to move, and there would be no rates.
     """
-    is_onset = _is_slip_onset(increments.node_states_before, increments.node_states_after)
+    is_onset = is_slip_onset(increments.node_states_before, increments.node_states_after)
     # ROUNDING: round-off of scaled forces and displacements, 1e-11
     has_just_touched = is_onset & (increments.p_at_start <= ROUNDING)
     states_if_sliding = np.where(

@@ -30,10 +30,9 @@ from numpy.typing import ArrayLike
 from scipy.linalg import solve
 from scipy.sparse import csr_array
 
-from halfplane_fe.actuators import prescribed_path
 from halfplane_fe.condensed_bodies import BODY_CACHE
 from halfplane_fe.elasticity import CondensedBody
-from halfplane_fe.path import has_bulk_stress
+from halfplane_fe.path import has_bulk_stress, prescribed_path
 from halfplane_fe.supports import has_free_ends, least_face_half_width
 from meshes import BodyMesh, MeshSettings, SurfaceGrading, build
 from scenes import Block, InputError, Scene, Shape, read_only_copy

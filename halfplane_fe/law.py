@@ -10,6 +10,8 @@ Both are one projection: for any r > 0, (p, q) = project(p - r g, q + r ds). The
 same projection with an elastic layer between the faces, p = project(-g/k_n), q = project(q_old +
 ds/k_t): see `systems.Layer`.
 
+Of an increment: which nodes start to slide in it, and by how much its friction work may be wrong.
+
 Source: Alart and Curnier (1991), Simo and Laursen (1992); return mapping as in plasticity.
 """
 
@@ -19,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK
-from scenes.array_types import Array, States
+from scenes.array_types import Array, Mask, States
 
 _SIGN_OF_STATE = np.zeros(4, dtype=np.int64)
 _SIGN_OF_STATE[SLIP_FORWARD] = 1
@@ -133,3 +135,30 @@ def violations(
         "creep": np.where(is_below_limit & is_closed, np.abs(slip_increment), 0.0),
     }
     return {name: np.max(values, axis=-1, initial=0.0) for name, values in nodal_violations.items()}
+
+
+def is_slip_onset(node_states_before: States, node_states_after: States) -> Mask:
+    """Whether each node starts to slide, or turns round: it slides after an increment and did not
+    slide that way before. All arrays have one shape (...).
+    """
+    sense = slip_sign(node_states_after)
+    return (sense != 0) & (sense != slip_sign(node_states_before))
+
+
+def step_errors(
+    friction: float,
+    pressure_change: Array,
+    slip_change: Array,
+    node_states_before: States,
+    node_states_after: States,
+) -> Array:
+    """Bound (...) of the error of the dissipation of increments: f |dp| |ds| / 2 of the nodes that
+    start to slide in them.
+
+    `friction` is the coefficient f. `pressure_change` and `slip_change` are dp and ds of the
+    increment. `node_states_before` and `node_states_after` are open, stick or slip of the nodes.
+    Each is (..., n), scaled.
+    """
+    starts_to_slide = is_slip_onset(node_states_before, node_states_after)
+    products = np.where(starts_to_slide, np.abs(pressure_change * slip_change), 0.0)
+    return np.asarray(friction * products.sum(axis=-1) / 2)

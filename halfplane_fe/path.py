@@ -24,6 +24,7 @@ from scenes import (
     LoadedInstant,
     LoadPath,
     LoadSegment,
+    Scene,
     sampled_times,
 )
 from scenes.array_types import Array
@@ -63,6 +64,13 @@ class Stretch:
     segment: LoadSegment
     start: float
     ends: tuple[float, ...]
+
+
+def prescribed_path(scene: Scene) -> LoadPath:
+    """Load path of a scene: of P and Q, or of the movements that actuators prescribe in the place
+    of one or both.
+    """
+    return scene.load.path_of_actuators() if scene.load.is_driven else scene.load.path()
 
 
 def has_bulk_stress(path: LoadPath) -> bool:

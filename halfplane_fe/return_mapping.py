@@ -31,10 +31,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from halfplane_fe.actuators import LOADS_ARE_GIVEN, Actuators
 from halfplane_fe.interface import Interface
 from halfplane_fe.law import project, slip_sign
-from halfplane_fe.systems import Layer, SingularSet, Systems
+from halfplane_fe.systems import LOADS_ARE_GIVEN, Actuators, Layer, SingularSet, Systems
 from scenes import OPEN, STICK
 from scenes.array_types import Array, Mask, States
 

@@ -14,13 +14,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 import scipy
 
-from halfplane_fe.actuators import (
-    LOADS_ARE_GIVEN,
-    Actuators,
-    actuators_of,
-    compliance_beyond,
-    prescribed_path,
-)
+from halfplane_fe.actuators import actuators_of, compliance_beyond
 from halfplane_fe.contact import BesideTheFaces, ContactProblem, InterfaceState
 from halfplane_fe.edges import contact_edges_of_states, stick_edges
 from halfplane_fe.interface import (
@@ -32,11 +26,11 @@ from halfplane_fe.interface import (
     without_mesh_error,
 )
 from halfplane_fe.mirror import half_interface, is_mirrored, run_at_all_nodes
-from halfplane_fe.path import has_bulk_stress
+from halfplane_fe.path import has_bulk_stress, prescribed_path
 from halfplane_fe.reported_states import reported_states
 from halfplane_fe.run import Pace, PathRun, run_path
 from halfplane_fe.supports import bodies_are_alike, has_tangential_load, least_face_half_width
-from halfplane_fe.systems import Layer
+from halfplane_fe.systems import LOADS_ARE_GIVEN, Actuators, Layer
 from halfplane_fe.uncertainty import RunValues, run_values
 from meshes import MeshSettings, SurfaceGrading
 from scenes import (

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_args, overload
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from halfplane_fe.actuators import actuators_of, prescribed_path
+from halfplane_fe.actuators import actuators_of
 from halfplane_fe.answer import PenaltyAudit, answer_arrays, penalty_audit, record_of
 from halfplane_fe.answer_notes import CORRECTED_FACES, REPEATED_RUNS, notes_of_answer, work_done
 from halfplane_fe.answer_of_rig import notes_of_rig, scene_of_loads
@@ -37,6 +37,7 @@ from halfplane_fe.interface import (
     without_mesh_error,
 )
 from halfplane_fe.mirror import half_interface, run_at_all_nodes
+from halfplane_fe.path import prescribed_path
 from halfplane_fe.run import Pace, PathRun, Progress, run_path
 from halfplane_fe.scales import (
     Scales,

@@ -6,8 +6,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from halfplane_fe.actuators import prescribed_path
-from halfplane_fe.path import check_admissible
+from halfplane_fe.path import check_admissible, prescribed_path
 from halfplane_fe.supports import check_bulk_stress, check_supports
 from scenes import InputError, Scene
 from scenes.frozen import validated

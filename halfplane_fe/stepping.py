@@ -21,8 +21,8 @@ import numpy as np
 import scipy
 
 from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState, nodal_values
-from halfplane_fe.energy import step_errors, work_by_kinks
-from halfplane_fe.law import slip_sign
+from halfplane_fe.energy import work_by_kinks
+from halfplane_fe.law import slip_sign, step_errors
 from halfplane_fe.path import Stretch, is_straight, scaled_loads, time_of_zero
 from halfplane_fe.systems import SingularSet
 from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ConvergenceError, read_only_copy
@@ -86,7 +86,7 @@ class StepTolerance:
     kinks_bound_error
         whether the error of an increment is at most the friction work by kinks of pressure and
         slip where nodes start to slide (`energy.work_by_kinks`): so it is of like bodies, whose
-        pressure does not depend on what slides. Else it is the bound of `energy.step_errors`
+        pressure does not depend on what slides. Else it is the bound of `law.step_errors`
     """
 
     error_rate: float
@@ -105,7 +105,7 @@ class Increment:
         (n,) states of the nodes that were solved for. They differ from those of `state` at
         events only: there a node that touches or lets go changes its state at the very end
     step_error
-        see `energy.step_errors`
+        see `law.step_errors`
     iterations
         of the active set
     event

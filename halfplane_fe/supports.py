@@ -6,8 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from halfplane_fe.actuators import prescribed_path
-from halfplane_fe.path import has_bulk_stress
+from halfplane_fe.path import has_bulk_stress, prescribed_path
 from scenes import Block, InputError, Pad, Scene, Shape, sampled_times
 
 # Least number of instants of a curved load segment that are checked for a load other than 0: a

@@ -9,7 +9,7 @@ Unknowns z = (p, q, delta, U); each node has two equations, by its state:
 
 and two equations for the loads; U = 0 is the second where Q is zero by symmetry, or where there is
 no shear. Where the movement of an actuator stands in the place of a load, its equation is that of
-`actuators`. A state of a node is a choice of equations, so that the matrix of a set differs from
+`Actuators`. A state of a node is a choice of equations, so that the matrix of a set differs from
 that of a base set in a few rows alone (Sherman-Morrison-Woodbury).
 
 An equation pairs a displacement with the force in its direction: gap with pressure, slip with
@@ -45,7 +45,6 @@ from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cholesky
 from scipy.linalg.lapack import dgetrf, dgetrs, dtrtri
 
-from halfplane_fe.actuators import LOADS_ARE_GIVEN, Actuators
 from halfplane_fe.interface import Interface
 from halfplane_fe.law import slip_sign
 from scenes import OPEN, SLIP_FORWARD, STICK, ConvergenceError, InputError
@@ -79,6 +78,38 @@ _FEW_ROWS = 3
 # Rows of a triangle that are multiplied at once: read from memory once for both products, and not
 # beyond the diagonal.
 _ROWS_PER_BLOCK = 256
+
+
+class Actuators(NamedTuple):
+    """Which of the first two loads, P and Q, are replaced by movements of actuators; see
+    `actuators` for the equations.
+
+    Attributes
+    ----------
+    normal_compliance, tangential_compliance
+        compliance between actuator and contact, times E*; None where P or Q is given
+    """
+
+    normal_compliance: float | None = None
+    tangential_compliance: float | None = None
+
+    @property
+    def prescribe_approach(self) -> bool:
+        """Whether a movement stands in the place of P."""
+        return self.normal_compliance is not None
+
+    @property
+    def prescribe_displacement(self) -> bool:
+        """Whether a movement stands in the place of Q."""
+        return self.tangential_compliance is not None
+
+    @property
+    def prescribe_movements(self) -> bool:
+        """Whether a movement stands in the place of P or of Q."""
+        return self.prescribe_approach or self.prescribe_displacement
+
+
+LOADS_ARE_GIVEN = Actuators()
 
 
 class SingularSet(ArithmeticError):
