@@ -133,13 +133,13 @@ QuadratureRule = Callable[[ArrayLike, ArrayLike], tuple[Array, Array]]
 
 class SpanRanges(NamedTuple):
     """A span of slip, and ranges of time within it, (n,) each: the number of the integral (of the
-    point) that a range belongs to, its begin and its end.
+    point) that a range belongs to, and the times at its ends.
     """
 
     span: Span
     integral_number: Indices
-    begin: Array
-    end: Array
+    begin_times: Array
+    end_times: Array
 
 
 def _work_in_range(contact: Contact, span_with_ranges: SpanRanges, rule: QuadratureRule) -> Array:
@@ -149,7 +149,7 @@ def _work_in_range(contact: Contact, span_with_ranges: SpanRanges, rule: Quadrat
     stick, A = 2/E*, E* the composite modulus, f the friction.
     """
     span = span_with_ranges.span
-    times, weights = rule(span_with_ranges.begin, span_with_ranges.end)
+    times, weights = rule(span_with_ranges.begin_times, span_with_ranges.end_times)
     load, _ = span.segment.loads(times)
     slip_zone_load = span.slip_zone_load_at(times, load)  # P - P_c
     kernel = contact.dissipation_kernel(load, slip_zone_load)  # Lam
@@ -159,8 +159,8 @@ def _work_in_range(contact: Contact, span_with_ranges: SpanRanges, rule: Quadrat
 
 def _range_of_span(span: Span) -> SpanRanges:
     """One range, from begin to end of the span, for integral number 0."""
-    begin = np.array([span.begin.time])
-    return SpanRanges(span, np.zeros(1, dtype=int), begin, np.array([span.end.time]))
+    begin_times = np.array([span.begin.time])
+    return SpanRanges(span, np.zeros(1, dtype=int), begin_times, np.array([span.end.time]))
 
 
 RangeIntegrator = Callable[[Sequence[SpanRanges], QuadratureRule], Sequence[Array]]
@@ -354,12 +354,16 @@ def _halve_ranges(
 
     # one row for each range of a span to halve: the numbers of its span and of its integral
     halved_span_numbers = np.flatnonzero(halving.needs_halving).tolist()
-    halved_spans = [
+    ranges_of_halved_spans = [
         spans_with_ranges[halved_span_number] for halved_span_number in halved_span_numbers
     ]
-    n_ranges_of_spans = [len(halved_span.integral_number) for halved_span in halved_spans]
+    n_ranges_of_spans = [
+        len(ranges_of_span.integral_number) for ranges_of_span in ranges_of_halved_spans
+    ]
     span_number = np.repeat(halved_span_numbers, n_ranges_of_spans)
-    integral_number = np.concatenate([halved_span.integral_number for halved_span in halved_spans])
+    integral_number = np.concatenate(
+        [ranges_of_span.integral_number for ranges_of_span in ranges_of_halved_spans]
+    )
     integrate_parts = partial(
         _integrals_of_parts, spans_with_ranges, integrate_ranges, span_number, integral_number
     )
@@ -368,8 +372,8 @@ def _halve_ranges(
     ]
     integrals_and_errors = integrals_by_halving(
         integrate_parts,
-        np.concatenate([halved_span.begin for halved_span in halved_spans]),
-        np.concatenate([halved_span.end for halved_span in halved_spans]),
+        np.concatenate([ranges_of_span.begin_times for ranges_of_span in ranges_of_halved_spans]),
+        np.concatenate([ranges_of_span.end_times for ranges_of_span in ranges_of_halved_spans]),
         allowed_error_of_span[span_number],
         np.unique(np.concatenate(corner_times_of_spans)),
         first_estimate=integrals[span_number, integral_number],
@@ -540,7 +544,7 @@ def _work_per_area_in_ranges(
         quadrature rule: nodes and weights between begin and end of the ranges
     """
     span = span_with_ranges.span
-    times, weights = rule(span_with_ranges.begin, span_with_ranges.end)
+    times, weights = rule(span_with_ranges.begin_times, span_with_ranges.end_times)
     x_of_points = x[span_with_ranges.integral_number, None]
     # P and P_c, the load at the stick edge, at the nodes, (n, nodes); P_x - P_c
     load, _ = span.segment.loads(times)
@@ -735,7 +739,8 @@ def _works_of_ranges(
         nodes and weights between begin and end of n ranges, (n, nodes) each
     """
     nodes_and_weights_of_spans = [
-        rule(span_with_ranges.begin, span_with_ranges.end) for span_with_ranges in spans_with_ranges
+        rule(span_with_ranges.begin_times, span_with_ranges.end_times)
+        for span_with_ranges in spans_with_ranges
     ]
     spans_and_times = [
         (span_with_ranges.span, times.ravel())
@@ -1083,8 +1088,10 @@ def density_of_records(contact: Contact, records: Records, x: Array) -> Array:
     smooth_parts = _cut_where_unsmooth(contact, records)
     # 200,000 pairs of part and point at once bound the storage
     parts_at_once = max(_NODES_AT_ONCE // len(x), 1)
-    for first_part in range(0, len(smooth_parts.load_at_begin), parts_at_once):
-        parts_of_chunk = smooth_parts.take(slice(first_part, first_part + parts_at_once))
+    for first_part_number in range(0, len(smooth_parts.load_at_begin), parts_at_once):
+        parts_of_chunk = smooth_parts.take(
+            slice(first_part_number, first_part_number + parts_at_once)
+        )
         scaled_work_per_area += _work_per_area_of_parts(contact, parts_of_chunk, x)
     return scaled_work_per_area
 
@@ -1117,9 +1124,9 @@ def _work_per_area_of_parts(contact: Contact, parts: _RecordParts, x: Array) -> 
     for rule_number, (rule, n_nodes) in enumerate(_RULES_AND_NODE_COUNTS):
         pair_numbers_of_rule = np.flatnonzero(rule_number_of_pair == rule_number)
         pairs_at_once = _NODES_AT_ONCE // n_nodes
-        for first_pair in range(0, len(pair_numbers_of_rule), pairs_at_once):
+        for first_pair_number in range(0, len(pair_numbers_of_rule), pairs_at_once):
             pairs_of_block = pairs.take(
-                pair_numbers_of_rule[first_pair : first_pair + pairs_at_once]
+                pair_numbers_of_rule[first_pair_number : first_pair_number + pairs_at_once]
             )
             work_of_pairs = parts.level_rise[pairs_of_block.part_number] * _integral_over_slip(
                 contact, pairs_of_block, rule
@@ -1496,27 +1503,31 @@ def integrals_by_halving(
     ... ).value.tolist()
     [2.0, 4.0]
     """
-    begins = np.array(begin, dtype=float)
+    begin_places = np.array(begin, dtype=float)
     parts = _Parts(
-        integrand_number=np.arange(len(begins)),
-        begin=begins,
-        end=np.array(end, dtype=float),
-        n_halvings=np.zeros(len(begins), dtype=int),
+        integrand_number=np.arange(len(begin_places)),
+        begin_place=begin_places,
+        end_place=np.array(end, dtype=float),
+        n_halvings=np.zeros(len(begin_places), dtype=int),
     )
     all_cut_places = np.append(cut_places, np.inf)
-    integrals = np.zeros(len(begins))
-    errors = np.zeros(len(begins))
-    allowed_errors = np.broadcast_to(allowed_error, begins.shape)
+    integrals = np.zeros(len(begin_places))
+    errors = np.zeros(len(begin_places))
+    allowed_errors = np.broadcast_to(allowed_error, begin_places.shape)
     estimates_of_parts = first_estimate
     if estimates_of_parts is None:
-        estimates_of_parts = integrate_parts(parts.integrand_number, parts.begin, parts.end)
+        estimates_of_parts = integrate_parts(
+            parts.integrand_number, parts.begin_place, parts.end_place
+        )
 
     # Each pass halves all parts that are left.
     while len(parts.integrand_number):
         cut_of_parts, is_cut_at_place = _cuts_of_parts(parts, all_cut_places)
         halves = parts.halves(cut_of_parts, is_cut_at_place)
         # in one call: the lower halves of all parts, then the upper ones
-        integrals_of_halves = integrate_parts(halves.integrand_number, halves.begin, halves.end)
+        integrals_of_halves = integrate_parts(
+            halves.integrand_number, halves.begin_place, halves.end_place
+        )
         integrals_of_lower_halves, integrals_of_upper_halves = np.split(integrals_of_halves, 2)
         sums_of_halves = integrals_of_lower_halves + integrals_of_upper_halves
         changes_by_halving = np.abs(sums_of_halves - estimates_of_parts)
@@ -1544,23 +1555,23 @@ class _Parts(NamedTuple):
     ----------
     integrand_number
         number of the integrand that the part belongs to
-    begin, end
+    begin_place, end_place
         ends of the part
     n_halvings
         number of halvings since the range was last cut at a place where the integrand is not smooth
     """
 
     integrand_number: Indices
-    begin: Array
-    end: Array
+    begin_place: Array
+    end_place: Array
     n_halvings: NDArray[np.int64]
 
     def take(self, numbers: Indices) -> _Parts:
         """The parts with these numbers."""
         return _Parts(
             self.integrand_number[numbers],
-            self.begin[numbers],
-            self.end[numbers],
+            self.begin_place[numbers],
+            self.end_place[numbers],
             self.n_halvings[numbers],
         )
 
@@ -1572,7 +1583,7 @@ class _Parts(NamedTuple):
         `is_cut_at_place` (n,), where the integrand is not smooth, counts as halved 0 times.
         """
         has_too_many_parts = (
-            len(self.begin) > _MOST_PARTS_PER_INTEGRAL * n_integrals + _MOST_PARTS_BESIDES
+            len(self.begin_place) > _MOST_PARTS_PER_INTEGRAL * n_integrals + _MOST_PARTS_BESIDES
         )
         is_halved_enough = (self.n_halvings == _MOST_HALVINGS) & ~is_cut_at_place
         return is_halved_enough | has_too_many_parts
@@ -1584,8 +1595,8 @@ class _Parts(NamedTuple):
         n_halvings = np.where(is_cut_at_place, -1, self.n_halvings) + 1
         return _Parts(
             np.tile(self.integrand_number, 2),
-            np.r_[self.begin, cut_of_parts],
-            np.r_[cut_of_parts, self.end],
+            np.r_[self.begin_place, cut_of_parts],
+            np.r_[cut_of_parts, self.end_place],
             np.tile(n_halvings, 2),
         )
 
@@ -1598,13 +1609,13 @@ def _cuts_of_parts(parts: _Parts, cut_places: Array) -> tuple[Array, NDArray[np.
     close to an end, within 1/16 of the part, is not taken: a part of next to no length would change
     nothing. `cut_places` (j,) are such places, ascending, then infinity.
     """
-    cut_of_part = (parts.begin + parts.end) / 2
+    cut_of_part = (parts.begin_place + parts.end_place) / 2
     is_cut_at_place = np.zeros(len(cut_of_part), dtype=bool)
     index_of_place_above = np.searchsorted(cut_places, cut_of_part)
-    least_length = (parts.end - parts.begin) / 16
+    least_length = (parts.end_place - parts.begin_place) / 16
     for nearest_place in (cut_places[index_of_place_above - 1], cut_places[index_of_place_above]):
-        is_place_inside = (nearest_place > parts.begin + least_length) & (
-            nearest_place < parts.end - least_length
+        is_place_inside = (nearest_place > parts.begin_place + least_length) & (
+            nearest_place < parts.end_place - least_length
         )
         cut_of_part = np.where(is_place_inside, nearest_place, cut_of_part)
         is_cut_at_place |= is_place_inside
