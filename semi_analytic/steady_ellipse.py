@@ -217,34 +217,32 @@ def ellipses_of(
     >>> loop.permanent_stick_load.round(12).tolist()  # u = v = sqrt 2: 3 - sqrt 2
     [1.585786437627]
     """
-    # notation: r exp(-i phase) = shear_cosine - i shear_sine, r = Q1/f: the parts of Q/f in phase
-    #           with P and a quarter of a cycle later
-    shear_over_friction = tangential_amplitude / friction
+    # notation: r = Q1/f; r_cosine = r cos(phase) and r_sine = r |sin(phase)|, the amplitudes of the
+    #           parts of Q/f in phase with P and a quarter of a cycle later
+    r = tangential_amplitude / friction
     # cos and sin of the phase from the tangent of half of it; the mirrored loop, Q -> -Q, goes
     # round the other way: phase + pi.
     tangent_of_half = np.tan(phase / 2)
-    scaled_shear = shear_over_friction / (1 + tangent_of_half * tangent_of_half)
-    shear_cosine = (
+    r_times_squared_cosine_of_half = r / (1 + tangent_of_half * tangent_of_half)
+    r_cosine = (
         np.where(tangent_of_half < 0, -1.0, 1.0)
-        * scaled_shear
+        * r_times_squared_cosine_of_half
         * (1 - tangent_of_half)
         * (1 + tangent_of_half)
     )
-    shear_sine = 2 * scaled_shear * np.abs(tangent_of_half)
-    u = np.hypot(shear_cosine - load_amplitude, shear_sine)
-    v = np.hypot(shear_cosine + load_amplitude, shear_sine)
+    r_sine = 2 * r_times_squared_cosine_of_half * np.abs(tangent_of_half)
+    u = np.hypot(r_cosine - load_amplitude, r_sine)
+    v = np.hypot(r_cosine + load_amplitude, r_sine)
     nonzero_u = np.where(u > 0, u, 1.0)
-    difference_of_squares = (load_amplitude - shear_over_friction) * (
-        load_amplitude + shear_over_friction
-    )
+    difference_of_squares = (load_amplitude - r) * (load_amplitude + r)
     return Ellipses(
         mean_load=mean_load,
         load_amplitude=load_amplitude,
         forward_amplitude=u,
         reverse_amplitude=v,
-        cosine_of_start=(shear_cosine - load_amplitude) / nonzero_u,
-        sine_of_start=shear_sine / nonzero_u,
-        slip_angle=np.arctan2(2 * load_amplitude * shear_sine, difference_of_squares),
+        cosine_of_start=(r_cosine - load_amplitude) / nonzero_u,
+        sine_of_start=r_sine / nonzero_u,
+        slip_angle=np.arctan2(2 * load_amplitude * r_sine, difference_of_squares),
         # P_T < 0 is gross sliding, and here only a round-off error.
         permanent_stick_load=np.maximum(mean_load - (u + v) / 2, 0.0),
     )
@@ -428,8 +426,10 @@ def work_density_of(
     # rows: the slip phases E-G (reverse), I-J and J-M (forward)
     densities_of_phases = np.zeros((len(PHASE_NAMES), len(x)))
     # _POINTS_AT_ONCE: 500
-    for first_point in range(0, len(x), _POINTS_AT_ONCE):
-        point_numbers = np.arange(first_point, min(first_point + _POINTS_AT_ONCE, len(x)))
+    for first_point_number in range(0, len(x), _POINTS_AT_ONCE):
+        point_numbers = np.arange(
+            first_point_number, min(first_point_number + _POINTS_AT_ONCE, len(x))
+        )
         densities_of_phases[:, point_numbers] = _work_density_of_phases(
             ellipses.take(point_numbers[:, None]), contact, x[point_numbers, None], node_stride
         )
@@ -521,10 +521,10 @@ def _weighted_work_rate_at_points(
     rate, slip_zone_load, load = rate_and_loads
     stick_edge_load = np.maximum(load - slip_zone_load, 0.0)
     # P_x - P_c
-    load_excess = np.maximum(load_at_x - stick_edge_load, 0.0)
+    load_outside_stick = np.maximum(load_at_x - stick_edge_load, 0.0)
     # of the stick edge beyond the least half-width
     stick_edge_advance = contact.edge_advance(stick_edge_load)
-    arccosh_ratio = contact.arccosh_ratio(x, load_excess, stick_edge_advance)
+    arccosh_ratio = contact.arccosh_ratio(x, load_outside_stick, stick_edge_advance)
     return weights * rate * contact.pressure(x, load) * arccosh_ratio
 
 
@@ -568,7 +568,8 @@ def _ranges_of_slip(ellipses: Ellipses, load_at_x: Array) -> tuple[tuple[int, Ar
     # that of E-G, counted from the start of E-G
     start_of_slip_at_x = np.maximum(length_of_reverse_slip - stick_edge_angle_in_reverse_slip, 0.0)
     end_of_slip_at_x = np.minimum(length_of_reverse_slip, stick_edge_angle_in_late_forward_slip)
-    # angles at which the point opens before the least load, and closes after it; back in J-M
+    # angles at which the point opens before the least load, and closes after it; counted back in
+    # J-M
     opening_in_reverse_slip = math.pi - open_angle - start_of_reverse_slip
     closing_in_reverse_slip = math.pi + open_angle - start_of_reverse_slip
     opening_in_early_forward_slip = 2 * math.pi - open_angle - start_of_reverse_slip
@@ -737,7 +738,9 @@ class AngleIntervals(NamedTuple):
         end_angle: Array,
         rule_number: Indices,
     ) -> AngleIntervals:
-        """Intervals of one group, which all have its number."""
+        """Intervals from `begin_angle` to `end_angle` [rad], (n,) each, all of one group, a phase
+        of slip or a load through it; with the numbers of their ellipses and quadrature rules, (n,).
+        """
         return cls(
             np.full(len(ellipse_number), group_number),
             ellipse_number,
@@ -817,8 +820,9 @@ def error_by_digits_of_loads(ellipses: Ellipses) -> Array:
     """Upper bound of the relative error of the friction work W of each load loop, (m,), by the last
     digits of its loads and phase alone.
 
-    # notation: P1 (`load_amplitude`) amplitude of P; t_E the time at which reverse slip begins, u
-    #           cos(t_E) = Q1/f cos(phase) - P1; `cosine_of_start`, `sine_of_start` of t_E
+    # notation: P1 (`load_amplitude`), Q1 amplitudes of P and Q, r = Q1/f; t_E the time at which
+    #           reverse slip begins, u cos(t_E) = r cos(phase) - P1; `cosine_of_start`,
+    #           `sine_of_start` of t_E
 
     W goes as a power of the amplitudes u and v of (Q -+ f P)/f; its exponent is 3 for small slip. u
     is the difference of Q1/f and P1 where the loads are nearly in phase. Where the phase is near
@@ -829,16 +833,12 @@ def error_by_digits_of_loads(ellipses: Ellipses) -> Array:
         ellipses.load_amplitude + (ellipses.forward_amplitude + ellipses.reverse_amplitude) / 2
     )
     smaller_amplitude = np.minimum(ellipses.forward_amplitude, ellipses.reverse_amplitude)
-    shear_times_sine = ellipses.forward_amplitude * ellipses.sine_of_start  # Q1/f |sin(phase)|
-    # Q1/f cos(phase)
-    shear_times_cosine = (
-        ellipses.forward_amplitude * ellipses.cosine_of_start + ellipses.load_amplitude
-    )
+    r_sine = ellipses.forward_amplitude * ellipses.sine_of_start  # r |sin(phase)|
+    # r cos(phase)
+    r_cosine = ellipses.forward_amplitude * ellipses.cosine_of_start + ellipses.load_amplitude
     # minus the cotangent; _LEAST_DIVISOR is 1e-100
-    cotangent_of_phase = -shear_times_cosine / np.where(
-        shear_times_sine > _LEAST_DIVISOR * loop_size, shear_times_sine, np.inf
-    )
-    amplification_by_phase = np.where(shear_times_cosine < 0, cotangent_of_phase, 0.0)
+    cotangent_of_phase = -r_cosine / np.where(r_sine > _LEAST_DIVISOR * loop_size, r_sine, np.inf)
+    amplification_by_phase = np.where(r_cosine < 0, cotangent_of_phase, 0.0)
     amplification_by_amplitudes = loop_size / np.where(
         smaller_amplitude > _LEAST_DIVISOR * loop_size, smaller_amplitude, np.inf
     )
@@ -857,9 +857,9 @@ def works_over_time(ellipses: Ellipses, contact: Contact) -> tuple[Array, Array]
 
     W is an integral over the time of slip, cut where an edge passes a corner of the profile. Next
     to singular ends the rule is graded. Intervals that have not converged are halved; W is NaN
-    where that does not help. The integrand is that of the kernel Lam(P, P_c), the integral of
-    ln(a/a(P_c)) over the loads from P_c, that at the stick edge, to P; a is the contact half-width.
-    `contact` is the normal contact P(a) of the profile.
+    where that does not help. The integrand is w'/f times the kernel Lam(P, P_c), w = +-Q - f P.
+    Lam is the integral of ln(a/a(P_c)) over the loads from P_c, that at the stick edge, to P; a is
+    the contact half-width. `contact` is the normal contact P(a) of the profile.
 
     At constant P and Q between -k f P and k f P the sum is 2 P^2 [(1 - k) ln(1 - k) + k - k^2/2].
     E* is the composite modulus, f the friction.
@@ -924,10 +924,10 @@ def dissipation_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
     """Friction work W of forward and of reverse slip per steady cycle of each load ellipse, times
     pi E*/(2 f^2), (2, m) [force^2 per thickness^2], for any profile.
 
-    Right to ten digits; NaN where the quadrature does not converge. E* is the composite modulus.
-    `ellipses` holds the loads and angles of m ellipses, `contact` is the normal contact P(a) of the
-    profile. Where the load of the slip zones is no small share of the mean of P, ln a(P) is looked
-    up in a series, a(P) the contact half-width. E* is the composite modulus, f the friction.
+    Right to ten digits; NaN where the quadrature does not converge. `ellipses` holds the loads and
+    angles of m ellipses, `contact` is the normal contact P(a) of the profile. Where the load of the
+    slip zones is no small share of the mean of P, ln a(P) is looked up in a series, a(P) the
+    contact half-width. E* is the composite modulus, f the friction.
 
     >>> from semi_analytic.hertz import HertzContact
     >>> from semi_analytic.steady_ellipse import ellipses_of
@@ -1053,7 +1053,7 @@ def _work_by_table(
     )
     forward_work, reverse_work, error_of_work = works_and_error
     work = np.abs(forward_work + reverse_work)
-    # _LAM_ERROR_OF_SERIES: 1e-13
+    # in place, so that it counts in `works_and_error`; _LAM_ERROR_OF_SERIES: 1e-13
     error_of_work += _LAM_ERROR_OF_SERIES / slip_zone_share * work
     return works_and_error
 
@@ -1069,8 +1069,8 @@ def _work_over_phases(
     pi E*/(2 f^2), and the error of their sum, (3, m), by integrals over time.
 
     The integrand in each phase of slip is l'/f Lam, with Lam = int ln(a(eta)/a(P_c)) d eta from P_c
-    to P, which is `kernel`(P, P - P_c). The level l (elsewhere in this module w) is Q - f P in
-    forward slip and -Q - f P in reverse slip. It grows there at the rate l'. P_c is the load at the
+    to P, which is `kernel`(P, P - P_c). The level l is Q - f P in forward slip and -Q - f P in
+    reverse slip. It grows there at the rate l'. P_c is the load at the
     stick edge, a the contact half-width. Phases are cut where an edge passes a corner of the
     profile. Each interval is integrated by one of the quadrature `rules`, weights at nodes, and
     halved until its error check is below `converged_share` of W. E* is the composite modulus, f the
@@ -1265,8 +1265,8 @@ class _Course(NamedTuple):
 
     Attributes
     ----------
-    begin, end
-        (m,) first and last angle
+    first_angle, last_angle
+        (m,) ends of the range
     inner_cuts
         angles, (c, m) each, at which the course is cut, if they lie within it
     load_is_cosine
@@ -1274,8 +1274,8 @@ class _Course(NamedTuple):
         the angle
     """
 
-    begin: Array
-    end: Array
+    first_angle: Array
+    last_angle: Array
     inner_cuts: tuple[Array, ...]
     load_is_cosine: bool
 
@@ -1648,9 +1648,9 @@ def _integrals_of_intervals(
     for rule_number, rule in enumerate(rules):
         intervals_of_rule = np.flatnonzero(intervals.rule_number == rule_number)
         intervals_at_once = _INTERVAL_NODES_AT_ONCE // len(rule.weight)
-        for first_interval in range(0, len(intervals_of_rule), intervals_at_once):
+        for first_interval_number in range(0, len(intervals_of_rule), intervals_at_once):
             interval_numbers = intervals_of_rule[
-                first_interval : first_interval + intervals_at_once
+                first_interval_number : first_interval_number + intervals_at_once
             ]
             begin_angle = intervals.begin_angle[interval_numbers]
             end_angle = intervals.end_angle[interval_numbers]
