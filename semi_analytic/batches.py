@@ -124,9 +124,12 @@ def maxima_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
     if n_ellipses > _ELLIPSES_AT_ONCE:
         maxima_of_blocks = [
             maxima_of(
-                ellipses.take(slice(first_ellipse, first_ellipse + _ELLIPSES_AT_ONCE)), contact
+                ellipses.take(
+                    slice(first_ellipse_number, first_ellipse_number + _ELLIPSES_AT_ONCE)
+                ),
+                contact,
             )
-            for first_ellipse in range(0, n_ellipses, _ELLIPSES_AT_ONCE)
+            for first_ellipse_number in range(0, n_ellipses, _ELLIPSES_AT_ONCE)
         ]
         return np.concatenate(maxima_of_blocks, axis=1)
 
@@ -1009,9 +1012,9 @@ def _works_of_members(members: Members) -> Array:
     4. an upper bound of the error of the work;
     5. P_T.
 
-    The integrand is the kernel Lam, the integral of ln(a/a(P_c)) over loads from P_c, that at the
-    stick edge, to P; a is the contact half-width. Of Hertz and power laws Lam has a closed form, of
-    flat and rounded faces a table. Other profiles take a quadrature, with one contact for all
+    The kernel of the work is Lam, the integral of ln(a/a(P_c)) over loads from P_c, that at the
+    stick edge, to P; a is the contact half-width. Lam has a closed form for Hertz and power laws, a
+    table for flat and rounded faces. Other profiles take a quadrature, with one contact for all
     members whose profiles have one shape, in units of length and load. `members` holds the load
     ellipses, mirrored to Q -> -Q where they go round the other way. It also holds the kind of
     profile and its parameters; of a power law the exponent comes first. E* is the composite
@@ -1046,13 +1049,13 @@ def _works_of_members(members: Members) -> Array:
             works_and_error[:, group.member_numbers] = (
                 works_in_units * group.load_unit * group.load_unit
             )
-    forward_of_ellipses, reverse_of_ellipses, work_error = works_and_error
+    forward_work_of_ellipses, reverse_work_of_ellipses, work_error = works_and_error
     # A mirrored ellipse has Q -> -Q: its forward slip is the reverse slip of the member.
-    forward_work = np.where(members.is_mirrored, reverse_of_ellipses, forward_of_ellipses)
-    reverse_work = np.where(members.is_mirrored, forward_of_ellipses, reverse_of_ellipses)
+    forward_work = np.where(members.is_mirrored, reverse_work_of_ellipses, forward_work_of_ellipses)
+    reverse_work = np.where(members.is_mirrored, forward_work_of_ellipses, reverse_work_of_ellipses)
     return np.stack(
         [
-            forward_of_ellipses + reverse_of_ellipses,
+            forward_work_of_ellipses + reverse_work_of_ellipses,
             forward_work,
             reverse_work,
             work_error,
@@ -1119,8 +1122,9 @@ class _ChangeOfWorks(NamedTuple):
 def _change_by_curvatures(
     curvatures_per_load: Curvatures, members: Members, group: ShapeGroup
 ) -> _ChangeOfWorks:
-    """What curvatures change of the friction work of a group of members, whose profiles have one
-    shape and one contact, in units of length and load.
+    """Change of the friction work by curvatures, for a group of members whose profiles have one
+    shape and one contact, in units of length and load. With it the work on half-planes and the
+    permanent stick load on the bodies.
 
     `members` holds the loads of all members as given, E* as `modulus`, and a contact for all, or
     None where profiles vary; `group` holds the numbers of its members. A curvature is a second
@@ -1488,8 +1492,8 @@ def _results_of_members(
     rows_of_results = np.full((result_function.n_results, n_members), np.nan)
     reason_codes = np.zeros(n_members, dtype=np.int8)
     # in blocks of 16,384 members (_MEMBERS_AT_ONCE)
-    for first_member in range(0, n_members, _MEMBERS_AT_ONCE):
-        block = slice(first_member, min(first_member + _MEMBERS_AT_ONCE, n_members))
+    for first_member_number in range(0, n_members, _MEMBERS_AT_ONCE):
+        block = slice(first_member_number, min(first_member_number + _MEMBERS_AT_ONCE, n_members))
         rows_of_results[:, block], reason_codes[block] = _results_of_block(
             batch, *arguments.of_block(block), result_function
         )
@@ -1512,16 +1516,18 @@ def _results_of_block(
     pi E*/(2 f^2), E* the `modulus`.
     """
     # why members are left out, numbers of the others in the block, and these members
-    reason_codes, admissible_numbers, members = batch.members_of(loads, parameters)
+    reason_codes, admissible_member_numbers, members = batch.members_of(loads, parameters)
     rows_of_results = np.full((result_function.n_results, len(reason_codes)), np.nan)
-    if len(admissible_numbers):
+    if len(admissible_member_numbers):
         results_of_admissible_members = result_function.compute(members)
         results_of_admissible_members[: result_function.n_normalised] *= (
             2 / (math.pi * batch.modulus) * members.loads.friction**2
         )
-        rows_of_results[:, admissible_numbers] = results_of_admissible_members
-        numbers_without_result = admissible_numbers[~np.isfinite(results_of_admissible_members[0])]
-        reason_codes[numbers_without_result] = result_function.reason_if_not_finite
+        rows_of_results[:, admissible_member_numbers] = results_of_admissible_members
+        member_numbers_without_result = admissible_member_numbers[
+            ~np.isfinite(results_of_admissible_members[0])
+        ]
+        reason_codes[member_numbers_without_result] = result_function.reason_if_not_finite
     return rows_of_results, reason_codes
 
 
@@ -1645,13 +1651,13 @@ class _Batch:
         reason_codes[is_invalid] = Reason.INVALID
 
         # keep the admissible members
-        admissible_numbers = np.flatnonzero(reason_codes == Reason.NONE)
-        if len(admissible_numbers) < len(reason_codes):
-            ellipses = ellipses.take(admissible_numbers)
-            is_mirrored = is_mirrored[admissible_numbers]
-            friction = friction[admissible_numbers]
-            parameters = [column[admissible_numbers] for column in parameters]
-            loads = LoadArrays(*(column[admissible_numbers] for column in loads))
+        admissible_member_numbers = np.flatnonzero(reason_codes == Reason.NONE)
+        if len(admissible_member_numbers) < len(reason_codes):
+            ellipses = ellipses.take(admissible_member_numbers)
+            is_mirrored = is_mirrored[admissible_member_numbers]
+            friction = friction[admissible_member_numbers]
+            parameters = [column[admissible_member_numbers] for column in parameters]
+            loads = LoadArrays(*(column[admissible_member_numbers] for column in loads))
         members = Members(
             self.kind,
             parameters,
@@ -1661,7 +1667,7 @@ class _Batch:
             is_mirrored,
             loads._replace(friction=friction),
         )
-        return reason_codes, admissible_numbers, members
+        return reason_codes, admissible_member_numbers, members
 
     def _reasons(
         self, loads: LoadArrays, ellipses: Ellipses, is_mirrored: NDArray[np.bool_]

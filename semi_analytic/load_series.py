@@ -1300,10 +1300,10 @@ def _parts_between_cycle_starts(
     )
     # of each step, 0 for the initial loading
     cycle_number = np.searchsorted(cycle_starts - time_slack, all_times[:-1], side="right")
-    first_rows_of_cycles = np.flatnonzero(np.diff(cycle_number, prepend=0)).tolist()
-    boundary_rows = [0, *first_rows_of_cycles, len(all_times) - 1]
-    for first_row, last_row in pairwise(boundary_rows):
-        yield PathPart(all_rows[first_row : last_row + 1], 0.0)
+    first_row_numbers_of_cycles = np.flatnonzero(np.diff(cycle_number, prepend=0)).tolist()
+    boundary_row_numbers = [0, *first_row_numbers_of_cycles, len(all_times) - 1]
+    for first_row_number, last_row_number in pairwise(boundary_row_numbers):
+        yield PathPart(all_rows[first_row_number : last_row_number + 1], 0.0)
 
 
 def require_admissible_rows(rows: Array, friction: float) -> None:
@@ -1422,14 +1422,14 @@ def blocks_of_part(
     of each record, a portion of a step in which the stick edge moves along one line of it.
     """
     curve = part.curve_at_begin
-    for first_row in range(0, len(part.rows) - 1, _STEPS_AT_ONCE):
+    for first_row_number in range(0, len(part.rows) - 1, _STEPS_AT_ONCE):
         block = follow(
             curve,
-            part.rows[first_row : first_row + _STEPS_AT_ONCE + 1, 1:],
+            part.rows[first_row_number : first_row_number + _STEPS_AT_ONCE + 1, 1:],
             friction,
             stores_curves,
         )
-        yield first_row, block
+        yield first_row_number, block
         curve = block.curve_at_end
 
 

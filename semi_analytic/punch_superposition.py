@@ -787,7 +787,8 @@ class PunchSuperposition:
         load_power
             1 where the load stands in front of the integrand, else 0
         point_or_load, load
-            x of the first two; P [force per thickness]; arrays of one shape
+            x for the first two methods, P for the last; and P [force per thickness]; arrays of one
+            shape
         """
         advance = self.law.edge_advance(load)
         half_width = self.least_half_width + advance
@@ -1410,7 +1411,7 @@ def _integrated_series(integrand_series: _PanelSeries, integral_before_panels: A
 
 
 def _sums_of_panels_before(
-    point_number: Indices, values: Array, value_before_first_panel: Array
+    point_number: Indices, values_of_panels: Array, value_before_first_panel: Array
 ) -> Array:
     """For each panel, the sum of the values of the panels before it at its point, (n,), panels in
     order of their points. A panel is a range of the integration variable v.
@@ -1421,7 +1422,7 @@ def _sums_of_panels_before(
     ----------
     point_number
         (n,) number of the point that a panel belongs to
-    values
+    values_of_panels
         (n,) one for each panel
     value_before_first_panel
         (k,) value before the first panel of each point
@@ -1433,7 +1434,7 @@ def _sums_of_panels_before(
     n_columns = int(np.max(panel_number_at_point, initial=0)) + 2
     values_of_points = np.zeros((len(value_before_first_panel), n_columns))
     values_of_points[:, 0] = value_before_first_panel
-    values_of_points[point_number, panel_number_at_point + 1] = values
+    values_of_points[point_number, panel_number_at_point + 1] = values_of_panels
     return np.cumsum(values_of_points, axis=1)[point_number, panel_number_at_point]
 
 
@@ -1531,8 +1532,10 @@ def _series_of_integrand(
     """
     n_panels = len(panels.point_number)
     series_of_chunks = [np.empty((0, len(CHEBYSHEV_NODES)))]
-    for first_panel in range(0, n_panels, _PANELS_AT_ONCE):
-        chunk = panels.take(np.arange(first_panel, min(first_panel + _PANELS_AT_ONCE, n_panels)))
+    for first_panel_number in range(0, n_panels, _PANELS_AT_ONCE):
+        chunk = panels.take(
+            np.arange(first_panel_number, min(first_panel_number + _PANELS_AT_ONCE, n_panels))
+        )
         # v at the Chebyshev nodes, which are those of [-1, 1]
         v = (
             chunk.begin_v[:, None]
@@ -1589,7 +1592,7 @@ class _AdvanceRanges(NamedTuple):
 
     Attributes
     ----------
-    begin, end
+    begin_advance, end_advance
         advances between which to integrate; empty where the end is not above the start
     advance_at_v0
         advance at which the integration variable v is 0
@@ -1597,8 +1600,8 @@ class _AdvanceRanges(NamedTuple):
         factor of v: the root of a length, or 1
     """
 
-    begin: Array
-    end: Array
+    begin_advance: Array
+    end_advance: Array
     advance_at_v0: Array
     scale: Array
 
@@ -1636,8 +1639,8 @@ def _panels_of_points(
     distance_beyond_flat = x - least_half_width
     column_of_zeros = 0 * distance_beyond_flat[:, None]
     ranges = _AdvanceRanges(
-        begin=range_ends[:-1] + column_of_zeros,
-        end=range_ends[1:] + column_of_zeros,
+        begin_advance=range_ends[:-1] + column_of_zeros,
+        end_advance=range_ends[1:] + column_of_zeros,
         advance_at_v0=corner_advance + column_of_zeros,
         scale=np.ones((len(x), len(corner_advance))),
     )
@@ -1646,10 +1649,10 @@ def _panels_of_points(
     elif kind == "outside":
         advance_to_x = distance_beyond_flat[:, None]
         ranges = ranges._replace(
-            end=np.minimum(ranges.end, advance_to_x),
+            end_advance=np.minimum(ranges.end_advance, advance_to_x),
             scale=np.sqrt(np.maximum(advance_to_x - corner_advance, 0.0)),
         )
-    nonempty_ranges = np.nonzero(ranges.end > ranges.begin)
+    nonempty_ranges = np.nonzero(ranges.end_advance > ranges.begin_advance)
     point_number, _ = nonempty_ranges
     advance_at_v0 = ranges.advance_at_v0[nonempty_ranges]
     scale = ranges.scale[nonempty_ranges]
@@ -1661,7 +1664,7 @@ def _panels_of_points(
             advance_at_v0,
             scale,
         )
-        for boundary_advances in (ranges.begin, ranges.end)
+        for boundary_advances in (ranges.begin_advance, ranges.end_advance)
     )
     return Panels(point_number, x[point_number], advance_at_v0, scale, begin_v, end_v)
 
@@ -1704,8 +1707,8 @@ def _ranges_of_pressure(
     # `_pressure_of_smallest_punches`.
     first_advance = np.where(x[:, None] + least_half_width > 0, advance_at_v0, range_ends[1])
     return _AdvanceRanges(
-        begin=np.maximum(ranges.begin, first_advance),
-        end=ranges.end,
+        begin_advance=np.maximum(ranges.begin_advance, first_advance),
+        end_advance=ranges.end_advance,
         advance_at_v0=advance_at_v0,
         scale=np.sqrt(np.maximum(squared_scale, least_squared_scale)),
     )
