@@ -685,12 +685,12 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
     # U is counted from a datum at half the largest half-width
     contact = _with_moved_datum(contact, largest_load)
     # integrals of ln(2 L/a) over memory curves, U pi/A, L the length of the datum; x plays no part
-    integrals = KernelIntegrals(contact, np.zeros(1), "shift")
+    displacement_integrals = KernelIntegrals(contact, np.zeros(1), "shift")
     roundoff = _roundoff_of_loop(contact, spans, largest_load)
     # one range of time for each span
     spans_with_ranges = [_range_of_span(span) for span in spans]
     # -int U dQ over ranges of time, times pi/A
-    work_along = partial(_works_of_ranges, integrals)
+    work_along = partial(_works_of_ranges, displacement_integrals)
     # A/pi times the sum over all spans
     integral_of_loop = _work_over_spans(contact, modulus, spans_with_ranges, 1, work_along).total[0]
     return LoopWork(float(integral_of_loop), 2 / (math.pi * modulus) * roundoff)
@@ -720,7 +720,9 @@ def _roundoff_of_loop(contact: Contact, spans: Sequence[Span], largest_load: flo
 
 
 def _works_of_ranges(
-    integrals: KernelIntegrals, spans_with_ranges: Sequence[SpanRanges], rule: QuadratureRule
+    displacement_integrals: KernelIntegrals,
+    spans_with_ranges: Sequence[SpanRanges],
+    rule: QuadratureRule,
 ) -> list[Array]:
     """pi/A times -int U dQ over the ranges of time of each span, (n,) for a span of n ranges, by a
     quadrature rule in time.
@@ -731,7 +733,7 @@ def _works_of_ranges(
 
     Parameters
     ----------
-    integrals
+    displacement_integrals
         integrals over memory curves that are U pi/A
     spans_with_ranges
         spans of one direction of slip, or of full stick, and ranges of time in each
@@ -748,7 +750,9 @@ def _works_of_ranges(
             spans_with_ranges, nodes_and_weights_of_spans, strict=True
         )
     ]
-    displacement_at_all_times = integrals.over_memory_curves(snapshot_of(spans_and_times))[:, 0]
+    displacement_at_all_times = displacement_integrals.over_memory_curves(
+        snapshot_of(spans_and_times)
+    )[:, 0]
     split_positions = np.cumsum([len(times) for _, times in spans_and_times])[:-1]
     displacements_of_spans = np.split(displacement_at_all_times, split_positions)
     works_of_spans = []

@@ -84,8 +84,7 @@ def contact_of(profile: Profile, materials: Materials) -> SymmetricContact:
         raise InputError(
             "profile: its two sides are unequal: this takes symmetric profiles, `solve` takes both"
         )
-    # E*
-    modulus = composite_modulus(materials)
+    modulus = composite_modulus(materials)  # E*
     datum_length = getattr(profile, "datum_length", 0.0)
     # the functions for this kind of profile; `contact` makes the normal contact
     return _kind_of(profile).contact(modulus, profile, datum_length)
@@ -543,15 +542,17 @@ def abel_load_factor(exponent: float) -> float:
     >>> round(abel_load_factor(1.0), 15), round(abel_load_factor(2.0), 15)  # 1 and pi/4
     (1.0, 0.785398163397448)
     """
-    upper_argument = (exponent + 1) / 2
-    lower_argument = exponent / 2 + 1
+    numerator_argument = (exponent + 1) / 2
+    denominator_argument = exponent / 2 + 1
     if exponent >= 300:  # each Gamma overflows, their quotient does not
         return (
             math.sqrt(math.pi)
             / 2
-            * math.exp(math.lgamma(upper_argument) - math.lgamma(lower_argument))
+            * math.exp(math.lgamma(numerator_argument) - math.lgamma(denominator_argument))
         )
-    return math.sqrt(math.pi) / 2 * (math.gamma(upper_argument) / math.gamma(lower_argument))
+    return (
+        math.sqrt(math.pi) / 2 * (math.gamma(numerator_argument) / math.gamma(denominator_argument))
+    )
 
 
 def law_of_power(modulus: float, exponent: float, length: float, rise: float) -> ContactLaw:
@@ -565,6 +566,7 @@ def law_of_power(modulus: float, exponent: float, length: float, rise: float) ->
     1.0
     """
     load_at_length = modulus * exponent * rise * abel_load_factor(exponent)
+    # the half-width without load is 0: the advance of the edge is a itself
     return ContactLaw(
         load=lambda a: load_at_length * np.power(a / length, exponent),
         edge_advance=lambda load: length * np.power(load / load_at_length, 1 / exponent),
@@ -752,7 +754,10 @@ def law_of_two_curvatures(
         )
 
     return ContactLaw(
-        load, edge_advance_function(load, stiffness, b, b), stiffness, corner_half_widths=(b,)
+        load,
+        edge_advance_function(load, stiffness, b, corner_advance=b),
+        stiffness,
+        corner_half_widths=(b,),
     )
 
 
@@ -863,9 +868,12 @@ def law_of_table(modulus: float, profile: Tabulated) -> ContactLaw:
     # the inverse, d as a function of P
     advance_under_load = law_to_second_knot.edge_advance
     if table_law.has_series:  # more than two knots
-        corner_advance = float(knots[1]) - least_half_width
         advance_under_load = edge_advance_function(
-            table_law.load, table_law.stiffness, extent, corner_advance, extent - least_half_width
+            table_law.load,
+            table_law.stiffness,
+            extent,
+            corner_advance=float(knots[1]) - least_half_width,
+            advance_limit=extent - least_half_width,
         )
 
     def edge_advance(loads: Array) -> Array:
@@ -996,7 +1004,7 @@ class _IntervalGroup(NamedTuple):
 
     Attributes
     ----------
-    first, stop
+    first_interval_number, end_interval_number
         number of the first interval of the group, and of the first behind it
     n_far_knots
         number of knots, from the first on, whose sums the series hold
@@ -1006,8 +1014,8 @@ class _IntervalGroup(NamedTuple):
         (nodes, 2) series in a of the sums over the far knots, of P and of dP/da/a
     """
 
-    first: int
-    stop: int
+    first_interval_number: int
+    end_interval_number: int
     n_far_knots: int
     half_width_range: tuple[float, float]
     far_series: Array
@@ -1129,9 +1137,11 @@ class _KnotSums(NamedTuple):
             np.searchsorted(self.knots, 2 * least_half_width - largest_half_width)
         )
         n_far_knots = max(n_knots_far_below, wider_group.n_far_knots)
-        least_of_wider_range, largest_of_wider_range = wider_group.half_width_range
-        place_in_wider_range = (half_widths - least_of_wider_range) * (
-            2 / (largest_of_wider_range - least_of_wider_range)
+        least_half_width_of_wider_range, largest_half_width_of_wider_range = (
+            wider_group.half_width_range
+        )
+        place_in_wider_range = (half_widths - least_half_width_of_wider_range) * (
+            2 / (largest_half_width_of_wider_range - least_half_width_of_wider_range)
         ) - 1
         # P and dP/da/a of the far knots of the wider group, at the nodes, (nodes, 2)
         far_sums = chebyshev.chebval(place_in_wider_range, wider_group.far_series).T
@@ -1215,8 +1225,8 @@ def _sums_over_all_knots(knot_sums: _KnotSums, knot_of_interval: Array, distance
     if len(knot_of_interval):
         groups.append(
             _IntervalGroup(
-                first=0,
-                stop=len(knot_of_interval),
+                first_interval_number=0,
+                end_interval_number=len(knot_of_interval),
                 n_far_knots=0,
                 half_width_range=(0.0, 1.0),  # any range: a series of zeros holds on all
                 far_series=np.zeros((len(CHEBYSHEV_NODES), 2)),
@@ -1224,26 +1234,29 @@ def _sums_over_all_knots(knot_sums: _KnotSums, knot_of_interval: Array, distance
         )
     while groups:
         group = groups.pop()
-        half_width_range = (half_widths[group.first, 0], half_widths[group.stop - 1, -1])
+        half_width_range = (
+            half_widths[group.first_interval_number, 0],
+            half_widths[group.end_interval_number - 1, -1],
+        )
         # It still has the series of the wider group of which it was a half.
         group = knot_sums.with_far_knots(group, half_width_range)
-        if group.stop - group.first > _MOST_INTERVALS_OF_GROUP:
-            middle_interval = (group.first + group.stop) // 2
-            groups.append(group._replace(stop=middle_interval))
-            groups.append(group._replace(first=middle_interval))
+        if group.end_interval_number - group.first_interval_number > _MOST_INTERVALS_OF_GROUP:
+            middle_interval_number = (group.first_interval_number + group.end_interval_number) // 2
+            groups.append(group._replace(end_interval_number=middle_interval_number))
+            groups.append(group._replace(first_interval_number=middle_interval_number))
             continue
-        intervals = slice(group.first, group.stop)
-        far_sums = group.far_sums_at(half_widths[intervals])
+        interval_slice = slice(group.first_interval_number, group.end_interval_number)
+        far_sums = group.far_sums_at(half_widths[interval_slice])
         largest_half_width = half_width_range[1]
         n_knots_reached = int(np.searchsorted(knot_sums.knots[:-1], largest_half_width))
         near_sums = knot_sums.sums_over_knots(
-            half_widths[intervals, :, None],
-            knot_of_interval[intervals, None, None],
-            distances[intervals, :, None],
+            half_widths[interval_slice, :, None],
+            knot_of_interval[interval_slice, None, None],
+            distances[interval_slice, :, None],
             slice(group.n_far_knots, n_knots_reached),
         )
-        sums_at_half_widths[intervals] = far_sums
-        sums_at_half_widths[intervals] += near_sums
+        sums_at_half_widths[interval_slice] = far_sums
+        sums_at_half_widths[interval_slice] += near_sums
     return sums_at_half_widths
 
 
@@ -1531,11 +1544,13 @@ def _series_behind_corner(
         # `piecewise_series_by_halving` resolves to 4e-15 of the size that it is given last.
         load_series, stiffness_series = (
             piecewise_series_by_halving(
-                partial(load_or_stiffness, derivative_order=order),
+                partial(load_or_stiffness, derivative_order=derivative_order),
                 interval_ends,
-                negligible_shares[order] / 4e-15 * load_or_stiffness(u_of_reference_values, order),
+                negligible_shares[derivative_order]
+                / 4e-15
+                * load_or_stiffness(u_of_reference_values, derivative_order),
             )
-            for order in (0, 1)
+            for derivative_order in (0, 1)
         )
     except UnresolvedError as fault:
         raise InputError(
