@@ -230,11 +230,11 @@ def _work_over_spans(
     is_forward = np.array(
         [span_with_ranges.span.direction > 0 for span_with_ranges in spans_with_ranges], dtype=bool
     )
-    compliance = 2 / (math.pi * modulus)  # A/pi
+    compliance_over_pi = 2 / (math.pi * modulus)  # A/pi
     return WorkByDirection(
-        forward=compliance * np.sum(integrals[is_forward], axis=0),
-        reverse=compliance * np.sum(integrals[~is_forward], axis=0),
-        error=compliance * np.sum(errors, axis=0),
+        forward=compliance_over_pi * np.sum(integrals[is_forward], axis=0),
+        reverse=compliance_over_pi * np.sum(integrals[~is_forward], axis=0),
+        error=compliance_over_pi * np.sum(errors, axis=0),
     )
 
 
@@ -1340,7 +1340,7 @@ class LoopWorkOfSeries:
         # U counted from a datum at which ln(2 L/a) is 0 under the largest P
         self._contact = _with_moved_datum(contact, largest_load)
         self._friction = friction
-        self._compliance = 2 / (math.pi * modulus)  # A/pi, A = 2/E*
+        self._compliance_over_pi = 2 / (math.pi * modulus)  # A/pi, A = 2/E*
         # largest size of U pi/A over f, U the relative tangential displacement
         self._displacement_size = 2 * abs(float(self._contact.approach_integral(largest_load)))
         self._scaled_displacement = 0.0  # U pi/A at the end of the last block
@@ -1410,7 +1410,9 @@ class LoopWorkOfSeries:
             * self._displacement_size
             * self._total_change_of_force
         )
-        return LoopWork(self._compliance * self._scaled_integral, self._compliance * roundoff)
+        return LoopWork(
+            self._compliance_over_pi * self._scaled_integral, self._compliance_over_pi * roundoff
+        )
 
 
 def _displacement_minus_constant(

@@ -755,7 +755,7 @@ class History:
         """False: a curved path is no measured series, which would be answered at its rows."""
         return False
 
-    def default_times(self, last_cycle_only: bool, _thinned: bool = False) -> tuple[Array, int]:
+    def default_times(self, last_cycle_only: bool, _thins_rows: bool = False) -> tuple[Array, int]:
         """Instants of the answer where the user gives none, ascending: about 400 a cycle and 100 of
         the initial loading, evenly spread over each time span of stick or slip, with its ends.
 

@@ -238,7 +238,7 @@ class Recorder:
         direction: int,
         begin_station: Station,
         end_station: Station,
-        slip_zone_load: tuple[float, float] = (0.0, 0.0),
+        slip_zone_loads_at_ends: tuple[float, float] = (0.0, 0.0),
         level_rise: float = 0.0,
     ) -> None:
         """Store one record: a portion of a load step in which the stick edge moves along one line
@@ -256,7 +256,7 @@ class Recorder:
             of slip: s = 1 forward, -1 in reverse, 0 for none
         begin_station, end_station
             P, Q and the share of the step that is over, at both ends of the portion
-        slip_zone_load
+        slip_zone_loads_at_ends
             P - P_c at both ends, P_c the load at the stick edge
         level_rise
             growth of s Q - f P in the portion, >= 0; 0 without slip
@@ -272,7 +272,7 @@ class Recorder:
                 direction,
                 load_at_begin,
                 load_at_end,
-                *slip_zone_load,
+                *slip_zone_loads_at_ends,
                 level_rise,
                 step_share_at_end,
                 top_load,
@@ -316,12 +316,14 @@ def kinds_of_steps(rows: Array, friction: float) -> NDArray[np.int8]:
     curve, the tangential force of the flat punches up to each load.
     """
     # dP and dQ of each step
-    load_growth, force_rise = np.diff(rows, axis=0).T
-    limit_growth = friction * load_growth
+    load_growth, tangential_growth = np.diff(rows, axis=0).T
+    coulomb_limit_growth = friction * load_growth
     # _RATE_ROUNDOFF_SHARE: 1e-14
-    force_roundoff = _RATE_ROUNDOFF_SHARE * (np.abs(force_rise) + np.abs(limit_growth))
-    slips_forward = force_rise - limit_growth > force_roundoff
-    slips_in_reverse = -force_rise - limit_growth > force_roundoff
+    force_roundoff = _RATE_ROUNDOFF_SHARE * (
+        np.abs(tangential_growth) + np.abs(coulomb_limit_growth)
+    )
+    slips_forward = tangential_growth - coulomb_limit_growth > force_roundoff
+    slips_in_reverse = -tangential_growth - coulomb_limit_growth > force_roundoff
     kinds = np.full(len(load_growth), _STICKS, dtype=np.int8)
     kinds[slips_in_reverse] = _SLIPS_IN_REVERSE
     kinds[slips_forward] = _SLIPS_FORWARD
@@ -651,13 +653,13 @@ def _curve_after_unloading(
     *earlier_parts, last_part = _parts_of_unloading(curve, load_drop, path_slope, force_tolerance)
     part_begin_station = begin_station
     for part in earlier_parts:
-        share_at_part_end = step_share_at_begin + part.load_drop_at_end / load_drop * (
+        step_share_at_part_end = step_share_at_begin + part.load_drop_at_end / load_drop * (
             step_share_at_end - step_share_at_begin
         )
         part_end_station = (
             begin_load - part.load_drop_at_end,
             begin_force - path_slope * part.load_drop_at_end,
-            share_at_part_end,
+            step_share_at_part_end,
         )
         curve = _curve_after_unloading_part(
             curve, part.direction, part_begin_station, part_end_station, friction, recorder
@@ -685,7 +687,7 @@ class _UnloadingPart(NamedTuple):
 
 
 def _parts_of_unloading(
-    curve: Line | None, load_drop: float, path_slope: float, tolerance: float
+    curve: Line | None, load_drop: float, path_slope: float, force_tolerance: float
 ) -> list[_UnloadingPart]:
     """The parts of an unloading step, one at least, by the side of the memory curve M(P) on which
     the path runs: slip forward where Q > M(P), in reverse below it, none along it.
@@ -700,7 +702,7 @@ def _parts_of_unloading(
         next one
     load_drop, path_slope
         fall of P in the step; dQ/dP along it
-    tolerance
+    force_tolerance
         |Q - M(P)| up to which the path runs along the curve at the end of a line [force per
         thickness]
     """
@@ -723,7 +725,7 @@ def _parts_of_unloading(
             - path_slope * drop_on_line
         )
         side_at_bottom = 1 if excess_at_bottom > 0 else -1
-        if abs(excess_at_bottom) <= tolerance:
+        if abs(excess_at_bottom) <= force_tolerance:
             side_at_bottom = 0
         # The path crosses the curve within the line, or leaves it at a knot.
         if side_at_bottom * side_at_top < 0:
@@ -1061,20 +1063,20 @@ class LoadSeries:
         """Number of the first step of each part, and behind them the number of all steps."""
         return np.cumsum([0, *(len(part.rows) - 1 for part in self.parts)])
 
-    def default_times(self, last_cycle_only: bool, thinned: bool) -> tuple[Array, int]:
+    def default_times(self, last_cycle_only: bool, thins_rows: bool) -> tuple[Array, int]:
         """Instants of the answer where the user gives none, ascending, and the number of rows that
         are left out of them.
 
         Of a measured path of more than 1,000 rows the instants are all rows, or about 400 of them
-        if `thinned`. Else they are about 400 a cycle and 100 of the initial loading, evenly spread
-        over the records, portions of the load steps. With `last_cycle_only` only the last part of
-        the path counts.
+        if `thins_rows`. Else they are about 400 a cycle and 100 of the initial loading, evenly
+        spread over the records, portions of the load steps. With `last_cycle_only` only the last
+        part of the path counts.
         """
         first_part_number = len(self.parts) - 1 if last_cycle_only else 0
         if self.is_long_measurement:
             # The first step of a part begins at the row of the same number.
             row_times = self.times[self.first_steps[first_part_number] :]
-            stride = max(len(row_times) // _ROWS_OF_THINNED_ANSWER, 1) if thinned else 1
+            stride = max(len(row_times) // _ROWS_OF_THINNED_ANSWER, 1) if thins_rows else 1
             instants = np.unique(np.append(row_times[::stride], row_times[-1]))
             return instants, len(row_times) - len(instants)
         instants_of_parts = [
