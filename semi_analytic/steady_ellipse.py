@@ -1070,11 +1070,10 @@ def _work_over_phases(
 
     The integrand in each phase of slip is l'/f Lam, with Lam = int ln(a(eta)/a(P_c)) d eta from P_c
     to P, which is `kernel`(P, P - P_c). The level l is Q - f P in forward slip and -Q - f P in
-    reverse slip. It grows there at the rate l'. P_c is the load at the
-    stick edge, a the contact half-width. Phases are cut where an edge passes a corner of the
-    profile. Each interval is integrated by one of the quadrature `rules`, weights at nodes, and
-    halved until its error check is below `converged_share` of W. E* is the composite modulus, f the
-    friction.
+    reverse slip. It grows there at the rate l'. P_c is the load at the stick edge, a the contact
+    half-width. Phases are cut where an edge passes a corner of the profile. Each interval is
+    integrated by one of the quadrature `rules`, weights at nodes, and halved until its error check
+    is below `converged_share` of W. E* is the composite modulus, f the friction.
     """
 
     def work_rate(
@@ -1595,8 +1594,8 @@ def _convergence_of_intervals(
     its error, (n,) each.
 
     After three halvings an error check of 1e-14 P0^2 is enough, however small the friction work W
-    is; P0 is the mean load. The error is at
-    most 0.01 of the check where it is small, and 4 times the check where it is only negligible.
+    is; P0 is the mean load. The error is at most 0.01 of the check where it is small, and 4 times
+    the check where it is only negligible.
 
     Parameters
     ----------
@@ -2224,10 +2223,10 @@ def phase_integrals(
     _fill_tangent(nodes, g, tangent, squared_secant)
     np.divide(tangent, squared_secant, out=slip_zone_load_in_early_forward_slip)
     slip_zone_load_in_early_forward_slip *= k
-    squared_difference = tangent  # in the same memory
-    squared_difference *= beta
-    np.subtract(alpha, squared_difference, out=squared_difference)
-    squared_difference *= squared_difference
+    beta_times_tangent = tangent  # in the same memory, as are both below
+    beta_times_tangent *= beta
+    difference = np.subtract(alpha, beta_times_tangent, out=beta_times_tangent)
+    squared_difference = np.multiply(difference, difference, out=difference)
     np.divide(squared_difference, squared_secant, out=stick_edge_load_in_early_forward_slip)
     stick_edge_load_in_early_forward_slip += least_load
 
@@ -2321,10 +2320,10 @@ class LamTable:
 
         a is the contact half-width over b, half the length of the flat. The kernel Lam of the
         friction work follows from J and L; dL/dP serves two loads close together, where differences
-        of J and L lose digits. `contact` is that of a flat and
-        rounded face, b its `least_half_width`. The cell number is the leading bits of the load:
-        exponent (1023 for 1) and four bits of fraction. _CHEBYSHEV_POINTS are twelve points of [-1,
-        1]; _VALUES_TO_POWERS turns values there into coefficients of powers.
+        of J and L lose digits. `contact` is that of a flat and rounded face, b its
+        `least_half_width`. The cell number is the leading bits of the load: exponent (1023 for 1)
+        and four bits of fraction. _CHEBYSHEV_POINTS are twelve points of [-1, 1]; _VALUES_TO_POWERS
+        turns values there into coefficients of powers.
         """
         # number of the first cell by the leading bits of the load: exponent and four bits of
         # fraction
@@ -2342,11 +2341,10 @@ class LamTable:
         contact_with_datum = replace(contact, datum_length=contact.least_half_width / 2)
         integral_of_log = -contact_with_datum.approach_integral(load)
         log_half_width = -contact_with_datum.log_datum_ratio(load)
-        # Over a short range about the load Lam is half of its square times L', but for a share of
-        # 3e-14.
+        # Over a short range of loads Lam is half of its square times L' at the load a third of the
+        # range above the lower end, but for a share of 3e-14.
         load_range = 1e-6 * load
         with np.errstate(all="ignore"):
-            # by Lam of a short range of loads
             slope_of_log = (
                 2
                 * contact_with_datum.dissipation_kernel(load + load_range * (2 / 3), load_range)
