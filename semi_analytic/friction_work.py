@@ -588,7 +588,8 @@ def slip_times(span: Span, contact_edge_load: Array) -> tuple[Array, Array]:
     # From the change itself: where P hardly moves, the difference of the loads at both ends may
     # have the wrong sign by round-off.
     load_change = float(segment.change_of(NORMAL_LOAD, end_instant.time, begin_instant.time))
-    # P grows by more than next to nothing: the edge of contact may reach the point from within.
+    # P grows, by LEAST_LOAD_CHANGE = 1e-290 or more: the edge of contact may reach the point from
+    # within.
     if load_change >= LEAST_LOAD_CHANGE:
         time_of_first_contact = np.where(
             contact_edge_load >= end_instant.normal_load, end_instant.time, time_of_contact_edge
@@ -1061,8 +1062,8 @@ def work_error(contact: Contact, records: Records) -> float:
     n_records = len(records.step_number)
     if contact.has_closed_form or not n_records:
         return 0.0
-    sampled_indices = np.unique(np.linspace(0, n_records - 1, _SAMPLED_RECORDS).astype(int))
-    sampled_records = records.take(sampled_indices)
+    sampled_record_numbers = np.unique(np.linspace(0, n_records - 1, _SAMPLED_RECORDS).astype(int))
+    sampled_records = records.take(sampled_record_numbers)
     # P and P - P_c at both ends of the sampled records
     load = np.append(sampled_records.load_at_begin, sampled_records.load_at_end)
     slip_zone_load = np.append(
@@ -1207,8 +1208,8 @@ class _SlippingPairs(NamedTuple):
 
     @classmethod
     def of_parts(cls, parts: _RecordParts, x: Array, contact_edge_loads: Array) -> _SlippingPairs:
-        """All pairs of some parts of slip records and points |x| = `x` (k,); `contact_edge_loads`
-        (k,) is P_x of each point.
+        """All pairs of some parts of slip records and points |x| = `x` (k,) that slip in them;
+        `contact_edge_loads` (k,) is P_x, the load at which the edge of contact is at each point.
         """
         loads = _LinearLoads.of_parts(parts)
         # of the part, between which each point slips, (parts, k) each
@@ -1519,7 +1520,7 @@ def integrals_by_halving(
     all_cut_places = np.append(cut_places, np.inf)
     integrals = np.zeros(len(begin_places))
     errors = np.zeros(len(begin_places))
-    allowed_errors = np.broadcast_to(allowed_error, begin_places.shape)
+    allowed_error_of_integrand = np.broadcast_to(allowed_error, begin_places.shape)
     estimates_of_parts = first_estimate
     if estimates_of_parts is None:
         estimates_of_parts = integrate_parts(
@@ -1539,7 +1540,7 @@ def integrals_by_halving(
         changes_by_halving = np.abs(sums_of_halves - estimates_of_parts)
 
         is_final = (
-            (changes_by_halving <= allowed_errors[parts.integrand_number])
+            (changes_by_halving <= allowed_error_of_integrand[parts.integrand_number])
             | ~np.isfinite(changes_by_halving)
             | parts.are_halved_no_more(is_cut_at_place, len(integrals))
         )

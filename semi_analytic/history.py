@@ -792,11 +792,11 @@ class History:
         InputError
             For a time outside the path.
         """
-        span_number, times_in_segments = self._spans_at(time)
+        span_number_of_instant, times_in_segments = self._spans_at(time)
         # times of each span, in the time of its load segments
-        order_by_span = np.argsort(span_number, kind="stable")
+        order_by_span = np.argsort(span_number_of_instant, kind="stable")
         span_numbers, first_position_of_span = np.unique(
-            span_number[order_by_span], return_index=True
+            span_number_of_instant[order_by_span], return_index=True
         )
         times_of_spans = np.split(times_in_segments[order_by_span], first_position_of_span[1:])
         # states in the order of the spans

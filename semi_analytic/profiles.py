@@ -360,8 +360,8 @@ _CONVERGED_LOG_STEP = 3e-9
 
 
 def edge_advance_function(
-    load: Function,
-    stiffness: Function,
+    load_at: Function,
+    stiffness_at: Function,
     reference_length: float,
     corner_advance: float = 0.0,
     advance_limit: float = math.inf,
@@ -374,7 +374,7 @@ def edge_advance_function(
 
     Parameters
     ----------
-    load, stiffness
+    load_at, stiffness_at
         P and dP/dd as functions of arrays d [length]
     reference_length
         a length of the profile; from 1e-22 to 1e15 of it, `advance_limit` at most, the cubic is
@@ -392,7 +392,7 @@ def edge_advance_function(
 
     @cache
     def table() -> _LogTable:
-        return _log_table(load, stiffness, reference_length, corner_advance, advance_limit)
+        return _log_table(load_at, stiffness_at, reference_length, corner_advance, advance_limit)
 
     def edge_advance(loads: Array) -> Array:
         """Advance d [length] of the contact edge beyond the half-width without load, under each of
@@ -405,7 +405,7 @@ def edge_advance_function(
         positive_loads = np.where(loads > 0, loads, 1.0)
         advance, least_advance, largest_advance = table().first_guess(np.log(positive_loads))
         for _ in range(60):
-            load_at_advance = load(advance)
+            load_at_advance = load_at(advance)
             is_below = load_at_advance < positive_loads
             least_advance = np.where(is_below, advance, least_advance)
             largest_advance = np.where(is_below, largest_advance, advance)
@@ -413,7 +413,7 @@ def edge_advance_function(
                 log_step = (
                     np.log(positive_loads / load_at_advance)
                     * load_at_advance
-                    / (advance * stiffness(advance))
+                    / (advance * stiffness_at(advance))
                 )
             newton_advance = advance * np.exp(np.clip(log_step, -1.0, 1.0))
             is_within_bounds = (newton_advance >= least_advance) & (
@@ -421,6 +421,7 @@ def edge_advance_function(
             )
             geometric_mean = np.sqrt(least_advance * largest_advance)
             advance = np.where(is_within_bounds, newton_advance, geometric_mean)
+            # _CONVERGED_LOG_STEP: 3e-9
             has_converged = (np.abs(log_step) < _CONVERGED_LOG_STEP) | (
                 largest_advance <= least_advance * (1 + 1e-15)
             )
@@ -476,8 +477,8 @@ class _LogTable(NamedTuple):
 
 
 def _log_table(
-    load: Function,
-    stiffness: Function,
+    load_at: Function,
+    stiffness_at: Function,
     reference_length: float,
     corner_advance: float,
     advance_limit: float,
@@ -491,7 +492,7 @@ def _log_table(
 
     Parameters
     ----------
-    load, stiffness
+    load_at, stiffness_at
         P and dP/dd as functions of d
     reference_length
         a length of the profile; the table covers 22 decades of d below and 15 above it [length]
@@ -507,7 +508,7 @@ def _log_table(
     advances = np.append(np.exp(log_advances), [corner_advance, advance_limit])
     advances = np.unique(advances[(advances > 0) & np.isfinite(advances)])
     with np.errstate(all="ignore"):
-        loads = load(advances)
+        loads = load_at(advances)
         # Rows with a load that neither vanishes nor overflows, and each load once.
         usable_row_numbers = np.flatnonzero((loads > 1e-290) & (loads < 1e290))
         log_loads, first_row_number_of_each_load = np.unique(
@@ -521,7 +522,7 @@ def _log_table(
         advances = advances[first_rising_row_number:]
         log_loads = log_loads[first_rising_row_number:]
         # slope of ln d over ln P, P/d over dP/dd, and that of the chord between neighbouring rows
-        slopes = np.exp(log_loads) / (advances * stiffness(advances))
+        slopes = np.exp(log_loads) / (advances * stiffness_at(advances))
         chord_slopes = np.diff(np.log(advances)) / np.diff(log_loads)
     # As long as no slope is more than three times that of a chord beside it the cubic rises.
     least_chord_slopes = np.minimum(
@@ -1240,6 +1241,7 @@ def _sums_over_all_knots(knot_sums: _KnotSums, knot_of_interval: Array, distance
         )
         # It still has the series of the wider group of which it was a half.
         group = knot_sums.with_far_knots(group, half_width_range)
+        # _MOST_INTERVALS_OF_GROUP: 32
         if group.end_interval_number - group.first_interval_number > _MOST_INTERVALS_OF_GROUP:
             middle_interval_number = (group.first_interval_number + group.end_interval_number) // 2
             groups.append(group._replace(end_interval_number=middle_interval_number))
@@ -1394,10 +1396,10 @@ def law_of_function(modulus: float, profile: CallableProfile) -> ContactLaw:
     # P and dP/da as functions of the advance d of the edge beyond the half-width without load, and
     # d as a function of the load
     load_or_stiffness = partial(_load_or_stiffness, series_of_ranges, least_half_width)
-    load = partial(load_or_stiffness, derivative_order=0)
-    stiffness = partial(load_or_stiffness, derivative_order=1)
+    load_at = partial(load_or_stiffness, derivative_order=0)
+    stiffness_at = partial(load_or_stiffness, derivative_order=1)
     advance_under_load = edge_advance_function(
-        load, stiffness, profile.extent, advance_limit=profile.extent - least_half_width
+        load_at, stiffness_at, profile.extent, advance_limit=profile.extent - least_half_width
     )
 
     def edge_advance(loads: Array) -> Array:
@@ -1412,11 +1414,11 @@ def law_of_function(modulus: float, profile: CallableProfile) -> ContactLaw:
             )
         return advance_under_load(loads)
 
-    _require_no_split(stiffness, least_half_width, half_width_ranges)
+    _require_no_split(stiffness_at, least_half_width, half_width_ranges)
     return ContactLaw(
-        load=load,
+        load=load_at,
         edge_advance=edge_advance,
-        stiffness=stiffness,
+        stiffness=stiffness_at,
         least_half_width=least_half_width,
         corner_half_widths=tuple(corners_beyond_flat),
         exponent=series_of_ranges[0].exponent_of_load if not least_half_width else 2.0,
@@ -1428,12 +1430,12 @@ def law_of_function(modulus: float, profile: CallableProfile) -> ContactLaw:
 
 
 def _require_no_split(
-    stiffness: Function, least_half_width: float, half_width_ranges: list[tuple[float, float]]
+    stiffness_at: Function, least_half_width: float, half_width_ranges: list[tuple[float, float]]
 ) -> None:
     """Refuse a profile under which the contact would split: InputError with the least half-width at
     which dP/da < 0, by more than round-off.
 
-    `stiffness` is dP/da as a function of the half-width a beyond `least_half_width`, that without
+    `stiffness_at` is dP/da as a function of the half-width a beyond `least_half_width`, that without
     load. It is sampled at 200 half-widths of each of the ranges between two corners of the profile.
     """
     half_widths = np.unique(
@@ -1444,7 +1446,7 @@ def _require_no_split(
             ]
         )
     )
-    stiffness_at_samples = stiffness(half_widths - least_half_width)
+    stiffness_at_samples = stiffness_at(half_widths - least_half_width)
     is_negative = stiffness_at_samples < -1e-10 * np.max(stiffness_at_samples)
     if np.any(is_negative):
         raise InputError(
@@ -1534,8 +1536,8 @@ def _series_behind_corner(
     # round-off of the corner: there it is the end of the range. From the middle on it is the end of
     # each octave.
     u_of_reference_values = interval_ends[-1:] if is_in_square_root else interval_ends[1:]
-    # Errors that are negligible, of P and of dP/da. Those that the round-off of a height function
-    # leaves, `relative_load_errors`, are no more than noise.
+    # Errors that are negligible, of P (4e-15 of it) and of dP/da (1e-12). Those that the round-off
+    # of a height function leaves, `relative_load_errors`, are no more than noise.
     negligible_shares = (
         max(_NEGLIGIBLE_LOAD_SHARE, profile.relative_load_errors.load),
         max(_NEGLIGIBLE_STIFFNESS_SHARE, profile.relative_load_errors.stiffness),

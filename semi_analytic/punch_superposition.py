@@ -1348,7 +1348,8 @@ def primitive_of(
         `least_half_width` is a_0
     """
     range_ends = _ends_of_smooth_ranges(largest_advance, law)
-    # each smooth range of each point, cut further where v is long
+    # each smooth range of each point, cut further where v is long (_LARGEST_PANEL_LENGTH: 1.2 of
+    # "pressure", 0.8 of "outside")
     panels_of_points = _panels_of_points(
         kind, x, law.least_half_width, range_ends, law.corner_advances
     )
@@ -1469,6 +1470,7 @@ def _resolved_series(
         sizes_of_last_coefficients = truncation_error(coefficients)
         truncation_errors = sizes_of_last_coefficients * ((panels.end_v - panels.begin_v) / 2)
         integral_sizes = _sizes_of_integrals(kind, load_power, panels, coefficients, law)
+        # _NEGLIGIBLE_COEFFICIENT_SHARE: 4e-15
         has_small_error = truncation_errors <= _NEGLIGIBLE_COEFFICIENT_SHARE * integral_sizes
         # Last coefficients of more than 0.9 of those of the panel that was halved are round-off.
         has_roundoff_alone = (
@@ -1519,7 +1521,7 @@ def _series_of_integrand(
     kind: IntegralKind, load_power: int, panels: Panels, law: ContactLaw
 ) -> Array:
     """Coefficients (n, nodes) of the Chebyshev series of an integrand over the variable v, one
-    series on each of n panels, in chunks that bound the memory.
+    series on each of n panels, in chunks of 20,000 panels, which bound the memory.
 
     Parameters
     ----------
@@ -1652,14 +1654,14 @@ def _panels_of_points(
             end_advance=np.minimum(ranges.end_advance, advance_to_x),
             scale=np.sqrt(np.maximum(advance_to_x - corner_advance, 0.0)),
         )
-    nonempty_ranges = np.nonzero(ranges.end_advance > ranges.begin_advance)
-    point_number, _ = nonempty_ranges
-    advance_at_v0 = ranges.advance_at_v0[nonempty_ranges]
-    scale = ranges.scale[nonempty_ranges]
+    indices_of_nonempty_ranges = np.nonzero(ranges.end_advance > ranges.begin_advance)
+    point_number, _ = indices_of_nonempty_ranges
+    advance_at_v0 = ranges.advance_at_v0[indices_of_nonempty_ranges]
+    scale = ranges.scale[indices_of_nonempty_ranges]
     begin_v, end_v = (
         _integration_variable(
             kind,
-            boundary_advances[nonempty_ranges],
+            boundary_advances[indices_of_nonempty_ranges],
             distance_beyond_flat[point_number],
             advance_at_v0,
             scale,

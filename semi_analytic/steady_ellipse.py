@@ -1044,6 +1044,7 @@ def _work_by_table(
     digits of P - P_c times the slope of ln a, not of itself: that error is added. E* is the
     composite modulus, f the friction.
     """
+    # _PHASE_RULES: Gauss' rules of 20 and 24 nodes; _CONVERGED_COEFFICIENT_SHARE: 3e-8 of W
     works_and_error = _work_over_phases(
         ellipses,
         contact,
@@ -1204,8 +1205,8 @@ def _work_over_loads(
         )
         return weight * (log_half_width(load) - log_at_mean_load[ellipse_number])
 
-    # (courses, m) and (m,); _LEAST_WORK_OVER_SQUARED_LOAD: error checks are relative to 50 P0^2 at
-    # least
+    # (courses, m) and (m,). _COURSE_RULES: Gauss' rules of 8 to 24 nodes. An error check converges
+    # below _CONVERGED_COEFFICIENT_SHARE = 3e-8 of W, or of 50 P0^2 where that is more.
     works_of_courses, error_of_work = _integrals_by_group(
         ellipses,
         _intervals_of_courses(ellipses, cut_loads),
@@ -1645,10 +1646,10 @@ def _integrals_of_intervals(
     integrals = np.empty(len(intervals.ellipse_number))
     largest_checks = np.empty(len(intervals.ellipse_number))
     for rule_number, rule in enumerate(rules):
-        intervals_of_rule = np.flatnonzero(intervals.rule_number == rule_number)
+        interval_numbers_of_rule = np.flatnonzero(intervals.rule_number == rule_number)
         intervals_at_once = _INTERVAL_NODES_AT_ONCE // len(rule.weight)
-        for first_interval_number in range(0, len(intervals_of_rule), intervals_at_once):
-            interval_numbers = intervals_of_rule[
+        for first_interval_number in range(0, len(interval_numbers_of_rule), intervals_at_once):
+            interval_numbers = interval_numbers_of_rule[
                 first_interval_number : first_interval_number + intervals_at_once
             ]
             begin_angle = intervals.begin_angle[interval_numbers]
