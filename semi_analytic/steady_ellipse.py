@@ -1120,11 +1120,11 @@ def _intervals_of_phases(ellipses: Ellipses, corner_loads: Array, n_rules: int) 
     is_below_largest_load = corner_loads < 1.01 * np.max(
         ellipses.mean_load + ellipses.load_amplitude, initial=0.0
     )
-    corners_in_range = corner_loads[is_above_least_load & is_below_largest_load, None]
+    corner_loads_in_range = corner_loads[is_above_least_load & is_below_largest_load, None]
     intervals_of_phases = []
     # (cuts, m) ascending, for each phase
     for phase_number, cut_angles in enumerate(
-        cut_angles_of_phases(ellipses, corners_in_range).values()
+        cut_angles_of_phases(ellipses, corner_loads_in_range).values()
     ):
         has_length = np.diff(cut_angles, axis=0) > 1e-14 * cut_angles[-1]
         # intervals with a length, of ellipses in which something slips
@@ -1468,7 +1468,7 @@ def log_weight_and_load(course_name: str, ellipses: Ellipses, angle: Array) -> t
 
 def _log_weight_and_stick_edge_load(
     ellipses: Ellipses,
-    amplitude_of_stick_load: Array,
+    amplitude_of_stick_edge_load: Array,
     amplitude_of_slip_zone_load: Array,
     angle_at_no_slip: Array,
     squared_sine_of_half: Array,
@@ -1478,7 +1478,7 @@ def _log_weight_and_stick_edge_load(
     """Weight of ln a per rad in the friction work W pi E*/(2 f^2), and the load, along the course
     of P_c in reverse slip (E-G) or later forward slip (J-M).
 
-        P_c = P_T + `amplitude_of_stick_load` `squared_sine_of_half`
+        P_c = P_T + `amplitude_of_stick_edge_load` `squared_sine_of_half`
         P - P_c = `amplitude_of_slip_zone_load`/2 (1 - cos(angle - `angle_at_no_slip`))
 
     The weight is w P_c' - w' (P - P_c), over f, from W by parts; w = +-Q - f P counts from its
@@ -1488,10 +1488,10 @@ def _log_weight_and_stick_edge_load(
     amplitudes are v, u in reverse slip and u, v in forward slip, those of (Q -+ f P)/f. E* is the
     composite modulus.
     """
-    load_above_permanent_stick = amplitude_of_stick_load * squared_sine_of_half
+    load_above_permanent_stick = amplitude_of_stick_edge_load * squared_sine_of_half
     cosine_from_no_slip = np.cos(angle_at_no_slip) * cosine + np.sin(angle_at_no_slip) * sine
     slip_zone_load = amplitude_of_slip_zone_load / 2 * (1 - cosine_from_no_slip)
-    weight = amplitude_of_stick_load * sine * (load_above_permanent_stick - slip_zone_load)
+    weight = amplitude_of_stick_edge_load * sine * (load_above_permanent_stick - slip_zone_load)
     return weight, ellipses.permanent_stick_load + load_above_permanent_stick
 
 
