@@ -36,9 +36,9 @@ def coupling_constant(materials: Materials) -> float:
 
     # notation: G shear modulus, nu Poisson's ratio; 1 the upper body, 2 the lower one
 
-    >>> soft = Elastic(young_modulus=2.0, poisson_ratio=0.0)
-    >>> stiff = Elastic(young_modulus=2e9, poisson_ratio=0.0)
-    >>> round(coupling_constant(Materials(upper=soft, lower=stiff)), 6)
+    >>> soft_body = Elastic(young_modulus=2.0, poisson_ratio=0.0)
+    >>> stiff_body = Elastic(young_modulus=2e9, poisson_ratio=0.0)
+    >>> round(coupling_constant(Materials(upper=soft_body, lower=stiff_body)), 6)
     0.5
     """
     nu_1 = materials.upper.poisson_ratio

@@ -282,8 +282,8 @@ def unload_to(curve: Curve, load: float) -> Curve:
 
     >>> from scenes import StraightSegment
     >>> segment = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
-    >>> remaining = unload_to(load_in_stick(None, segment, 0.0, instant(segment, 1.0)), 0.5)
-    >>> remaining.top_load, float(force_up_to(remaining, 0.5))
+    >>> remaining_curve = unload_to(load_in_stick(None, segment, 0.0, instant(segment, 1.0)), 0.5)
+    >>> remaining_curve.top_load, float(force_up_to(remaining_curve, 0.5))
     (0.5, 0.25)
     """
     while curve is not None and curve.bottom_load >= load:
@@ -342,15 +342,17 @@ def slip_to(
     first loading by the same dQ.
 
     >>> from scenes import StraightSegment
-    >>> forward = Piece(
+    >>> forward_piece = Piece(
     ...     None,
     ...     1.0,
     ...     Instant(StraightSegment(0.0, 1.0, (1.0, 0.0), (1.0, 0.5)), 1.0, 1.0, 0.5),
     ...     0.5,
     ... )  # M = f eta
-    >>> back = StraightSegment(1.0, 2.0, (1.0, 0.5), (1.0, 0.3))
-    >>> slip_zone_load = float(load_of_slip_zone(forward, -1, 0.5, back, 2.0))
-    >>> reversed_curve = slip_to(forward, -1, 0.5, instant(back, 2.0), slip_zone_load)
+    >>> reverse_segment = StraightSegment(1.0, 2.0, (1.0, 0.5), (1.0, 0.3))
+    >>> slip_zone_load = float(load_of_slip_zone(forward_piece, -1, 0.5, reverse_segment, 2.0))
+    >>> reversed_curve = slip_to(
+    ...     forward_piece, -1, 0.5, instant(reverse_segment, 2.0), slip_zone_load
+    ... )
     >>> forces = force_up_to(reversed_curve, [0.4, 0.8, 1.0])
     >>> round(slip_zone_load, 12), forces.round(12).tolist()
     (0.2, [0.2, 0.4, 0.3])
@@ -430,8 +432,8 @@ def load_of_slip_zone(
 
     >>> from scenes import StraightSegment
     >>> segment = StraightSegment(0.0, 1.0, (1.0, 0.0), (1.0, 0.3))
-    >>> pressed = Piece(None, 1.0, instant(segment, 0.0), 0.0)  # P = 1, Q = 0
-    >>> round(float(load_of_slip_zone(pressed, 1, 0.5, segment, 1.0)), 12)  # Q/f
+    >>> pressed_piece = Piece(None, 1.0, instant(segment, 0.0), 0.0)  # P = 1, Q = 0
+    >>> round(float(load_of_slip_zone(pressed_piece, 1, 0.5, segment, 1.0)), 12)  # Q/f
     0.6
     """
     # an arc: a curved part of the load path, passed in full stick

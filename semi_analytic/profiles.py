@@ -1435,9 +1435,9 @@ def _require_no_split(
     """Refuse a profile under which the contact would split: InputError with the least half-width at
     which dP/da < 0, by more than round-off.
 
-    `stiffness_at` is dP/da as a function of the half-width a beyond `least_half_width`, that
-    without load. It is sampled at 200 half-widths of each of the ranges between two corners of the
-    profile.
+    `stiffness_at` is dP/da as a function of the advance of a beyond `least_half_width`, the
+    half-width without load. It is sampled at 200 half-widths of each of the ranges between two
+    corners of the profile.
     """
     half_widths = np.unique(
         np.concatenate(

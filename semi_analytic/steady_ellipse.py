@@ -868,10 +868,13 @@ def works_over_time(ellipses: Ellipses, contact: Contact) -> tuple[Array, Array]
     >>> loop = ellipses_of(
     ...     *(np.array([value]) for value in (1.0, 0.0, 0.3, math.pi / 2, 0.5))
     ... )  # k = 0.6
-    >>> forward, reverse = works_over_time(
+    >>> forward_work, reverse_work = works_over_time(
     ...     loop, HertzContact(modulus=1.0, radius=1.0, datum_length=1.0)
     ... )
-    >>> round(float(forward[0] + reverse[0]), 12), round(2 * (0.4 * math.log(0.4) + 0.6 - 0.18), 12)
+    >>> (
+    ...     round(float(forward_work[0] + reverse_work[0]), 12),
+    ...     round(2 * (0.4 * math.log(0.4) + 0.6 - 0.18), 12),
+    ... )
     (0.106967414501, 0.106967414501)
     """
     # the last value is the error; _GRADED_RULES: the rule for singular ends alone;
