@@ -1678,9 +1678,9 @@ class _Batch:
         `ellipses` are the steady load ellipses of these loads, with Q -> -Q where `is_mirrored`
         (m,). `largest_load` is what the profile carries up to its end.
         """
-        mean_tangential = np.where(is_mirrored, -loads.mean_tangential, loads.mean_tangential)
+        mean_tangential_load = np.where(is_mirrored, -loads.mean_tangential, loads.mean_tangential)
         reason_codes = _reasons_of_loads(
-            ellipses, mean_tangential, loads.tangential_amplitude, loads.friction
+            ellipses, mean_tangential_load, loads.tangential_amplitude, loads.friction
         )
         is_load_too_large = loads.mean_normal + loads.normal_amplitude > self.largest_load
         reason_codes[(reason_codes == Reason.NONE) & is_load_too_large] = Reason.EXTENT

@@ -691,9 +691,11 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
     # one range of time for each span
     spans_with_ranges = [_range_of_span(span) for span in spans]
     # -int U dQ over ranges of time, times pi/A
-    work_along = partial(_works_of_ranges, displacement_integrals)
+    integrate_ranges = partial(_works_of_ranges, displacement_integrals)
     # A/pi times the sum over all spans
-    integral_of_loop = _work_over_spans(contact, modulus, spans_with_ranges, 1, work_along).total[0]
+    integral_of_loop = _work_over_spans(
+        contact, modulus, spans_with_ranges, 1, integrate_ranges
+    ).total[0]
     return LoopWork(float(integral_of_loop), 2 / (math.pi * modulus) * roundoff)
 
 
@@ -1316,8 +1318,8 @@ def _shares_in_slip(loads: _LinearLoads, contact_edge_load_of_points: Array) -> 
     largest_load = np.maximum(load_at_begin, load_at_begin + load_growth)
     end_share = np.where(contact_edge_load_of_points < largest_load, end_share, 0.0)
     # Where the contact grows a point slips from when the edge of contact reaches it.
-    begin_in_growth = np.maximum(begin_share, share_at_contact_edge)
-    return np.where(load_growth > 0, begin_in_growth, begin_share), end_share
+    begin_share_in_growth = np.maximum(begin_share, share_at_contact_edge)
+    return np.where(load_growth > 0, begin_share_in_growth, begin_share), end_share
 
 
 class LoopWorkOfSeries:

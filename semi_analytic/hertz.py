@@ -206,25 +206,31 @@ class HertzContact:
 
     load_at = load
 
-    def arccosh_ratio(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
-        """arccosh(|x|/a(eta)) of a point x outside a flat punch, from `excess` P_x - eta >= 0 and
-        `advance` a(eta); 0 for a = 0. P_x is the load at which the edge of contact is at x, a(eta)
-        the half-width under the load eta; a^2/P is `square_width_per_load`.
+    def arccosh_ratio(
+        self, x: ArrayLike, load_difference: ArrayLike, half_width_of_punch: ArrayLike
+    ) -> Array:
+        """arccosh(|x|/a(eta)) of a point x outside a flat punch, from `load_difference` P_x - eta
+        >= 0 and `half_width_of_punch` a(eta); 0 for a = 0. P_x is the load at which the edge of
+        contact is at x, a(eta) the half-width under the load eta; a^2/P is `square_width_per_load`.
         """
         del x
-        half_width = np.asarray(advance, dtype=float)
+        half_width = np.asarray(half_width_of_punch, dtype=float)
         return np.arcsinh(
-            np.sqrt(self.square_width_per_load * np.asarray(excess, dtype=float))
+            np.sqrt(self.square_width_per_load * np.asarray(load_difference, dtype=float))
             / np.where(half_width > 0, half_width, np.inf)
         )
 
-    def inverse_root(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
-        """1/sqrt(a(eta)^2 - x^2) of a point x inside a flat punch, from `excess` eta - P_x > 0; 0
-        where that is 0. P_x is the load at which the edge of contact is at x, a(eta) the half-width
-        under the load eta; a^2/P is `square_width_per_load`.
+    def inverse_root(
+        self, x: ArrayLike, load_difference: ArrayLike, half_width_of_punch: ArrayLike
+    ) -> Array:
+        """1/sqrt(a(eta)^2 - x^2) of a point x inside a flat punch, from `load_difference` eta - P_x
+        > 0; 0 where that is 0. P_x is the load at which the edge of contact is at x, a(eta) the
+        half-width under the load eta; a^2/P is `square_width_per_load`.
         """
-        del x, advance
-        difference_of_squares = self.square_width_per_load * np.asarray(excess, dtype=float)
+        del x, half_width_of_punch
+        difference_of_squares = self.square_width_per_load * np.asarray(
+            load_difference, dtype=float
+        )
         return 1 / np.sqrt(np.where(difference_of_squares > 0, difference_of_squares, np.inf))
 
     def quadrature_error(self, name: str, *arguments: ArrayLike) -> Array:

@@ -355,7 +355,9 @@ class PunchSuperposition:
 
     # --- kernels between a load and a point, from differences of load that are free of cancellation
 
-    def arccosh_ratio(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
+    def arccosh_ratio(
+        self, x: ArrayLike, load_difference: ArrayLike, punch_advance: ArrayLike
+    ) -> Array:
         """arccosh(|x|/a) of a point x outside a flat punch of half-width a(eta), with all its
         digits close to the punch; eta is the load under which the contact is as wide as the punch.
 
@@ -366,27 +368,29 @@ class PunchSuperposition:
         ----------
         x
             place of the point [length]
-        excess
+        load_difference
             P_x - eta >= 0, P_x the load at which the edge of contact reaches x [force per
             thickness]
-        advance
+        punch_advance
             a(eta) - a(0) [length]
         """
         # `_advance_to`: |x| - a(0), at least 0
-        advance_to_x, load_difference, punch_advance = np.broadcast_arrays(
-            self._advance_to(x), as_floats(excess), as_floats(advance)
+        advance_to_x, load_differences, punch_advances = np.broadcast_arrays(
+            self._advance_to(x), as_floats(load_difference), as_floats(punch_advance)
         )
-        punch_half_width = punch_advance + self.least_half_width
+        punch_half_width = punch_advances + self.least_half_width
         # x^2 - a^2, without cancellation
         difference_of_squares = self._difference_of_squares(
-            punch_advance, np.maximum(advance_to_x, punch_advance), load_difference
+            punch_advances, np.maximum(advance_to_x, punch_advances), load_differences
         )
         return np.arcsinh(
             np.sqrt(difference_of_squares)
             / np.where(punch_half_width > 0, punch_half_width, np.inf)
         )
 
-    def inverse_root(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
+    def inverse_root(
+        self, x: ArrayLike, load_difference: ArrayLike, punch_advance: ArrayLike
+    ) -> Array:
         """1/sqrt(a^2 - x^2) [1/length] of a point x inside a flat punch of half-width a(eta): pi
         times the pressure of the punch per load. `least_half_width` is a(0). Where the root is 0
         the value is 0.
@@ -395,19 +399,19 @@ class PunchSuperposition:
         ----------
         x
             place of the point [length]
-        excess
+        load_difference
             eta - P_x > 0, eta the load under which the contact is as wide as the punch, P_x that
             at which its edge reaches x [force per thickness]
-        advance
+        punch_advance
             a(eta) - a(0) [length]
         """
-        distance_from_middle, load_difference, punch_advance = np.broadcast_arrays(
-            np.abs(as_floats(x)), as_floats(excess), as_floats(advance)
+        distance_from_middle, load_differences, punch_advances = np.broadcast_arrays(
+            np.abs(as_floats(x)), as_floats(load_difference), as_floats(punch_advance)
         )
-        advance_to_x = np.minimum(distance_from_middle - self.least_half_width, punch_advance)
+        advance_to_x = np.minimum(distance_from_middle - self.least_half_width, punch_advances)
         # a^2 - x^2, without cancellation
         difference_of_squares = self._difference_of_squares(
-            advance_to_x, punch_advance, load_difference
+            advance_to_x, punch_advances, load_differences
         )
         return 1 / np.sqrt(np.where(difference_of_squares > 0, difference_of_squares, np.inf))
 
@@ -591,7 +595,7 @@ class PunchSuperposition:
 
         `load` is P, `load_above_stick` is P - P_c, P_c the load at the stick edge. P_c is their
         difference, known to the last digit of P. It is taken as a quarter of that digit at least:
-        of P_c = 0 the logarithm would be 700.
+        for P_c = 0 the logarithm would be 700.
         """
         stick_edge_load = np.maximum(load - load_above_stick, _EPS / 4 * load)
         contact_advance, stick_advance = self.law.edge_advance(np.stack([load, stick_edge_load]))
@@ -615,8 +619,8 @@ class PunchSuperposition:
         integrals_to_both_edges, _ = self._load_per_width_integral_and_error(
             0, np.stack([contact_advance, stick_advance])
         )
-        integral_to_contact, integral_to_stick = integrals_to_both_edges
-        return load * log_width_ratio - (integral_to_contact - integral_to_stick)
+        integral_to_contact, integral_to_stick_edge = integrals_to_both_edges
+        return load * log_width_ratio - (integral_to_contact - integral_to_stick_edge)
 
     def _kernel_as_integral(self, load: Array, load_above_stick: Array) -> Array:
         """Kernel Lam(P, P_c) of the friction work as the integral of (P - eta) d ln(a(eta)) over
