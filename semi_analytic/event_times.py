@@ -235,8 +235,8 @@ def _unlettered_events(history: History) -> Iterator[Event]:
 
 
 def _is_same_piece(first_piece: Curve, second_piece: Curve) -> bool:
-    """Whether two pieces of memory curves lie on one smooth curve: both come from growth in stick
-    along one curved segment of the load path, or they have equal anchor and slope.
+    """Whether two pieces of memory curves continue each other smoothly: both come from growth in
+    stick along one curved segment of the load path, or they have equal anchor and slope.
 
     A memory curve M(eta) is the tangential force of the flat punches up to the load eta. The anchor
     of a piece is the instant of the load path through whose P and Q it passes. None: nothing
@@ -319,11 +319,11 @@ def _time_by_letter(history: History) -> dict[str, float]:
     """Times of the events A to M of figure 2 of Davies, Barber and Hills (2012) on a steady ellipse
     of loads; empty without such an ellipse.
 
-    At most of them u = Q - f P, v = Q + f P, P or Q is largest or least, for the first time after
-    the events before it. A is the start of the cycle. Full stick ends at B and I, forward slip at E
-    and M, reverse slip at G. J is as long after I as I is after G: the stick edge is then where it
-    was at G. A clockwise ellipse is mirrored, Q for -Q; times are in rad. Loads on a straight line,
-    an ellipse of no area, have no letters: C and D would coincide. f is the friction.
+    At most of them P, Q, u = Q - f P or v = Q + f P (f friction) is largest or least, for the first
+    time after the events before it. A is the start of the cycle. Full stick ends at B and I,
+    forward slip at E and M, reverse slip at G. J is as long after I as I is after G: the stick edge
+    is then where it was at G. A clockwise ellipse is mirrored, Q for -Q; times are in rad. Loads on
+    a straight line, an ellipse of no area, have no letters: C and D would coincide.
     """
     if history.ellipse_of_cycle is None or history.steady_from is None:
         return {}
@@ -361,10 +361,10 @@ def _time_by_letter(history: History) -> dict[str, float]:
     }
     revolution = 2 * math.pi
     time_of_event = {"A": history.ellipse_of_cycle.start}
-    for letter, extreme in extreme_by_letter.items():
+    for letter, extreme_code in extreme_by_letter.items():
         # on the ellipse, up to whole revolutions
-        time = ellipse.time_of_largest(load_combinations[extreme[:-1]])
-        if extreme.endswith("-"):
+        time = ellipse.time_of_largest(load_combinations[extreme_code[:-1]])
+        if extreme_code.endswith("-"):
             time += math.pi  # half a revolution from the maximum to the minimum
         revolutions_needed = math.ceil((max(time_of_event.values()) - time) / revolution - 1e-12)
         time_of_event[letter] = time + revolution * revolutions_needed

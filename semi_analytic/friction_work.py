@@ -391,8 +391,8 @@ def _integrals_of_parts(
     begin_times: Array,
     end_times: Array,
 ) -> Array:
-    """Integrals for the friction work, or for the work per area at points, over n parts of the
-    ranges of time that are being halved, (n,), by the rule of 24 nodes.
+    """Integrals over n parts of the ranges of time that are being halved, (n,), by the rule of 24
+    nodes: those of the friction work, or of the work per area at points.
 
     Parameters
     ----------
@@ -1337,8 +1337,8 @@ class LoopWorkOfSeries:
     def __init__(
         self, contact: Contact, modulus: float, friction: float, largest_load: float
     ) -> None:
-        """Set the closed integral of Q dU to 0, before the blocks of a cycle are added to it, by
-        the normal contact, the composite modulus E*, the friction f and the largest P of the cycle.
+        """Set the closed integral of Q dU of a cycle to 0; the blocks of the cycle are added later.
+        It takes the normal contact, the composite modulus E*, the friction f and the largest P.
         """
         # U counted from a datum at which ln(2 L/a) is 0 under the largest P
         self._contact = _with_moved_datum(contact, largest_load)

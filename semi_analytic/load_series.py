@@ -1613,8 +1613,8 @@ def _slip_zone_load_at(
 
 
 def _share_of_record(records: Records, record_number: Indices, share_of_step: Array) -> Array:
-    """How much of a record is over at each of n instants, (n,), 0 at its start and 1 at its end,
-    from how much of its load step is over then.
+    """Share of a record that is over at each of n instants, (n,), 0 at its start and 1 at its end.
+    It follows from the share of its load step that is over then.
 
     A record is a portion of a load step. A step has one record or more. Each ends where the part
     `step_share_at_end` of the step is over; the next one begins there.

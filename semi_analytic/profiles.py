@@ -1033,8 +1033,8 @@ class _IntervalGroup(NamedTuple):
 
 
 def _intervals_of_u(knots: Array) -> list[_IntervalOfU]:
-    """Intervals of u = sqrt(a - knot), behind every knot of a table from the second on, on each of
-    which one Chebyshev series can serve for P(a), a the contact half-width.
+    """Intervals of u = sqrt(a - knot), a the contact half-width, behind every knot of a table from
+    the second on. On each of them one Chebyshev series can serve for P(a).
 
     P is smooth in u. But the knot before leaves a singularity below, at u^2 = -(its distance). So a
     first interval as long as the square root of that distance is followed by intervals that double

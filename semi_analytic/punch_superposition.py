@@ -1681,8 +1681,8 @@ def _ranges_of_pressure(
     """Ranges of integration for the pressure at points x (k,): only flat punches that reach beyond
     a point press there.
 
-    The integration variable v is 0 where the edge of contact reaches the point, or at the corner of
-    the profile before the range if that is farther out. Its scale is the root of the distance
+    The integration variable v is 0 where the edge of contact reaches the point. If the corner of
+    the profile before the range is farther out, v is 0 there. Its scale is the root of the distance
     between point and corner.
 
     Parameters

@@ -1069,8 +1069,8 @@ def _work_over_phases(
     rules: tuple[IntervalRule, ...],
     converged_share: float,
 ) -> Array:
-    """Friction work W of forward and of reverse slip of m steady ellipses of loads P and Q, times
-    pi E*/(2 f^2), and the error of their sum, (3, m), by integrals over time.
+    """Friction work W of forward and of reverse slip of m steady ellipses of loads P and Q, and the
+    error of their sum, (3, m), by integrals over time. All are times pi E*/(2 f^2).
 
     The integrand in each phase of slip is l'/f Lam, with Lam = int ln(a(eta)/a(P_c)) d eta from P_c
     to P, which is `kernel`(P, P - P_c). The level l is Q - f P in forward slip and -Q - f P in
@@ -1478,8 +1478,8 @@ def _log_weight_and_stick_edge_load(
     cosine: Array,
     sine: Array,
 ) -> tuple[Array, Array]:
-    """Weight of ln a per rad in the friction work W pi E*/(2 f^2), and the load, along the course
-    of P_c in reverse slip (E-G) or later forward slip (J-M).
+    """Weight of ln a per rad in the friction work W pi E*/(2 f^2), and the load P_c, along the
+    course of P_c in reverse slip (E-G) or later forward slip (J-M).
 
         P_c = P_T + `amplitude_of_stick_edge_load` `squared_sine_of_half`
         P - P_c = `amplitude_of_slip_zone_load`/2 (1 - cos(angle - `angle_at_no_slip`))
