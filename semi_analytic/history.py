@@ -394,7 +394,7 @@ def _spans_of_part(
 
 
 def _slip_spans(
-    sticking_piece: Curve,
+    memory_curve: Curve,
     direction: int,
     begin_instant: Instant,
     end_instant: Instant,
@@ -411,8 +411,8 @@ def _slip_spans(
 
     Parameters
     ----------
-    sticking_piece
-        uppermost piece of the memory curve at the start, None out of contact. A piece goes from
+    memory_curve
+        the curve at the start, by its uppermost piece; None out of contact. A piece goes from
         `bottom_load` to `top_load` in eta; `curve_below` is the next lower piece. `anchor` is the
         instant of the path from which it is measured
     direction
@@ -432,6 +432,8 @@ def _slip_spans(
     # _STICK_EDGE_ROUNDOFF_SHARE: 2e-15 of f P
     level_roundoff_by_loads = _STICK_EDGE_ROUNDOFF_SHARE * friction * end_instant.normal_load
     span_begin_instant = begin_instant
+    # the piece in which the stick edge is
+    sticking_piece = memory_curve
     # A piece at the Coulomb limit slips already: the stick edge begins below it.
     if sticking_piece is not None and is_at_coulomb_limit(sticking_piece, direction, friction):
         sticking_piece = sticking_piece.curve_below
@@ -516,7 +518,7 @@ def _unloading_spans(
 
 
 def _retracing_spans(
-    sticking_piece: Curve,
+    memory_curve: Curve,
     begin_instant: Instant,
     end_instant: Instant,
     friction: float,
@@ -526,11 +528,13 @@ def _retracing_spans(
     curve that P goes down.
 
     The memory curve M(eta) is the tangential force of the flat punches up to the load eta.
-    `sticking_piece` is its uppermost piece at the start, None out of contact. A piece ends at
-    `bottom_load`; `curve_below` is the next lower one. `begin_instant` and `end_instant` hold time,
-    P and Q. The spans are `delay` later than the load segment itself: whole periods of the cycle.
+    `memory_curve` is that at the start, by its uppermost piece; None out of contact. A piece ends
+    at `bottom_load`; `curve_below` is the next lower one. `begin_instant` and `end_instant` hold
+    time, P and Q. The spans are `delay` later than the load segment itself: whole periods of the
+    cycle.
     """
     span_begin_instant = begin_instant
+    sticking_piece = memory_curve
     while sticking_piece is not None and sticking_piece.bottom_load > end_instant.normal_load:
         load_change = sticking_piece.bottom_load - begin_instant.normal_load
         # at which P is at the lower end of the piece

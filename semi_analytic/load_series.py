@@ -877,15 +877,15 @@ def follow(
     """
     recorder = Recorder(stores_curves)
     # A path that unloads fully may end below 0 by round-off.
-    rows = np.stack([np.maximum(rows[:, 0], 0.0), rows[:, 1]], axis=1)
+    clipped_rows = np.stack([np.maximum(rows[:, 0], 0.0), rows[:, 1]], axis=1)
     with _garbage_collector_off():
-        curve, largest_line_count = _follow_rows(curve, rows, friction, recorder)
+        curve_at_end, largest_line_count = _follow_rows(curve, clipped_rows, friction, recorder)
     return StepBlock(
-        rows=rows,
+        rows=clipped_rows,
         records=recorder.records().with_stick_edge_in_contact(),
         line_table=recorder.line_table(),
         lines=recorder.lines,
-        curve_at_end=curve,
+        curve_at_end=curve_at_end,
         largest_line_count=largest_line_count,
     )
 
@@ -1499,12 +1499,12 @@ class States:
         records = block.records
         record_number = _record_at(records, step_number, share_of_step - slack_share)
         # An instant that counts as the end of a record has the loads of that end.
-        share_of_step = np.minimum(share_of_step, records.step_share_at_end[record_number])
-        normal_load, tangential_load = _loads_at(block.rows, step_number, share_of_step)
+        share_up_to_record_end = np.minimum(share_of_step, records.step_share_at_end[record_number])
+        normal_load, tangential_load = _loads_at(block.rows, step_number, share_up_to_record_end)
         line_of_instant = LineTable(*(column[record_number] for column in block.line_table))
         direction = records.direction[record_number]
         slip_zone_load = _slip_zone_load_at(
-            records, record_number, share_of_step, normal_load, line_of_instant
+            records, record_number, share_up_to_record_end, normal_load, line_of_instant
         )
         # M at the stick edge, which lies on the line; M(P) by slope f or -f from there
         stick_edge_load = normal_load - slip_zone_load

@@ -1467,13 +1467,16 @@ def _resolved_series(
         Panels, the halves among them, in any order, with their series and its error.
     """
     finished_series: list[_PanelSeries] = []
-    sizes_of_last_coefficients_of_parent = np.full(len(panels.point_number), np.inf)
+    unfinished_panels = panels
+    sizes_of_last_coefficients_of_parent = np.full(len(unfinished_panels.point_number), np.inf)
     for n_halvings in range(_MOST_HALVINGS + 1):
-        coefficients = _series_of_integrand(kind, load_power, panels, law)
+        coefficients = _series_of_integrand(kind, load_power, unfinished_panels, law)
         # size of the last coefficients of each series, and the error they leave in its integral
         sizes_of_last_coefficients = truncation_error(coefficients)
-        truncation_errors = sizes_of_last_coefficients * ((panels.end_v - panels.begin_v) / 2)
-        integral_sizes = _sizes_of_integrals(kind, load_power, panels, coefficients, law)
+        truncation_errors = sizes_of_last_coefficients * (
+            (unfinished_panels.end_v - unfinished_panels.begin_v) / 2
+        )
+        integral_sizes = _sizes_of_integrals(kind, load_power, unfinished_panels, coefficients, law)
         # _NEGLIGIBLE_COEFFICIENT_SHARE: 4e-15
         has_small_error = truncation_errors <= _NEGLIGIBLE_COEFFICIENT_SHARE * integral_sizes
         # Last coefficients of more than 0.9 of those of the panel that was halved are round-off.
@@ -1482,12 +1485,12 @@ def _resolved_series(
             > _COEFFICIENT_RATIO_WITHOUT_GAIN * sizes_of_last_coefficients_of_parent
         )
         is_finished = has_small_error | has_roundoff_alone | (n_halvings == _MOST_HALVINGS)
-        series_of_panels = _PanelSeries(panels, coefficients, truncation_errors)
+        series_of_panels = _PanelSeries(unfinished_panels, coefficients, truncation_errors)
         finished_series.append(series_of_panels.take(np.flatnonzero(is_finished)))
         if np.all(is_finished):
             break
-        # `halved`: the lower halves of all panels, then the upper ones
-        panels = panels.take(np.flatnonzero(~is_finished)).halved()
+        # `halved`: the lower halves of all unfinished panels, then the upper ones
+        unfinished_panels = unfinished_panels.take(np.flatnonzero(~is_finished)).halved()
         sizes_of_last_coefficients_of_parent = np.tile(sizes_of_last_coefficients[~is_finished], 2)
     return _PanelSeries.joined(finished_series)
 

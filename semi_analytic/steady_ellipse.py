@@ -1563,11 +1563,12 @@ def _integrals_by_group(
     squared_mean_load = np.square(ellipses.mean_load)
     sums = _SumsOfIntervals(np.zeros((n_groups, n_ellipses)), np.zeros(n_ellipses))
     check_limit = np.zeros(n_ellipses)
-    for n_halvings_so_far in range(_MOST_HALVINGS + 1):
+    remaining_intervals = intervals
+    for n_halvings in range(_MOST_HALVINGS + 1):
         # of each interval, (n,): its integral, and the largest of its error checks
-        integrals, largest_checks = _integrals_of_intervals(intervals, integrand, rules)
-        ellipse_number = intervals.ellipse_number
-        if not n_halvings_so_far:
+        integrals, largest_checks = _integrals_of_intervals(remaining_intervals, integrand, rules)
+        ellipse_number = remaining_intervals.ellipse_number
+        if not n_halvings:
             work_of_ellipse = np.bincount(ellipse_number, integrals, n_ellipses)
             reference_work = np.maximum(
                 work_of_ellipse, least_work_over_squared_load * squared_mean_load
@@ -1577,17 +1578,21 @@ def _integrals_by_group(
             largest_checks,
             check_limit[ellipse_number],
             squared_mean_load[ellipse_number],
-            n_halvings_so_far,
+            n_halvings,
         )
         sums.add(
-            intervals.take(has_converged), integrals[has_converged], interval_errors[has_converged]
+            remaining_intervals.take(has_converged),
+            integrals[has_converged],
+            interval_errors[has_converged],
         )
         # the others are halved
-        intervals = intervals.take(~has_converged).halved()
-        if not len(intervals.ellipse_number):
+        remaining_intervals = remaining_intervals.take(~has_converged).halved()
+        if not len(remaining_intervals.ellipse_number):
             break
     # what has not converged after fifteen halvings
-    sums.works_of_groups[intervals.group_number, intervals.ellipse_number] = np.nan
+    sums.works_of_groups[remaining_intervals.group_number, remaining_intervals.ellipse_number] = (
+        np.nan
+    )
     return sums.works_of_groups, sums.error_of_ellipse
 
 
