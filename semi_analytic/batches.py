@@ -926,12 +926,13 @@ def dissipation(
         A member that is inadmissible gets NaN and a reason; the others get their values. Each is
         exact to 1e-11 of (2/E*) f^2 P0^2 or 1e-10 relative, and to `value_error`, from slips of
         1e-9 to gross sliding itself. Q0 decides on gross sliding only. No member depends on the
-        others: it is what a batch of it alone gives. Hertz and power laws take some 0.6 us a
-        member, flat and rounded 1.5 us. The other profiles are integrated between their corners,
-        with one table of ln a(P), a the contact half-width, for all loads within eight octaves: 8
-        to 14 us, 20 us for profiles of 31 heights. They take 1 ms and more where the load of the
-        slip zones stays below 1e-6 of P0. Where the parameters are arrays each different
-        polynomial, or ratio R2/R1 of the radii of a compound curvature, costs 1.5 to 2 ms.
+        others: within its `value_error` it is what a batch of it alone gives. Hertz and power laws
+        take some 0.6 us a member, flat and rounded 1.5 us. The other profiles are integrated
+        between their corners, with one table of ln a(P), a the contact half-width, for all loads
+        within eight octaves: 8 to 14 us, 20 us for profiles of 31 heights. They take 1 ms and more
+        where the load of the slip zones stays below 1e-6 of P0. Where the parameters are arrays
+        each different polynomial, or ratio R2/R1 of the radii of a compound curvature, costs 1.5 to
+        2 ms.
 
     Raises
     ------
