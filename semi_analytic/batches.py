@@ -1415,9 +1415,9 @@ class Members:
         `parameters` are equal.
         """
         if self.contact is not None:
-            all_numbers = np.arange(len(self.is_mirrored))
+            all_member_numbers = np.arange(len(self.is_mirrored))
             yield ShapeGroup(
-                all_numbers, self.contact, self.ellipses, load_unit=1.0, length_unit=1.0
+                all_member_numbers, self.contact, self.ellipses, load_unit=1.0, length_unit=1.0
             )
             return
         # of each group: numbers of its members, their common ratios of parameters, and their units
@@ -1878,9 +1878,9 @@ def _members_by_shape(
     with np.errstate(all="ignore"):
         length_unit, height_unit, *shape_ratios = _UNITS_AND_RATIOS[kind](*parameters)
     if all(np.all(ratio_of_members == ratio_of_members[0]) for ratio_of_members in shape_ratios):
-        all_numbers = np.arange(len(length_unit))
+        all_member_numbers = np.arange(len(length_unit))
         yield (
-            all_numbers,
+            all_member_numbers,
             tuple(float(ratio_of_members[0]) for ratio_of_members in shape_ratios),
             length_unit,
             height_unit,
@@ -1892,9 +1892,9 @@ def _members_by_shape(
     group_number_of_member = group_number_of_member.reshape(-1)
     order_by_group = np.argsort(group_number_of_member, kind="stable")
     group_ends = np.cumsum(np.bincount(group_number_of_member, minlength=len(different_ratios)))
-    numbers_of_groups = np.split(order_by_group, group_ends[:-1])
+    member_numbers_of_groups = np.split(order_by_group, group_ends[:-1])
     for common_ratios, member_numbers in zip(
-        different_ratios.tolist(), numbers_of_groups, strict=True
+        different_ratios.tolist(), member_numbers_of_groups, strict=True
     ):
         yield (
             member_numbers,

@@ -1542,8 +1542,9 @@ class States:
 
         M(P) is the tangential force that the memory curve carries. A state is P, Q, the load
         P - P_c of the slip zones, the direction of slip and the line of the memory curve at the
-        stick edge; P_c is the load there. `number_of_instant` (n,) is, for each of the times, the
-        number of its instant among those that were added.
+        stick edge; P_c is the load there. In the `Snapshot` lines are pieces of the memory curve.
+        `number_of_instant` (n,) is, for each of the times, the number of its instant among those
+        that were added.
         """
         columns_of_blocks = zip(*self._columns, strict=True)
         states = _StateColumns._make(

@@ -1009,8 +1009,9 @@ class PunchSuperposition:
             [length]
         """
         cached_primitives = self._primitives.setdefault((kind, load_power), [])
-        # A primitive that goes up to this advance, or beyond, would lose digits of smaller ones.
-        # _advance_ratio_of_primitive: the ratio of advances that it serves with all digits
+        # A primitive that goes up to `advance_limit`, or beyond, would lose digits of these
+        # advances. _advance_ratio_of_primitive: the ratio of advances that it serves with all
+        # digits
         advance_limit = largest_advance * self._advance_ratio_of_primitive
         for primitive in cached_primitives:
             point_numbers = np.minimum(np.searchsorted(primitive.x, x), len(primitive.x) - 1)

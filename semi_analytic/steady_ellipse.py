@@ -1351,13 +1351,13 @@ def _courses_of_loads(ellipses: Ellipses, cut_loads: Array) -> tuple[_Course, ..
     zero_angles = np.zeros(len(start_of_reverse_slip))
     angle_of_least_load = np.full((1, len(start_of_reverse_slip)), math.pi)
     angle_of_largest_load = np.full((1, len(start_of_reverse_slip)), full_turn)
-    cuts_of_load_in_reverse_slip = (
+    cut_angles_of_load_in_reverse_slip = (
         angle_at_cut_load,
         angle_of_least_load,
         full_turn - angle_at_cut_load,
         angle_of_largest_load,
     )
-    cuts_of_load_in_forward_slip = (
+    cut_angles_of_load_in_forward_slip = (
         full_turn - angle_at_cut_load,
         angle_of_largest_load,
         full_turn + angle_at_cut_load,
@@ -1367,13 +1367,13 @@ def _courses_of_loads(ellipses: Ellipses, cut_loads: Array) -> tuple[_Course, ..
     load_course_of_reverse_slip = _Course(
         start_of_reverse_slip,
         end_of_reverse_slip,
-        cuts_of_load_in_reverse_slip,
+        cut_angles_of_load_in_reverse_slip,
         load_is_cosine=True,
     )
     load_course_of_forward_slip = _Course(
         start_of_reverse_slip + math.pi,
         start_of_reverse_slip + full_turn,
-        cuts_of_load_in_forward_slip,
+        cut_angles_of_load_in_forward_slip,
         load_is_cosine=True,
     )
     stick_edge_course_of_reverse_slip = _Course(
@@ -2123,20 +2123,22 @@ def _phase_parameters(ellipses: Ellipses, least_share: float) -> Array:
     load count as that.
     """
     parameters = np.empty((9, len(ellipses.mean_load)))
-    # h and g
-    parameters[0] = ellipses.slip_angle / 2
-    parameters[1] = (math.pi - ellipses.slip_angle) / 2
+    # the rows, filled in place
+    h, g, permanent_stick_load, least_load, u, v, alpha, beta, k = parameters
+    h[:] = ellipses.slip_angle / 2
+    g[:] = (math.pi - ellipses.slip_angle) / 2
     # A permanent or least load of 0 as the smallest load there is: the logarithm of 0 is never
     # asked for.
-    np.maximum(ellipses.permanent_stick_load, least_share * ellipses.mean_load, out=parameters[2])
+    np.maximum(
+        ellipses.permanent_stick_load, least_share * ellipses.mean_load, out=permanent_stick_load
+    )
     np.maximum(
         ellipses.mean_load - ellipses.load_amplitude,
         least_share * ellipses.mean_load,
-        out=parameters[3],
+        out=least_load,
     )
-    # u and v
-    parameters[4] = ellipses.forward_amplitude
-    parameters[5] = ellipses.reverse_amplitude
+    u[:] = ellipses.forward_amplitude
+    v[:] = ellipses.reverse_amplitude
     # alpha and beta by half-angle formulas; the smaller one from alpha beta = P1 sin(t_E),
     # without cancellation.
     larger_of_alpha_and_beta = np.sqrt(
@@ -2148,10 +2150,9 @@ def _phase_parameters(ellipses: Ellipses, least_share: float) -> Array:
         / np.where(larger_of_alpha_and_beta > 0, larger_of_alpha_and_beta, 1.0)
     )
     is_alpha_larger = ellipses.cosine_of_start < 0
-    parameters[6] = np.where(is_alpha_larger, larger_of_alpha_and_beta, smaller_of_alpha_and_beta)
-    parameters[7] = np.where(is_alpha_larger, smaller_of_alpha_and_beta, larger_of_alpha_and_beta)
-    # k
-    parameters[8] = 4 * ellipses.load_amplitude * ellipses.sine_of_start
+    alpha[:] = np.where(is_alpha_larger, larger_of_alpha_and_beta, smaller_of_alpha_and_beta)
+    beta[:] = np.where(is_alpha_larger, smaller_of_alpha_and_beta, larger_of_alpha_and_beta)
+    k[:] = 4 * ellipses.load_amplitude * ellipses.sine_of_start
     return parameters
 
 
