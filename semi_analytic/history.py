@@ -974,12 +974,12 @@ def cycles_to_follow(
     """
     if time is None:
         return n_cycles, 0
-    cycles_to_last_instant = (float(np.max(time)) - start_time) / period
-    n_whole_cycles = max(math.floor(cycles_to_last_instant + INSTANT_SLACK_SHARE), 0)
-    n_cycles_begun = math.ceil(cycles_to_last_instant - INSTANT_SLACK_SHARE)
+    periods_to_last_instant = (float(np.max(time)) - start_time) / period
+    n_whole_cycles = max(math.floor(periods_to_last_instant + INSTANT_SLACK_SHARE), 0)
+    n_begun_cycles = math.ceil(periods_to_last_instant - INSTANT_SLACK_SHARE)
     if n_whole_cycles:
-        return max(n_cycles_begun, 0), n_whole_cycles
-    return max(n_cycles, n_cycles_begun), 0
+        return max(n_begun_cycles, 0), n_whole_cycles
+    return max(n_cycles, n_begun_cycles), 0
 
 
 def time_in_followed_path(

@@ -1617,7 +1617,7 @@ def _share_of_record(records: Records, record_number: Indices, share_of_step: Ar
     """Share of a record that is over at each of n instants, (n,), 0 at its start and 1 at its end.
     It follows from the share of its load step that is over then.
 
-    A record is a portion of a load step. A step has one record or more. Each ends where the part
+    A record is a portion of a load step. A step has one record or more. Each ends where the share
     `step_share_at_end` of the step is over; the next one begins there.
 
     Parameters
@@ -1627,9 +1627,11 @@ def _share_of_record(records: Records, record_number: Indices, share_of_step: Ar
     share_of_step
         (n,) share of the step that is over
     """
-    is_first_of_step = np.diff(records.step_number, prepend=-1) > 0
-    step_share_at_end_before = np.append(0.0, records.step_share_at_end[:-1])
-    step_share_at_begin = np.where(is_first_of_step, 0.0, step_share_at_end_before)[record_number]
+    is_first_record_of_step = np.diff(records.step_number, prepend=-1) > 0
+    step_share_at_end_of_record_before = np.append(0.0, records.step_share_at_end[:-1])
+    step_share_at_begin = np.where(
+        is_first_record_of_step, 0.0, step_share_at_end_of_record_before
+    )[record_number]
     # share of the step that the whole record takes
     step_share_of_record = np.maximum(
         records.step_share_at_end[record_number] - step_share_at_begin, np.finfo(float).tiny

@@ -370,7 +370,7 @@ def slip_to(
 
 def is_at_coulomb_limit(piece: Piece, direction: int, friction: float) -> bool:
     """Whether a piece of the memory curve is at the Coulomb limit in the `direction` s of slip: its
-    `slope` dM/d eta is s f, so that q = s f p there.
+    `slope` dM/d eta is s f, so that the shear there is s f times the pressure.
 
     f is `friction`, M(eta) the tangential force of the flat punches up to the load eta. In slip in
     this direction the stick edge passes the piece at once. Only a straight piece can be at the

@@ -136,7 +136,7 @@ class Ellipses:
     @property
     def slip_zone_load_scale(self) -> Array:
         """Size of the load P - P_c of the slip zones, by which methods are chosen, (m,) [force per
-        thickness]: the largest P - P_c in the cycle, or half of it at least.
+        thickness]: at most the largest P - P_c in the cycle, and at least half of it.
 
         It is the largest of u sin^2(D/2) and v sin^2(D/2), at the ends of the slip phases E-G and
         J-M, and of 2 P1 sin(t_E) sin(s) within I-J.
@@ -1765,24 +1765,24 @@ class LogHalfWidth:
         The polynomials are set up along one coordinate, the sum of sqrt(P - P_b) over the loads P_b
         at which the contact ends at a corner of the profile. In v = sqrt(P - P_b) L is smooth.
         """
-        coordinate = _CornerCoordinate.of_contact(contact, first_octave, last_octave)
+        coordinate_of_loads = _CornerCoordinate.of_contact(contact, first_octave, last_octave)
         # as a function of the load
         log_half_width = _log_half_width_of(contact)
         # Chebyshev series on ranges that are halved until they are resolved. The last argument
         # is the size of values beside which errors are negligible: 1, or more where P(a) is not
         # exact to round-off.
         series = piecewise_series_by_halving(
-            lambda coordinates: log_half_width(coordinate.load_at(coordinates)),
-            coordinate.ends_of_first_ranges(first_octave),
+            lambda places: log_half_width(coordinate_of_loads.load_at(places)),
+            coordinate_of_loads.ends_of_first_ranges(first_octave),
             max(contact.relative_roundoff / 4e-14, 1.0),
         )
         # for each polynomial: the load of the corner below it, and its coefficients
-        corner_number = coordinate.number_of_corner_below(series.interval_ends[:-1])
-        self._corner_load = coordinate.corner_loads[corner_number]
+        corner_number = coordinate_of_loads.number_of_corner_below(series.interval_ends[:-1])
+        self._corner_load = coordinate_of_loads.corner_loads[corner_number]
         # evaluated as powers, which is faster
         self._log_half_width = SeriesAsPowers(series.coefficients)
         # v at the two ends of each polynomial
-        corner_coordinate = coordinate.corner_coordinates[corner_number]
+        corner_coordinate = coordinate_of_loads.corner_coordinates[corner_number]
         self._first_v = series.interval_ends[:-1] - corner_coordinate
         self._last_v = series.interval_ends[1:] - corner_coordinate
         self.series_ends = (self._corner_load + np.square(self._first_v))[1:]
