@@ -274,8 +274,8 @@ class _Halving(NamedTuple):
         needs_halving = np.array(
             [
                 len(span_with_ranges.integral_number) > 0
-                and (has_corner or has_uneven_edges(contact, span_with_ranges.span))
-                for has_corner, span_with_ranges in zip(
+                and (span_passes_corner or has_uneven_edges(contact, span_with_ranges.span))
+                for span_passes_corner, span_with_ranges in zip(
                     passes_corner, spans_with_ranges, strict=True
                 )
             ],

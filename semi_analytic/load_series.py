@@ -331,8 +331,9 @@ def kinds_of_steps(rows: Array, friction: float) -> NDArray[np.int8]:
     return kinds
 
 
-def _without_upper_share(curve: Line, cut_share: float) -> Line:
-    """The memory curve without the upper share `cut_share` < 1 of its uppermost line.
+def _without_upper_share(curve: Line, cut_share: float) -> Line | None:
+    """The memory curve without the upper share `cut_share` of its uppermost line, from 1 on without
+    the whole line; None if nothing is left.
 
     The memory curve M(eta) is the tangential force of the flat punches up to the load eta. A line
     has eta and M at its upper end, its growth `load_length` of eta and `force_rise` of M, which
@@ -340,6 +341,8 @@ def _without_upper_share(curve: Line, cut_share: float) -> Line:
     line begins at eta = 0.
     """
     line_below, top_load, top_force, load_length, force_rise, line_count = curve
+    if cut_share >= 1:
+        return line_below
     remaining_length = (1 - cut_share) * load_length
     remaining_rise = (1 - cut_share) * force_rise
     # `_new_tuple` makes a line without the checks of the class
@@ -559,17 +562,9 @@ def _curve_after_slip(
         and remaining_level_growth > 0
     ):
         # |Q| <= f P was checked: a level growth beyond the lowest line is round-off.
-        share_of_line = (
-            remaining_level_growth / level_growth_to_pass_line
-            if remaining_level_growth < level_growth_to_pass_line
-            else 1.0
-        )
+        share_of_line = min(remaining_level_growth / level_growth_to_pass_line, 1.0)
         length_of_passed_lines += share_of_line * line_at_stick_edge.load_length
-        sticking_curve = (
-            _without_upper_share(line_at_stick_edge, share_of_line)
-            if share_of_line < 1
-            else line_at_stick_edge.curve_below
-        )
+        sticking_curve = _without_upper_share(line_at_stick_edge, share_of_line)
     slip_zone_load_at_end = length_of_passed_lines + load_growth
     recorder.add(
         line_at_stick_edge,
@@ -802,11 +797,7 @@ def _curve_after_retracing(
             )
         recorder.add(curve, 0, record_begin_station, record_end_station)
         record_begin_station = record_end_station
-        curve = (
-            _without_upper_share(curve, removed_share_of_line)
-            if removed_share_of_line < 1
-            else curve.curve_below
-        )
+        curve = _without_upper_share(curve, removed_share_of_line)
     if record_begin_station is not end_station:
         recorder.add(curve, 0, record_begin_station, end_station)
     return curve
