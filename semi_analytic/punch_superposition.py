@@ -568,8 +568,8 @@ class PunchSuperposition:
 
         So it is where P - P_c is above 2 % of P, and too long for Gauss' rule. Elsewhere Lam is
         integrated as a sum of positive terms. Gauss' rule suits a range of loads without a corner
-        of the profile. The range must be shorter than 0.3 of P_c minus the load at the corner
-        below.
+        of the profile. The range must be shorter than 0.3 times the difference of P_c and the load
+        at the corner below.
 
         `load` is P, `load_above_stick` is P - P_c, P_c the load at the stick edge. a(eta) is the
         contact half-width under the load eta, c = a(P_c).
@@ -1145,8 +1145,8 @@ class Panels:
         # for each part, the panel it is cut from
         uncut_panels = self.take(panel_number_of_part)
         begin_v = uncut_panels.begin_v + part_number_in_panel * part_length
-        is_last_of_panel = part_number_in_panel == n_parts[panel_number_of_part] - 1
-        end_v = np.where(is_last_of_panel, uncut_panels.end_v, begin_v + part_length)
+        is_last_part_of_panel = part_number_in_panel == n_parts[panel_number_of_part] - 1
+        end_v = np.where(is_last_part_of_panel, uncut_panels.end_v, begin_v + part_length)
         return replace(uncut_panels, begin_v=begin_v, end_v=end_v)
 
     def halved(self) -> Panels:
