@@ -119,14 +119,16 @@ class SeriesAsPowers:
         `function_number` is the index, 0 to n - 1, of the function that is evaluated at each place,
         in the shape of t.
         """
-        # In place, since this is the innermost loop of many integrals: first the distance from -1
-        # in lengths of a part, then that from the middle of the part, in [-1/2, 1/2].
-        place_in_part = (np.ravel(t) + 1) * (_PARTS_OF_INTERVAL / 2)
-        # Number of the part, then the column of its powers; `_PARTS_OF_INTERVAL`: 8 a function.
-        column = np.clip(place_in_part.astype(np.intp), 0, _PARTS_OF_INTERVAL - 1)
-        place_in_part -= column
+        # Distances from -1 in lengths of a part, and the part (0 to 7) of each place.
+        distance_in_parts = (np.ravel(t) + 1) * (_PARTS_OF_INTERVAL / 2)
+        part = np.clip(distance_in_parts.astype(np.intp), 0, _PARTS_OF_INTERVAL - 1)
+        # From the middle of the part, in [-1/2, 1/2]; in place, since this is the innermost loop of
+        # many integrals.
+        place_in_part = distance_in_parts
+        place_in_part -= part
         place_in_part -= 0.5
-        column += np.ravel(function_number) * _PARTS_OF_INTERVAL
+        # Column of the part's powers; `_PARTS_OF_INTERVAL`: 8 a function.
+        column = part + np.ravel(function_number) * _PARTS_OF_INTERVAL
 
         # Horner's rule from the highest power down.
         # `_power_coefficients` (n_powers, 8 n): a row for each power, a column for each part.
@@ -169,16 +171,16 @@ class PiecewiseSeries:
         """
         x_array = np.asarray(x, dtype=float)
         # Index of the interval of each x.
-        interval = np.clip(
+        interval_index = np.clip(
             np.searchsorted(self.interval_ends, x_array, side="right") - 1,
             0,
             len(self.interval_ends) - 2,
         )
-        begin = self.interval_ends[interval]
-        end = self.interval_ends[interval + 1]
+        begin = self.interval_ends[interval_index]
+        end = self.interval_ends[interval_index + 1]
         place_in_interval = (2 * x_array - begin - end) / (end - begin)
         # `_powers` evaluates the series of that number at t in [-1, 1].
-        return self._powers(interval, place_in_interval)
+        return self._powers(interval_index, place_in_interval)
 
     @cached_property
     def _powers(self) -> SeriesAsPowers:
@@ -220,17 +222,17 @@ def clenshaw_values(coefficients: Array, series_number: NDArray[np.intp], t: Arr
     for begin in range(0, len(places), _PLACES_PER_BLOCK):
         block = slice(begin, begin + _PLACES_PER_BLOCK)
         series_of_block = series_of_places[block]
-        place = places[block]
-        double_place = 2 * place
+        block_places = places[block]
+        doubled_places = 2 * block_places
         # notation: b_k = c_k + 2 t b_(k+1) - b_(k+2), Clenshaw's recurrence, c_k the coefficient of
         # T_k; b, b_1, b_2 are b_k, b_(k+1), b_(k+2)
-        b, b_1, b_2, product = np.zeros((4, len(place)))
+        b, b_1, b_2, product = np.zeros((4, len(block_places)))
         for coefficients_of_term in coefficients[:0:-1]:
             coefficients_of_term.take(series_of_block, out=b, mode="clip")
             b -= b_2
-            b += np.multiply(double_place, b_1, out=product)
+            b += np.multiply(doubled_places, b_1, out=product)
             b_1, b_2, b = b, b_1, b_2
-        sums[block] = place * b_1 - b_2 + coefficients[0].take(series_of_block)
+        sums[block] = block_places * b_1 - b_2 + coefficients[0].take(series_of_block)
     return sums.reshape(np.shape(t))
 
 
@@ -370,10 +372,10 @@ def piecewise_series_by_halving(
     # For each first interval: how many of its parts have been given a series.
     n_series = np.zeros(len(first_interval_ends) - 1, dtype=int)
 
-    # Intervals that are done: their begins, and the coefficients of their series, CHEBYSHEV_DEGREE
-    # + 1 = 25 each.
-    accurate_begins = [intervals.begins[:0]]
-    accurate_series = [np.empty((0, CHEBYSHEV_DEGREE + 1))]
+    # Intervals that are not halved further: their begins, and the coefficients of their series,
+    # CHEBYSHEV_DEGREE + 1 = 25 each.
+    finished_begins = [intervals.begins[:0]]
+    finished_coefficients = [np.empty((0, CHEBYSHEV_DEGREE + 1))]
     while len(intervals.begins):
         # One turn: a series on each interval, and whether it is accurate.
         coefficients = chebyshev_coefficients(values)
@@ -384,17 +386,17 @@ def piecewise_series_by_halving(
         # _MOST_PARTS: 400 series for the parts of one first interval
         has_too_many_parts = is_to_be_halved & (n_series[intervals.first_interval] > _MOST_PARTS)
         intervals.require_resolved(~np.all(np.isfinite(values), axis=1) | has_too_many_parts)
-        accurate_begins.append(intervals.begins[~is_to_be_halved])
-        accurate_series.append(coefficients[~is_to_be_halved])
+        finished_begins.append(intervals.begins[~is_to_be_halved])
+        finished_coefficients.append(coefficients[~is_to_be_halved])
         intervals = intervals.halved(is_to_be_halved)
         if len(intervals.begins):
             values = intervals.values_of(function)
 
-    all_begins = np.concatenate(accurate_begins)
+    all_begins = np.concatenate(finished_begins)
     ascending_order = np.argsort(all_begins)
     return PiecewiseSeries(
         np.append(all_begins[ascending_order], first_interval_ends[-1]),
-        np.concatenate(accurate_series)[ascending_order].T.copy(),
+        np.concatenate(finished_coefficients)[ascending_order].T.copy(),
     )
 
 
@@ -499,8 +501,8 @@ def _runs_of_short_intervals(
     """
     interval_begins = halved_series.interval_ends[:-1]
     interval_lengths = np.diff(halved_series.interval_ends)
-    first_interval = np.searchsorted(first_ends, interval_begins, side="right") - 1
-    first_lengths = np.diff(first_ends)[first_interval]
+    first_interval_index = np.searchsorted(first_ends, interval_begins, side="right") - 1
+    first_lengths = np.diff(first_ends)[first_interval_index]
     # 1 for a short interval, 0 before the first and after the last: a run begins where it changes
     # from 0 to 1, and ends where it changes back.
     # _LENGTH_AT_CORNER: 1e-3 of the first interval

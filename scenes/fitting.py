@@ -146,16 +146,16 @@ def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
         side of the middle alone. One side is enough for a middle that is known, if the nearest
         point is within a tenth of the largest distance from it.
     """
-    # Indices of points that may be spikes: first those far from their neighbours.
+    # Indices of points that may be spikes: first those far from their neighbours. A row is a point.
     candidate_rows = _spikes_of(x, h)
-    row_numbers = np.arange(len(x))
+    all_rows = np.arange(len(x))
     # `keys` of a fit: the profile's keys; `height_at`: the fitted heights at any places.
     profile_fit = _fit_of_rows(np.delete(x, candidate_rows), np.delete(h, candidate_rows), request)
 
     # Points far from the fit join the candidates, in a few repeats.
     # _MOST_REPEATS_OF_FIT: 5 repeats
     for _ in range(_MOST_REPEATS_OF_FIT):
-        rows_in_fit = np.delete(row_numbers, candidate_rows)
+        rows_in_fit = np.delete(all_rows, candidate_rows)
         residuals = h[rows_in_fit] - profile_fit.height_at(x[rows_in_fit])
         further_candidates = rows_in_fit[_rows_far_from_fit(residuals)]
         n_candidates = len(candidate_rows) + len(further_candidates)
@@ -331,8 +331,8 @@ def _check_rows_of_fit(
         )
     distances = np.abs(x - middle)
     # _LARGEST_DISTANCE_SHARE_AT_MIDDLE: 0.1 of the largest distance from the middle
-    largest_first_distance = _LARGEST_DISTANCE_SHARE_AT_MIDDLE * float(np.max(distances))
-    begins_near_middle = np.min(distances) <= largest_first_distance
+    largest_distance_of_nearest = _LARGEST_DISTANCE_SHARE_AT_MIDDLE * float(np.max(distances))
+    begins_near_middle = np.min(distances) <= largest_distance_of_nearest
     if not x[0] <= middle < x[-1] and not (middle_is_known and begins_near_middle):
         fault = (
             f"the middle, x = {middle:.6g}, is not among the rows, which go from x = {x[0]:.6g}"
@@ -750,7 +750,7 @@ _CURVATURE_POLYNOMIALS /= np.abs(_CURVATURE_POLYNOMIALS).max(axis=1, keepdims=Tr
 _DIVISORS_OF_TWO_INTEGRATIONS = np.array([1 * 2, 3 * 4, 5 * 6, 7 * 8])
 
 
-def _smoothing_rows(n_functions: int, smoothing_weight: float) -> Array:
+def _smoothing_equations(n_functions: int, smoothing_weight: float) -> Array:
     """Least-squares equations, (n, k + 1) with the right side 0 last, that keep neighbouring
     weights w_j of k functions close: root of `smoothing_weight` times their difference. None, (0, k
     + 1), where that weight is 0.
@@ -868,11 +868,11 @@ class _ScaledRows:
         basis_functions = self.basis_functions(np.abs(self.x - middle), flat_half_length)
         means_of_functions = basis_functions.mean(axis=0)
         equations, tilt_of_columns = self._equations_of_weights(basis_functions)
-        smoothing_rows = _smoothing_rows(basis_functions.shape[1], smoothing_weight)
-        basis_weights = _non_negative_weights(np.vstack([equations, smoothing_rows]))
+        smoothing_equations = _smoothing_equations(basis_functions.shape[1], smoothing_weight)
+        basis_weights = _non_negative_weights(np.vstack([equations, smoothing_equations]))
 
         # Best offset and tilt for these w, and heights of the profile alone and of the fit. The
-        # penalties are roots of what smoothing and tilt add to the sum of squares.
+        # squares of `roots_of_penalties` are what smoothing and tilt add to the sum of squares.
         tilt = float(tilt_of_columns[-1] - tilt_of_columns[:-1] @ basis_weights)
         profile_heights = basis_functions @ basis_weights
         offset = float(
@@ -882,7 +882,9 @@ class _ScaledRows:
         root_of_tilt_penalty = (
             math.sqrt(self.tilt_penalty_factor) * tilt if self.tilt_is_fitted else 0.0
         )
-        penalties = np.append(smoothing_rows[:, :-1] @ basis_weights, root_of_tilt_penalty)
+        roots_of_penalties = np.append(
+            smoothing_equations[:, :-1] @ basis_weights, root_of_tilt_penalty
+        )
         # The offset counts as a parameter, and each weight that is not 0.
         n_fitted_parameters = (
             1.0
@@ -901,7 +903,7 @@ class _ScaledRows:
             fitted_heights=fitted_heights,
             n_effective_parameters=n_fitted_parameters,
             smoothing_weight=smoothing_weight,
-            residuals=np.append(fitted_heights - self.h, penalties),
+            residuals=np.append(fitted_heights - self.h, roots_of_penalties),
         )
 
     def _equations_of_weights(self, basis_functions: Array) -> tuple[Array, Array]:
@@ -925,7 +927,7 @@ class _ScaledRows:
         tilt_of_columns
             (k + 1,); the best tilt for any w is the last entry minus the others times w
         """
-        n_rows, n_functions = basis_functions.shape
+        n_points, n_functions = basis_functions.shape
         # The best offset for any w: without the means of all columns it drops out.
         x_from_mean = self.x - self.x.mean()
         equations = np.column_stack(
@@ -941,8 +943,8 @@ class _ScaledRows:
             equations = np.vstack(
                 [untilted_equations, math.sqrt(self.tilt_penalty_factor) * tilt_of_columns]
             )
-        # The triangle R of Q R has the same least squares, with as many rows as columns.
-        if n_rows > n_functions + 1:
+        # The triangle R of Q R has the same least squares, with as many equations as columns.
+        if n_points > n_functions + 1:
             equations = np.asarray(np.linalg.qr(equations, mode="r"))
         return equations, tilt_of_columns
 
@@ -986,7 +988,7 @@ class _ScaledRows:
         return self.fit_for(least_squares_solution.x, smoothing_weight)
 
     def fit(
-        self, noise: float | None, smoothing_weight: float | None, flat_half_length: float | None
+        self, noise: float | None, smoothing_weight: float | None, guessed_half_length: float | None
     ) -> _Fit:
         """Least-squares fit of the profile of this kind to the points, middle, tilt, flat and
         smoothing weight included where they are not known.
@@ -997,13 +999,15 @@ class _ScaledRows:
             standard deviation of a height, over the range of heights; None: unknown
         smoothing_weight
             of a smoothing spline; None: that of the least expected error
-        flat_half_length
+        guessed_half_length
             first guess of the half-length of a flat; None: the best of 24 trials
         """
         # The middle 0, about which the points were scaled; empty where the middle is not fitted.
         first_middle = np.zeros(int(self.middle_is_fitted))
         if self.kind == "flat_rounded":
-            return self.fit_from(self._first_guess_with_flat(first_middle, flat_half_length), 0.0)
+            return self.fit_from(
+                self._first_guess_with_flat(first_middle, guessed_half_length), 0.0
+            )
         if self.kind == "smoothing_spline":
             # _TRIAL_WEIGHTS: from 1e-9 to 1e3
             trial_weights = (
@@ -1012,19 +1016,22 @@ class _ScaledRows:
             return self._fit_with_best_smoothing(first_middle, trial_weights, noise)
         return self.fit_from(first_middle, 0.0)
 
-    def _first_guess_with_flat(self, first_middle: Array, flat_half_length: float | None) -> Array:
+    def _first_guess_with_flat(
+        self, first_middle: Array, guessed_half_length: float | None
+    ) -> Array:
         """First guess of a search for the middle, if it is fitted, and the half-length of a flat:
         the given half-length, or the best of 24 by the sum of squared residuals.
 
         Middles too are tried where a tilt is fitted, which moves the lowest place. `first_middle`
         is the middle 0 in an array of one, or empty where the middle is not fitted.
-        `flat_half_length` is over the largest distance of a point from the middle; None: unknown.
+        `guessed_half_length` is over the largest distance of a point from the middle, None for no
+        guess.
         """
-        if flat_half_length is not None:
+        if guessed_half_length is not None:
             # _TRIAL_HALF_LENGTHS: 24 from 0.02 to 0.94 of the largest distance from the middle
             return np.append(
                 first_middle,
-                np.clip(flat_half_length, _TRIAL_HALF_LENGTHS[0], _TRIAL_HALF_LENGTHS[-1]),
+                np.clip(guessed_half_length, _TRIAL_HALF_LENGTHS[0], _TRIAL_HALF_LENGTHS[-1]),
             )
         both_are_fitted = self.middle_is_fitted and self.tilt_is_fitted
         # _TRIAL_MIDDLES: seven from -0.45 to 0.45 of it
@@ -1164,9 +1171,9 @@ class _Fit:
 
         # A smoothing spline becomes a table of points on it.
         # _N_SPLINE_ROWS: 61; `knots` are distances of the spline's knots from the middle
-        x = np.linspace(0.0, self.rows.knots[-1], _N_SPLINE_ROWS)
-        heights = self.rows.basis_functions(x, 0.0) @ self.basis_weights
+        distances = np.linspace(0.0, self.rows.knots[-1], _N_SPLINE_ROWS)
+        heights = self.rows.basis_functions(distances, 0.0) @ self.basis_weights
         return {
             "kind": "tabulated",
-            "points": np.column_stack([length_unit * x, height_unit * heights]),
+            "points": np.column_stack([length_unit * distances, height_unit * heights]),
         }

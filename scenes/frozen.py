@@ -229,9 +229,10 @@ def did_you_mean(word: str, known_words: Iterable[str]) -> str:
     words = sorted(known_words, key=len)
     # A key cut short, or with a unit behind it, is nearer than one with as many letters in common.
     words_of_same_start = [
-        key
-        for key in words
-        if min(len(key), len(word)) > 2 and (key.startswith(word) or word.startswith(key))
+        known_word
+        for known_word in words
+        if min(len(known_word), len(word)) > 2
+        and (known_word.startswith(word) or word.startswith(known_word))
     ]
     candidates = words_of_same_start or difflib.get_close_matches(word, words, n=1)
     return f" did you mean {candidates[0]}?" if candidates else ""

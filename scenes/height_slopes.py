@@ -528,7 +528,9 @@ def _polynomial_of_lowest_exponent(
         standard deviation of the heights' round-off [length]
     """
     s = (1 + samples.places) / 2
-    g_coefficients, coefficients_per_height = _refined_least_squares(
+    # `inverse_of_triangle` (k, k): a sum c . g_coefficients has a round-off of norm(c @ inverse)
+    # standard deviations of a height.
+    g_coefficients, inverse_of_triangle = _refined_least_squares(
         s[:, None] ** lowest_exponent * samples.polynomials[:, :n_coefficients], heights
     )
     # B of each Chebyshev polynomial of g, as a series in s.
@@ -540,28 +542,26 @@ def _polynomial_of_lowest_exponent(
 
     # Errors of B and dB/ds at the ends: four standard deviations (_DEVIATIONS_IN_STATED_ERROR).
     stated_roundoff = _DEVIATIONS_IN_STATED_ERROR * height_roundoff
-    b_errors = stated_roundoff * np.linalg.norm(b_at_ends @ coefficients_per_height, axis=1)
-    b_rate_errors = stated_roundoff * np.linalg.norm(
-        b_rate_at_ends @ coefficients_per_height, axis=1
-    )
+    b_errors = stated_roundoff * np.linalg.norm(b_at_ends @ inverse_of_triangle, axis=1)
+    b_rate_errors = stated_roundoff * np.linalg.norm(b_rate_at_ends @ inverse_of_triangle, axis=1)
     b_sizes = np.abs(b_at_ends @ g_coefficients)
     # _LARGEST_RELATIVE_LOAD_ERROR: 1e-7 of the load
     if not np.all(b_errors < _LARGEST_RELATIVE_LOAD_ERROR * b_sizes):
         return None
 
     # B as a series, and the errors of load and stiffness.
-    slope_series = sum(
+    b_series = sum(
         coefficient * term
         for coefficient, term in zip(g_coefficients.tolist(), terms_of_b, strict=True)
     )
     # _LEAST_LOAD_PER_SLOPE: 0.5, the least P/(E* a) over the largest slope
     load_error = float(np.max(b_errors / b_sizes)) / _LEAST_LOAD_PER_SLOPE
     # a dP/da is P and an integral of x h'', which is (2 m - 1) h' + (2 x/X^2) s^(m-1) 2 s dB/ds.
-    rate_error = float(np.max(2 * s_of_ends * b_rate_errors / b_sizes)) / _LEAST_LOAD_PER_SLOPE
-    stiffness_error = 2 * lowest_exponent * load_error + rate_error
+    error_by_b_rate = float(np.max(2 * s_of_ends * b_rate_errors / b_sizes)) / _LEAST_LOAD_PER_SLOPE
+    stiffness_error = 2 * lowest_exponent * load_error + error_by_b_rate
     return _InnerPolynomial(
         largest_x,
-        slope_series,
+        b_series,
         lowest_exponent - 1,
         height_roundoff,
         LoadErrors(load_error, stiffness_error),

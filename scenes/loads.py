@@ -72,18 +72,18 @@ def straight_loading(
     initial_loading: InitialLoading, first_segment: LoadSegment, line_duration: float
 ) -> tuple[StraightSegment, ...]:
     """Initial loading of a load path: straight segments in the P-Q plane from P = Q = 0 through
-    given points to the loads at which the path after it starts. Movements of actuators may stand in
-    the place of P and Q.
+    given points to the loads at the start of the first segment after it. Movements of actuators may
+    stand in the place of P and Q.
 
     Parameters
     ----------
     initial_loading
         (P, Q) points between [force per thickness], or movements [length]; "straight" for none
     first_segment
-        of the cycle, or of a path that does not repeat; the initial loading ends at its begin, with
-        its loads there
+        after the initial loading: of the cycle, or of functions that do not repeat. Its start is
+        the end of the initial loading, in time and in loads
     line_duration
-        time that each straight segment takes
+        duration of each straight segment
     """
     points_between = () if initial_loading == "straight" else initial_loading
     end_time = first_segment.start
@@ -413,33 +413,38 @@ class BulkAndTilt(Frozen, Generic[V]):
         key_values
             what the scene states for the two quantities: number, list, formula, or None for 0
         """
-        # On the last segments of the path: those on which the quantities follow formulas of time.
-        curved_segments = self.formula_segments(path, key_values)
-        n_straight_segments = len(load_segments) - len(curved_segments)
-        straight_load_segments = load_segments[:n_straight_segments]
-        values_at_cycle_start: Pair = (0.0, 0.0)
-        if curved_segments:
-            values_at_cycle_start = curved_segments[0].loads(curved_segments[0].start)
+        # On the last load segments the quantities follow formulas of time; `load_segments_before`
+        # are those before, on which they are straight lines.
+        segments_by_formula = self.formula_segments(path, key_values)
+        n_segments_before = len(load_segments) - len(segments_by_formula)
+        load_segments_before = load_segments[:n_segments_before]
+        values_where_formulas_begin: Pair = (0.0, 0.0)
+        if segments_by_formula:
+            values_where_formulas_begin = segments_by_formula[0].loads(segments_by_formula[0].start)
 
         # P at the vertices, from 0 on, and the values of both quantities there. A list states them.
         # A number or formula grows in proportion to P up to the last vertex, or up to a cycle of
         # straight lines, on which a number holds at each vertex.
         normal_loads_at_ends = (
-            float(segment.loads(segment.end)[0]) for segment in straight_load_segments
+            float(segment.loads(segment.end)[0]) for segment in load_segments_before
         )
         normal_loads = np.array([0.0, *normal_loads_at_ends])
         values_of_first_quantity, values_of_second_quantity = (
-            self.values_at_vertices(key_value, normal_loads, float(value_at_start)).tolist()
-            for key_value, value_at_start in zip(key_values, values_at_cycle_start, strict=True)
+            self.values_at_vertices(
+                key_value, normal_loads, float(value_where_formula_begins)
+            ).tolist()
+            for key_value, value_where_formula_begins in zip(
+                key_values, values_where_formulas_begin, strict=True
+            )
         )
         pairs_at_vertices = zip(values_of_first_quantity, values_of_second_quantity, strict=True)
         straight_segments_of_pair = (
             StraightSegment(segment.start, segment.end, begin_values, end_values)
             for segment, (begin_values, end_values) in zip(
-                straight_load_segments, pairwise(pairs_at_vertices), strict=True
+                load_segments_before, pairwise(pairs_at_vertices), strict=True
             )
         )
-        return [*straight_segments_of_pair, *curved_segments]
+        return [*straight_segments_of_pair, *segments_by_formula]
 
     def values_at_vertices(
         self, key_value: Any, normal_loads: NDArray[np.float64], value_at_cycle_start: float
@@ -464,7 +469,7 @@ class BulkAndTilt(Frozen, Generic[V]):
             Where the list has another number of values than the initial loading has points.
         """
         stated_values = getattr(key_value, "initial_loading", ())
-        # No list states (0, 0) and the start of the cycle.
+        # No list states the values at (0, 0) and at the start of the cycle.
         n_points = len(normal_loads) - 2
         if stated_values and len(stated_values) != n_points:
             raise ValueError(
@@ -473,6 +478,7 @@ class BulkAndTilt(Frozen, Generic[V]):
             )
         if stated_values:
             return np.array([0.0, *stated_values, value_at_cycle_start])
+        # A path that ends at P = 0 is not divided by it.
         return np.asarray(value_at_cycle_start * normal_loads / (normal_loads[-1] or 1.0))
 
 
@@ -638,9 +644,9 @@ class StraightLoad(BulkAndTilt[tuple[float, ...]]):
         whose value is 0; and index of the vertex up to which a single value grows with P.
         """
 
-    def needed_entry_count(self, entry_numbers: Sequence[int]) -> int:
+    def needed_entry_count(self, entry_indices: Sequence[int]) -> int:
         """How many entries a list must have."""
-        return max(entry_numbers) + 1
+        return max(entry_indices) + 1
 
     def values_at_vertices(
         self,
@@ -668,21 +674,23 @@ class StraightLoad(BulkAndTilt[tuple[float, ...]]):
             For a tuple of another length.
         """
         # Index of each vertex's entry in a tuple, -1 for a vertex of value 0; index of the vertex
-        # at which the cycle starts.
-        entry_numbers, cycle_start_vertex = self.entries_of_vertices(len(normal_loads))
+        # at which the cycle starts. A load of 0 there is not divided by.
+        entry_indices, cycle_start_vertex = self.entries_of_vertices(len(normal_loads))
         if not isinstance(key_value, tuple):
-            load_over_start_load = normal_loads / (normal_loads[cycle_start_vertex] or 1.0)
+            load_over_load_at_cycle_start = normal_loads / (normal_loads[cycle_start_vertex] or 1.0)
             is_before_cycle = np.arange(len(normal_loads)) < cycle_start_vertex
-            return (key_value or 0.0) * np.where(is_before_cycle, load_over_start_load, 1.0)
+            return (key_value or 0.0) * np.where(
+                is_before_cycle, load_over_load_at_cycle_start, 1.0
+            )
 
         # `rule_of_entries`: words for the message on what the entries belong to.
-        n_needed_entries = self.needed_entry_count(entry_numbers)
+        n_needed_entries = self.needed_entry_count(entry_indices)
         if len(key_value) != n_needed_entries:
             raise ValueError(
                 f"a bulk stress or tilt has {len(key_value)} values, and {n_needed_entries} are"
                 f" needed, {self.rule_of_entries}"
             )
-        return np.array([key_value[k] if k >= 0 else 0.0 for k in entry_numbers])
+        return np.array([key_value[k] if k >= 0 else 0.0 for k in entry_indices])
 
 
 class PolygonLoad(StraightLoad):
@@ -727,8 +735,8 @@ class PolygonLoad(StraightLoad):
         """
         cycle_start_vertex = len(self.initial_loading)
         # -1 for (0, 0); the return to the start of the cycle has the entry of that start.
-        entry_numbers = [*range(-1, cycle_start_vertex + len(self.cycle)), cycle_start_vertex - 1]
-        return entry_numbers[:n_vertices], cycle_start_vertex
+        entry_indices = [*range(-1, cycle_start_vertex + len(self.cycle)), cycle_start_vertex - 1]
+        return entry_indices[:n_vertices], cycle_start_vertex
 
     @model_validator(mode="after")
     def _require_distinct_vertices(self) -> Self:
@@ -1259,15 +1267,15 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         # `RowError.refuse` raises for the first row k at which the condition holds.
         # _ADVICE_ON_TIMES: end of the sentence, what to do about times of a file
         times = rows[:, 0]
-        faults_of_times = ("stands there twice", "comes after a later one")
-        RowError.refuse(
-            np.diff(times[first_row:row_after_last]) <= 0,
-            lambda k: (
-                f"time = {times[k]:.12g} {faults_of_times[int(times[k] < times[k - 1])]}: the times"
-                f" must ascend{_ADVICE_ON_TIMES if self.file is not None else ''}"
-            ),
-            first_row + 1,
-        )
+        advice_on_times = _ADVICE_ON_TIMES if self.file is not None else ""
+
+        def fault_of_time(k: int) -> str:
+            """Sentence on row k, whose time is that of the row before, or an earlier one."""
+            is_earlier = times[k] < times[k - 1]
+            fault_text = "comes after a later one" if is_earlier else "stands there twice"
+            return f"time = {times[k]:.12g} {fault_text}: the times must ascend{advice_on_times}"
+
+        RowError.refuse(np.diff(times[first_row:row_after_last]) <= 0, fault_of_time, first_row + 1)
 
         if self.least_normal_load is not None and not np.any(
             rows[first_row:row_after_last, 1] >= self.least_normal_load
@@ -1331,9 +1339,10 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         is_below_least = rows_between[:, 1] < self.least_normal_load
         rows_between[is_below_least, 1] = np.maximum(rows_between[is_below_least, 1], 0.0)
         rows_between[is_below_least, 2] = 0.0
-        first_loaded_row = int(np.argmin(is_below_least))
-        if first_loaded_row > 0:
-            rows_between = rows_between[first_loaded_row - 1 :]
+        # How many rows come before the first loaded one: of these only the last stays.
+        n_rows_before_loaded = int(np.argmin(is_below_least))
+        if n_rows_before_loaded > 0:
+            rows_between = rows_between[n_rows_before_loaded - 1 :]
             rows_between[0, 1] = self.least_normal_load
         return Table.of_rows(rows_between)
 
@@ -1389,7 +1398,7 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         n_vertices_before = n_vertices - (row_after_last - first_row)
         return [*[-1] * n_vertices_before, *range(first_row, row_after_last)], 1
 
-    def needed_entry_count(self, entry_numbers: Sequence[int]) -> int:  # noqa: ARG002
+    def needed_entry_count(self, entry_indices: Sequence[int]) -> int:  # noqa: ARG002
         return len(self.rows)
 
     def path_of_loads(self) -> LoadPath:
@@ -1574,10 +1583,10 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
         stated for it.
         """
         segments = tuple(self._segments())
-        first_loads = np.abs(segments[0].loads(0.0))
-        last_loads = np.abs(segments[-1].loads(self.duration))
+        first_load_sizes = np.abs(segments[0].loads(0.0))
+        last_load_sizes = np.abs(segments[-1].loads(self.duration))
         # Loads at time 0 count as 0 below 1e-12 of those at the end.
-        starts_loaded = np.max(first_loads) > _ROUND_OFF_LOAD_SHARE * np.max(last_loads)
+        starts_loaded = np.max(first_load_sizes) > _ROUND_OFF_LOAD_SHARE * np.max(last_load_sizes)
 
         # Each line of the initial loading takes half the duration of the functions.
         initial_loading: tuple[LoadSegment, ...] = ()
@@ -1624,7 +1633,7 @@ def _chebyshev_segment(
     and Q, or of a pair that takes their places, such as both bulk stresses.
 
     The series go through values of two `functions`, each from an array of times to one of values.
-    Last terms of a series below 1e-16 of `load_scale`, the size of the loads, are left out as
+    Terms at the end of a series below 1e-16 of `load_scale`, the size of the loads, are left out as
     round-off; with 0 only terms that are 0.
     """
     # CHEBYSHEV_NODES: points of [-1, 1], -1 being the time `begin` and 1 the time `end`.

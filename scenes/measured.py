@@ -237,7 +237,7 @@ def layout_in_words(path: Path, table: TextTable) -> list[tuple[str, str]]:
     and encoding in words; the number of lines above the headings; and the lines that are no rows,
     in words.
     """
-    layout = [
+    descriptions = [
         (
             "file",
             f"{path.name}: {len(table.line_numbers):,} rows from line {table.line_numbers[0]} on",
@@ -246,11 +246,11 @@ def layout_in_words(path: Path, table: TextTable) -> list[tuple[str, str]]:
         ("decimal sign", table.decimal_sign),
     ]
     if not table.encoding.startswith("UTF-8"):
-        layout.append(("characters", table.encoding))
+        descriptions.append(("characters", table.encoding))
     if table.n_lines_above:
-        layout.append(("lines above the headings", f"{table.n_lines_above} skipped"))
-    layout += [("left out", words) for words in table.lines_left_out]
-    return layout
+        descriptions.append(("lines above the headings", f"{table.n_lines_above} skipped"))
+    descriptions += [("left out", words) for words in table.lines_left_out]
+    return descriptions
 
 
 class _ColumnReading(NamedTuple):

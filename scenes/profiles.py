@@ -983,14 +983,14 @@ def one_side_of_profile(points: Array, asymmetry: float) -> tuple[Array, Array]:
     if len(x[x >= 0]) < 3 or not np.any(x == 0):
         raise RowError(0, "a row with x = 0 and at least two with x > 0 are needed")
 
-    # The right half, from x = 0 outwards.
+    # The right side, from x = 0 outwards.
     middle_row = int(np.flatnonzero(x == 0)[0])
     right_x = x[middle_row:]
     right_h = h[middle_row:]
     left_h = h[middle_row::-1]  # from the middle outwards, as right_h
     largest_difference = asymmetry * float(np.ptp(h))
 
-    # Rows of both sides: the right half becomes the mean of both.
+    # Rows of both sides: the right side becomes the mean of both.
     if middle_row:
         left_x = -x[middle_row::-1]
         if len(right_x) != len(left_x) or np.any(np.abs(right_x - left_x) > 1e-9 * x[-1]):
@@ -1010,7 +1010,7 @@ def one_side_of_profile(points: Array, asymmetry: float) -> tuple[Array, Array]:
         )
         right_h = (right_h + left_h) / 2
 
-    # The half that remains must be short enough, and rise.
+    # The side that remains must be short enough, and rise.
     # _MOST_ROWS: 2,000 rows of one side
     fault_of_size = (
         f"the profile has {len(right_x):,} rows of x >= 0, and at most {_MOST_ROWS:,} are taken:"
@@ -1038,15 +1038,15 @@ def _slopes_at_rows(interval_lengths: Array, secant_slopes: Array) -> Array:
     that the spline rises. Where three rows lie on a line it is the slope of that line: any other
     one would bend the spline back.
     """
-    left_secants = secant_slopes[:-1]
-    right_secants = secant_slopes[1:]
+    left_secant_slopes = secant_slopes[:-1]
+    right_secant_slopes = secant_slopes[1:]
     # An interval is on a line where its secant is that of a neighbour.
     # _SECANT_ROUNDOFF: 1e-9 of the slope
     is_row_in_line = np.concatenate(
         [
             [False],
             np.abs(np.diff(secant_slopes))
-            <= _SECANT_ROUNDOFF * np.maximum(left_secants, right_secants),
+            <= _SECANT_ROUNDOFF * np.maximum(left_secant_slopes, right_secant_slopes),
             [False],
         ]
     )
@@ -1054,14 +1054,14 @@ def _slopes_at_rows(interval_lengths: Array, secant_slopes: Array) -> Array:
     slopes_of_lines = np.where(is_interval_on_line, secant_slopes, np.inf)
     line_slope_at_row = np.minimum(slopes_of_lines[:-1], slopes_of_lines[1:])
     parabola_slope_at_row = (
-        left_secants * interval_lengths[1:] + right_secants * interval_lengths[:-1]
+        left_secant_slopes * interval_lengths[1:] + right_secant_slopes * interval_lengths[:-1]
     ) / (interval_lengths[:-1] + interval_lengths[1:])
     slopes = np.zeros(len(secant_slopes) + 1)
     slopes[1:-1] = np.where(
         np.isfinite(line_slope_at_row), line_slope_at_row, parabola_slope_at_row
     )
     slopes[-1] = np.clip(2 * secant_slopes[-1] - slopes[-2], 0.0, 2 * secant_slopes[-1])
-    slopes[1:-1] = np.minimum(slopes[1:-1], 2 * np.minimum(left_secants, right_secants))
+    slopes[1:-1] = np.minimum(slopes[1:-1], 2 * np.minimum(left_secant_slopes, right_secant_slopes))
     return slopes
 
 
@@ -1088,20 +1088,24 @@ def rising_spline(x: Array, h: Array) -> Spline:
         np.abs(excess_at_begin + excess_at_end) > _ALIKE_SLOPES * (slopes[:-1] + slopes[1:])
     )
 
-    # Place of the knot inside, 0 at the begin of its interval, 1 at the end. Where the secant's
-    # slope lies between both slopes, the place is such that both parabolas bend one way. Else the
-    # spline has an inflection, and the place is the middle.
+    # Relative place of the knot inside, 0 at the begin of its interval, 1 at the end. Where the
+    # secant's slope lies between both slopes, the place is such that both parabolas bend one way.
+    # Else the spline has an inflection, and the place is the middle.
     bends_one_way = excess_at_begin * excess_at_end < 0
     difference_of_excess = np.where(bends_one_way, excess_at_end - excess_at_begin, 1.0)
-    knot_place = np.where(bends_one_way, excess_at_end / difference_of_excess, 0.5)[split_intervals]
+    relative_knot_place = np.where(bends_one_way, excess_at_end / difference_of_excess, 0.5)[
+        split_intervals
+    ]
     # _SHORTEST_PART: 1e-6 of the interval
-    knot_place = np.clip(knot_place, _SHORTEST_PART, 1 - _SHORTEST_PART)
+    relative_knot_place = np.clip(relative_knot_place, _SHORTEST_PART, 1 - _SHORTEST_PART)
     slope_at_knot = (
         2 * secant_slopes[split_intervals]
-        - knot_place * slopes[split_intervals]
-        - (1 - knot_place) * slopes[split_intervals + 1]
+        - relative_knot_place * slopes[split_intervals]
+        - (1 - relative_knot_place) * slopes[split_intervals + 1]
     )
-    x_of_knot = x[split_intervals] + knot_place * (x[split_intervals + 1] - x[split_intervals])
+    x_of_knot = x[split_intervals] + relative_knot_place * (
+        x[split_intervals + 1] - x[split_intervals]
+    )
 
     # Rows and inside knots together; heights are integrals of the piecewise linear slope.
     all_x = np.insert(x, split_intervals + 1, x_of_knot)

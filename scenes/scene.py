@@ -326,6 +326,7 @@ class Scene(Frozen):
             )
 
         for body_name, body in (("lower", self.bodies.lower), ("upper", self.bodies.upper)):
+            # sum(arc): half the flat plus the radius, the x at which the arcs end.
             if isinstance(body, Pad | ShoulderedPad) and arc and body.width / 2 >= sum(arc):
                 raise ValueError(
                     f"bodies.{body_name}.width = {body.width:g} goes past the end of the pad's"

@@ -396,17 +396,17 @@ class LoadSegment(abc.ABC):
         if times_by_plain_newton is not None:  # None: not converged
             return times_by_plain_newton
 
-        # The sign of an error: positive where the time is too late.
-        direction = math.copysign(1.0, total_change) * math.copysign(1.0, end - begin)
+        # Sign of the combination's rate: times it an error is positive where the time is too late.
+        sign_of_rate = math.copysign(1.0, total_change) * math.copysign(1.0, end - begin)
         search = _BracketedSearch.between(begin, end, time)
         for _ in range(_MOST_BRACKETED_STEPS):
             # Change of the combination since `begin`, and its time derivative, at the iterates.
             change_so_far, rate = self._change_and_rate(combination, search.time, begin)
-            signed_error = direction * (change_so_far - wanted_change)
+            signed_error = sign_of_rate * (change_so_far - wanted_change)
             search.update_best_times(signed_error)
             if search.is_converged.all():
                 return search.best_time
-            search.take_step(signed_error, direction * rate)
+            search.take_step(signed_error, sign_of_rate * rate)
         raise NotFoundError(
             f"no time was found at which the loads have changed as wanted, between {begin:.17g} and"
             f" {end:.17g}"
@@ -928,9 +928,9 @@ class HarmonicSegment(LoadSegment):
 
         # z^m times twice the rate, with c_-k the conjugate of c_k: a polynomial of degree 2 m.
         highest_harmonic = int(np.flatnonzero(rate_coefficients)[-1])
-        coefficients_below_zero = np.conj(rate_coefficients[highest_harmonic:0:-1])
+        coefficients_of_negative_k = np.conj(rate_coefficients[highest_harmonic:0:-1])
         roots = polynomial.polyroots(
-            np.concatenate([coefficients_below_zero, rate_coefficients[: highest_harmonic + 1]])
+            np.concatenate([coefficients_of_negative_k, rate_coefficients[: highest_harmonic + 1]])
         )
         # _DISTANCE_OF_DOUBLE_ROOTS: 1e-5, by which round-off parts a double root
         return np.angle(roots[np.abs(np.abs(roots) - 1) < _DISTANCE_OF_DOUBLE_ROOTS])
@@ -1262,12 +1262,12 @@ class LoadPath:
 
         # Each time belongs to the first segment that does not end before it.
         end_times = np.array([segment.end for segment in segments])
-        segment_index = np.minimum(
+        segment_indices = np.minimum(
             np.searchsorted(end_times, path_time, side="left"), len(segments) - 1
         )
         loads = np.empty((2, *path_time.shape))
-        for k in np.unique(segment_index):
-            loads[:, segment_index == k] = segments[k].loads(path_time[segment_index == k])
+        for k in np.unique(segment_indices):
+            loads[:, segment_indices == k] = segments[k].loads(path_time[segment_indices == k])
         normal_load, tangential_load = loads.reshape(2, *np.shape(time))
         return normal_load, tangential_load
 

@@ -303,7 +303,7 @@ class ContactSolution:
         name = self.scene.name or self.scene.title or "a scene"
 
         # `period` is None for a path that does not repeat; a NaN uncertainty is unknown.
-        half_width = np.nanmax(self.contact_half_width, initial=0.0)
+        largest_half_width = np.nanmax(self.contact_half_width, initial=0.0)
         interval_text = "whole path" if self.scene.load.path().period is None else "last cycle"
         uncertainty = self.dissipation_uncertainty
         uncertainty_text = "" if np.isnan(uncertainty) else f" ± {uncertainty:.2g}"
@@ -313,7 +313,7 @@ class ContactSolution:
                 f"  ended: {self.record.message}",
                 f"  {len(self.time)} instants, {len(self.x)} surface points",
                 (
-                    f"  largest half-width {half_width:.6g} {length_unit}, permanent stick"
+                    f"  largest half-width {largest_half_width:.6g} {length_unit}, permanent stick"
                     f" half-width {self.permanent_stick_half_width:.6g} {length_unit}"
                 ),
                 (
@@ -637,23 +637,23 @@ def last_whole_cycle(
     >>> indices.tolist(), is_whole
     ([0, 1, 2], True)
     """
-    round_off = 1e-9 * period
-    n_cycles = np.floor((time[-1] - cycle_start + round_off) / period)
+    time_roundoff = 1e-9 * period
+    n_cycles = np.floor((time[-1] - cycle_start + time_roundoff) / period)
     end_of_last_cycle = cycle_start + n_cycles * period
 
     # A cycle with an instant at both its ends: the last of the path, else the last period.
     for end_of_cycle in (end_of_last_cycle, time[-1]):
-        begin_index = _instant_at(time, end_of_cycle - period, round_off)
-        end_index = _instant_at(time, end_of_cycle, round_off)
+        begin_index = _instant_at(time, end_of_cycle - period, time_roundoff)
+        end_index = _instant_at(time, end_of_cycle, time_roundoff)
         if begin_index is not None and end_index is not None and begin_index < end_index:
             # Instants within round-off of an end belong to the cycle too.
-            first_index = np.searchsorted(time, time[begin_index] - round_off, side="left")
-            index_beyond_end = np.searchsorted(time, time[end_index] + round_off, side="right")
+            first_index = np.searchsorted(time, time[begin_index] - time_roundoff, side="left")
+            index_beyond_end = np.searchsorted(time, time[end_index] + time_roundoff, side="right")
             return np.arange(first_index, index_beyond_end), True
 
     # No whole cycle.
-    is_after_begin = time >= end_of_last_cycle - period - round_off
-    is_before_end = time <= end_of_last_cycle + round_off
+    is_after_begin = time >= end_of_last_cycle - period - time_roundoff
+    is_before_end = time <= end_of_last_cycle + time_roundoff
     return np.flatnonzero(is_after_begin & is_before_end), False
 
 

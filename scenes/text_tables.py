@@ -259,12 +259,13 @@ def text_table(
     InputError
         One sentence that names file, line, column, value and rule.
     """
-    # `columns` are quantities; request.stated_columns: where in the file the user finds them.
+    # `columns` are the quantities to be read; `stated_columns`: where in the file each of them
+    # stands, by the user.
     request = _Request(path, columns, stated_columns or {}, kind)
     request.require_column_numbers_from_1()
     # _MOST_CHARACTERS_OF_LINE, _MOST_CHARACTERS_WITH_ALL_COLUMNS: 100,000, and 10,000,000 for
     # tables of all columns
-    longest_line = _MOST_CHARACTERS_OF_LINE if columns else _MOST_CHARACTERS_WITH_ALL_COLUMNS
+    most_characters = _MOST_CHARACTERS_OF_LINE if columns else _MOST_CHARACTERS_WITH_ALL_COLUMNS
     try:
         # LARGEST_TEXT_BYTES: 268 MB
         require_readable_size(path, kind.role_of_file, LARGEST_TEXT_BYTES, kind.advice_on_size)
@@ -277,7 +278,7 @@ def text_table(
         for encoding in encodings:
             with contextlib.suppress(UnicodeError), path.open(encoding=encoding) as stream:
                 # Yields number and text of the lines, from the first one on at each call.
-                read_lines = partial(_numbered_lines, path, stream, longest_line)
+                read_lines = partial(_numbered_lines, path, stream, most_characters)
                 # _ENCODINGS_IN_WORDS: names of the encodings for the user
                 return _table_in_lines(request, read_lines, _ENCODINGS_IN_WORDS[encoding])
     except OSError as reason:
@@ -384,18 +385,18 @@ def _skipped_lines_in_words(layout: _Layout) -> list[str]:
     return [f"line {lines}, between the headings and the rows: no numbers"]
 
 
-def _numbered_lines(path: Path, stream: TextIO, longest_line: int) -> Iterator[Line]:
-    """Yield number (from 1) and text of every line of an open file that is not empty, from the
-    first line on; InputError for a line longer than `longest_line` characters.
+def _numbered_lines(path: Path, stream: TextIO, most_characters: int) -> Iterator[Line]:
+    """Yield number (from 1) and text of every line that is not empty, from the first line of an
+    open file on; InputError for a line of more than `most_characters` characters.
 
     `path` is that of the file, for the message; `stream` is the open file.
     """
     stream.seek(0)
-    for line_number, line in enumerate(iter(partial(stream.readline, longest_line + 1), ""), 1):
-        if len(line) > longest_line:
+    for line_number, line in enumerate(iter(partial(stream.readline, most_characters + 1), ""), 1):
+        if len(line) > most_characters:
             raise InputError(
-                f"{path}, line {line_number}: more than {longest_line:,} characters are no row of a"
-                " table"
+                f"{path}, line {line_number}: more than {most_characters:,} characters are no row"
+                " of a table"
             )
         if line.strip():
             yield line_number, line.strip(" \r\n")
@@ -969,9 +970,9 @@ def _layout_without_headings(request: _Request, lines: list[Line]) -> _Layout:
     # The first row of numbers: its index among the lines, its separator and its cells.
     first_row = _first_numeric_row(lines, len(quantities))
     if request.takes_columns_by_number:
-        stated_columns = [int(request.stated_columns[name]) - 1 for name in quantities]
+        indices_by_user = [int(request.stated_columns[name]) - 1 for name in quantities]
         # Other cells of the row may hold text.
-        first_row = _first_row_with_numbers(lines, stated_columns) or first_row
+        first_row = _first_row_with_numbers(lines, indices_by_user) or first_row
 
     row_index, _, cells_of_row = first_row
     # Rows alone, in the order of the quantities, with no heading stated.
@@ -1408,7 +1409,7 @@ class _RowReader:
         most_separators = len(self.layout.headings) - 1
         fewest_separators = most_separators if separator is None else max(self.layout.columns_read)
         for _, text in self.lines():
-            # Empty cells at the end of a line are none.
+            # Empty cells at the end of a line do not count.
             row = text if separator is None else text.rstrip(f"{separator} ")
             n_separators = len(row.split()) - 1 if separator is None else row.count(separator)
             has_possible_cell_count = fewest_separators <= n_separators <= most_separators
@@ -1445,9 +1446,11 @@ def _read_rows(
     # Streams the rows: their number and text, or their text for numpy.
     reader = _RowReader(request, read_lines, layout, has_decimal_comma)
     if next(reader.lines(), None) is None:
-        headings = ", ".join(layout.headings[k] for k in layout.columns_read[:6])
+        list_of_headings = ", ".join(layout.headings[k] for k in layout.columns_read[:6])
         rest_text = ", ..." if len(layout.columns_read) > 6 else ""
-        raise InputError(f"{request.path}: no row of numbers below the names {headings}{rest_text}")
+        raise InputError(
+            f"{request.path}: no row of numbers below the names {list_of_headings}{rest_text}"
+        )
     try:
         values = np.loadtxt(
             reader.rows_for_loadtxt(),
@@ -1468,7 +1471,7 @@ def _read_rows(
 
 
 def _read_rows_cell_by_cell(
-    path: Path, rows: Iterator[Line], layout: _Layout, has_decimal_comma: bool
+    path: Path, lines: Iterator[Line], layout: _Layout, has_decimal_comma: bool
 ) -> _Rows:
     """Read the rows of a text table cell by cell; times of day become seconds since the first row.
 
@@ -1479,8 +1482,8 @@ def _read_rows_cell_by_cell(
     ----------
     path
         of the file, for messages
-    rows
-        number and text of the lines from the first row on
+    lines
+        number and text of the lines from the first row on, some of which may be no rows
     layout
         the `headings`, the separator, and the indices (from 0) of the columns that are read
     has_decimal_comma
@@ -1492,13 +1495,13 @@ def _read_rows_cell_by_cell(
         For the first row with a fault: too few or too many cells, or a cell that is no number.
     """
     clock = ClockColumn()  # turns times of day into seconds, row after row
-    numbers_of_rows = array("d")  # of all rows, one after the other
+    values_of_rows = array("d")  # of all rows, one after the other
     line_numbers = array("q")
     text_since_last_row: list[Line] = []
     numbers_of_heading_lines: list[int] = []
 
     # Lines of text wait until a row follows: then they are at fault.
-    for line_number, text in rows:
+    for line_number, text in lines:
         cells = _cells_of_line(text, layout.separator)
         if cells == [name.strip() for name in layout.headings]:
             numbers_of_heading_lines.append(line_number)
@@ -1508,14 +1511,14 @@ def _read_rows_cell_by_cell(
             continue
         if text_since_last_row:  # text between rows is at fault: reading it as a row raises
             _values_of_row(path, text_since_last_row[0], layout, has_decimal_comma, clock)
-        numbers_of_rows.extend(
+        values_of_rows.extend(
             _values_of_row(path, (line_number, text), layout, has_decimal_comma, clock)
         )
         line_numbers.append(line_number)
     if not line_numbers:  # a table of text alone: reading it as a row raises too
         _values_of_row(path, text_since_last_row[0], layout, has_decimal_comma, clock)
     return _Rows(
-        np.array(numbers_of_rows).reshape(-1, len(layout.columns_read)),
+        np.array(values_of_rows).reshape(-1, len(layout.columns_read)),
         np.array(line_numbers, dtype=np.int64),
         _lines_left_out_in_words(numbers_of_heading_lines, text_since_last_row),
         clock.first_text,

@@ -45,30 +45,30 @@ _EXAMPLES_BY_KIND = {
     "stress": '"1 %" or "2 GPa"',
 }
 
-AmountKind = Literal["share", "length", "stress"]
+UncertaintyKind = Literal["share", "length", "stress"]
 
 
-class _Amount(NamedTuple):
-    """A number above 0 and its unit; "%" for a share."""
+class _NumberAndUnit(NamedTuple):
+    """A number and its unit; "%" for a percentage."""
 
     number: float
     unit: str
 
 
-def _parsed_amount(text: str) -> _Amount | None:
+def _number_and_unit(text: str) -> _NumberAndUnit | None:
     """A number with what stands behind it; None where no number begins the text.
 
-    >>> _parsed_amount("5 %"), _parsed_amount("0.1mm"), _parsed_amount("about 3")
-    (_Amount(number=5.0, unit='%'), _Amount(number=0.1, unit='mm'), None)
+    >>> _number_and_unit("5 %"), _number_and_unit("0.1mm"), _number_and_unit("about 3")
+    (_NumberAndUnit(number=5.0, unit='%'), _NumberAndUnit(number=0.1, unit='mm'), None)
     """
     match = _QUANTITY.fullmatch(text)
     if match is None:
         return None
     unit = match[2] or ""
-    return _Amount(float(match[1]), "%" if unit.lower() in _SPELLINGS_OF_PERCENT else unit)
+    return _NumberAndUnit(float(match[1]), "%" if unit.lower() in _SPELLINGS_OF_PERCENT else unit)
 
 
-def _require_amount(kind: AmountKind, value: Any) -> str:
+def _require_uncertainty_text(kind: UncertaintyKind, value: Any) -> str:
     """Check the text of a standard uncertainty and return it without blanks at its ends: a
     percentage of the value, such as "5 %", or an amount with a unit, such as "0.1 mm".
 
@@ -88,7 +88,7 @@ def _require_amount(kind: AmountKind, value: Any) -> str:
             f" {what_to_write}"
         )
     # Number and unit, "%" for a percentage; None where the text does not begin with a number.
-    parsed_text = _parsed_amount(value)
+    parsed_text = _number_and_unit(value)
     if parsed_text is None:
         raise ValueError(f"{shortened_repr(value)} does not begin with a number; {what_to_write}")
     if not parsed_text.unit:
@@ -123,9 +123,9 @@ def share_of(text: str) -> float:
     >>> share_of("5 %")
     0.05
     """
-    amount = _parsed_amount(text)
-    assert amount is not None  # the text was checked
-    return amount.number / 100
+    parsed_text = _number_and_unit(text)
+    assert parsed_text is not None  # the text was checked
+    return parsed_text.number / 100
 
 
 def _in_degrees(value: Any) -> Any:
@@ -135,26 +135,26 @@ def _in_degrees(value: Any) -> Any:
     if not isinstance(value, str):
         return value
     # Number and unit; None where the text does not begin with a number.
-    amount = _parsed_amount(value)
+    parsed_text = _number_and_unit(value)
     rule = 'write degrees as a number, such as 3.0, or "0.05 rad"'
-    if amount is None or not amount.unit:
+    if parsed_text is None or not parsed_text.unit:
         raise ValueError(f"{shortened_repr(value)} is no angle with its unit; {rule}")
-    if amount.unit == "%":
+    if parsed_text.unit == "%":
         raise ValueError(f"{shortened_repr(value)}: no share of a phase is taken; {rule}")
     try:
         # Factor to radians. Angles do not depend on the units of the scene, so that none are given.
-        radians_per_unit, _ = unit_factor(amount.unit, "angle", "")
+        radians_per_unit, _ = unit_factor(parsed_text.unit, "angle", "")
     except ValueError as reason:
         raise ValueError(f"{shortened_repr(value)}: {reason}; {rule}") from reason
-    return math.degrees(amount.number * radians_per_unit)
+    return math.degrees(parsed_text.number * radians_per_unit)
 
 
 _DESCRIPTION_OF_SHARE = 'standard uncertainty of {}, a share as text, such as "5 %"'
 _DESCRIPTION_OF_SHARE_OR_LENGTH = 'standard uncertainty, as text: "1 %" or "0.1 mm"'
 _DESCRIPTION_OF_SHARE_OR_STRESS = 'standard uncertainty, as text: "1 %" or "2 GPa"'
-Share = Annotated[str, BeforeValidator(partial(_require_amount, "share"))]
-Length = Annotated[str, BeforeValidator(partial(_require_amount, "length"))]
-Stress = Annotated[str, BeforeValidator(partial(_require_amount, "stress"))]
+Share = Annotated[str, BeforeValidator(partial(_require_uncertainty_text, "share"))]
+Length = Annotated[str, BeforeValidator(partial(_require_uncertainty_text, "length"))]
+Stress = Annotated[str, BeforeValidator(partial(_require_uncertainty_text, "stress"))]
 Degrees = Annotated[float, BeforeValidator(_in_degrees), Field(gt=0, le=_LARGEST_ANGLE)]
 
 
@@ -497,7 +497,7 @@ def _relative_uncertainty(key: str, stated_text: str, value: float | None, units
         For a unit that is not known, and for more than half of the value.
     """
     # Number and unit, "%" for a percentage.
-    parsed_text = _parsed_amount(stated_text)
+    parsed_text = _number_and_unit(stated_text)
     assert parsed_text is not None  # the table was checked
     if parsed_text.unit == "%":
         return share_of(stated_text)
@@ -534,19 +534,19 @@ def _value_of_input(scene: HasInputs, key: str) -> float | None:
     """
     if "." not in key:
         return _value_of_load_input(scene, key)
-    table, *body_of_table, name = key.split(".")
+    table, *body_names, name = key.split(".")
     # The part of the scene that has the input, or the reason why none has it.
     reason = ""
     part_of_scene: Any = getattr(scene, table)
     if table == "material":
         is_one_material = scene.material.alike
-        if not body_of_table and not is_one_material:
+        if not body_names and not is_one_material:
             reason = "the bodies are of two materials; state it under upper and lower"
-        elif body_of_table and is_one_material:
+        elif body_names and is_one_material:
             reason = "both bodies are of one material; state it without upper and lower"
-        part_of_scene = getattr(part_of_scene, body_of_table[0] if body_of_table else "upper")
-    elif body_of_table:
-        part_of_scene = getattr(part_of_scene, body_of_table[0])
+        part_of_scene = getattr(part_of_scene, body_names[0] if body_names else "upper")
+    elif body_names:
+        part_of_scene = getattr(part_of_scene, body_names[0])
 
     # The radius of cylinders, which is that of the profile, is no input of its own.
     if table == "profile" and scene.bodies.relative_radius() is not None:
@@ -658,16 +658,16 @@ def _changed_entry(scene: HasInputs, key: str, change: float) -> tuple[str, dict
     `key` is "table.name", such as "profile.radius", or "table.body.name". One material of both
     bodies has "table.name".
     """
-    table, *body_of_table, name = key.split(".")
+    table, *body_names, name = key.split(".")
     part_of_scene: Any = getattr(scene, table)
-    if table == "material" and not body_of_table:
+    if table == "material" and not body_names:
         part_of_scene = part_of_scene.upper
-    for body in body_of_table:
-        part_of_scene = getattr(part_of_scene, body)
+    for body_name in body_names:
+        part_of_scene = getattr(part_of_scene, body_name)
     # Nested as in the scene: the body's name around the entry.
     entries: dict[str, Any] = {name: getattr(part_of_scene, name) * (1 + change)}
-    for body in body_of_table:
-        entries = {body: entries}
+    for body_name in body_names:
+        entries = {body_name: entries}
     return table, entries
 
 
