@@ -183,7 +183,7 @@ def _bias_of_fit(
     # `weight` is that of the smoothing of a spline, 0 for other kinds
     if fit_record is not None and fit_record.weight:
         # Keys of the profile fitted again; None where there is no such fit.
-        less_smoothed_profile = fitted_again(scene.profile, smoothing=0.1)
+        less_smoothed_profile = fitted_again(scene.profile, smoothing_factor=0.1)
         values_of_less_smoothing = _values_under_other_fit(
             scene, less_smoothed_profile, work_method
         )

@@ -318,12 +318,15 @@ class Bodies(Frozen):
 
         A body's `kind` is "half_plane", "block", "pad", "cylinder", "t_shape" or "shouldered_pad".
         """
-        kinds_of_bodies = (self.lower.kind, self.upper.kind)
+        lower_kind = self.lower.kind
+        upper_kind = self.upper.kind
         # _KINDS_OF_PADS: "pad" and "shouldered_pad"
-        curved_kinds = [kind for kind in kinds_of_bodies if kind in (*_KINDS_OF_PADS, "cylinder")]
+        curved_kinds = [
+            kind for kind in (lower_kind, upper_kind) if kind in (*_KINDS_OF_PADS, "cylinder")
+        ]
         if len(curved_kinds) == 2 and curved_kinds != ["cylinder", "cylinder"]:
             raise ValueError(
-                f"a {kinds_of_bodies[1]} on a {kinds_of_bodies[0]}: a pad faces a half_plane, a"
+                f"a {upper_kind} on a {lower_kind}: a pad faces a half_plane, a"
                 " block or a t_shape, for the profile is its own alone"
             )
         for body, name, opposite_body in (

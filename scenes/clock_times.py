@@ -63,7 +63,7 @@ class ClockColumn:
         if match is None:
             return None
         minutes_since_midnight = 60 * int(match["hours"] or 0) + int(match["minutes"])
-        # some loggers write hh:mm:ss:fff
+        # Some loggers write hh:mm:ss:fff.
         seconds_of_minute = float(match["seconds"].replace(",", ".").replace(":", "."))
         seconds_since_midnight = 60.0 * minutes_since_midnight + seconds_of_minute
         am_or_pm = match["half"]
@@ -81,7 +81,8 @@ class ClockColumn:
             self._first_date = date_text
             self._first_seconds = seconds_since_midnight
             self._last_seconds = seconds_since_midnight
-        # Days since the first row, by dates or by midnights that have passed.
+        # Days since the first row, by dates or by midnights that have passed. A time of day is
+        # compared with that of the row before, `_last_seconds`.
         days_since_first_row = 0
         if date_text and date_text != self._first_date:
             days_since_first_row = _day_number(date_text) - _day_number(self._first_date)

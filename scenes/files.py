@@ -159,7 +159,10 @@ def parsed_toml(text: str) -> dict[str, Any]:
         symbol = token["sign"] or ""  # a bracket, or the equals sign between key and value
         is_table_heading = symbol == "[" and n_open_brackets == 0 and previous_symbol != "="
         n_keys += symbol == "=" or is_table_heading
-        n_open_brackets += (symbol in "[{") - (symbol in "]}") if symbol else 0
+        if symbol in ("[", "{"):
+            n_open_brackets += 1
+        elif symbol in ("]", "}"):
+            n_open_brackets -= 1
         previous_symbol = symbol
         # _LARGEST_NESTING_DEPTH: 8 tables within each other
         is_too_deep = bool(token["deep"]) or n_open_brackets > _LARGEST_NESTING_DEPTH
@@ -311,7 +314,9 @@ def write_keys(path: Path, keys: Mapping[str, Any]) -> None:
         ) from reason
 
 
-def replace_file(path: str | Path, content: bytes | memoryview, part: Path | None = None) -> None:
+def replace_file(
+    path: str | Path, content: bytes | memoryview, temporary_path: Path | None = None
+) -> None:
     """Replace a file in one go: a reader, or the disk after a crash, has the whole old file or the
     whole new one.
 
@@ -323,7 +328,7 @@ def replace_file(path: str | Path, content: bytes | memoryview, part: Path | Non
         of the file; a symbolic link stays one
     content
         bytes of the new file
-    part
+    temporary_path
         an existing, empty temporary file in the same folder, with a name of the caller's; None: one
         is made
 
@@ -333,7 +338,6 @@ def replace_file(path: str | Path, content: bytes | memoryview, part: Path | Non
         Where it can't be written; the old one stays.
     """
     target = Path(os.path.realpath(path))  # a link stays one
-    temporary_path = part
     if temporary_path is None:
         # Zeros in place of a machine and a process: what a killed process leaves is removed once it
         # is old (`reports.folder.remove_left_behind`).

@@ -386,13 +386,13 @@ class _ScaledFit:
 
         The dimensionless fit `fit` is h = offset + tilt (x - middle) + sum_j w_j B_j(|x - middle|),
         with basis functions B_j and weights w_j (`basis_weights`). Its x is 0 at `origin`, its h at
-        the first fitted point; `length_unit` and `height_unit` are its units. `fit.rows` gives the
+        the first fitted point; `length_unit` and `height_unit` are its units. `fit.problem` has the
         basis functions of its kind of profile. `flat_half_length` is 0 without a flat.
         """
         fit = self.fit
         scaled_places = (places - self.origin) / self.length_unit
         # (n, m) values of the m basis functions B_j, convex in the distance from the middle.
-        basis_functions = fit.rows.basis_functions(
+        basis_functions = fit.problem.basis_functions(
             np.abs(scaled_places - fit.middle), fit.flat_half_length
         )
         scaled_heights = (
@@ -513,7 +513,7 @@ def _fit_about(
     if request.noise is not None:
         # Beyond these limits its square is no number.
         scaled_noise = float(np.clip(request.noise / height_unit, 1e-12, 1e6))
-    scaled_rows = _ScaledRows(
+    fit_problem = _FitProblem(
         x=(x - assumed_middle) / length_unit,
         h=(h - h[0]) / height_unit,
         kind=request.kind,
@@ -526,7 +526,7 @@ def _fit_about(
         _, half_length = request.first_guess
         guessed_half_length = half_length / length_unit
     # The dimensionless fit: middle, offset, tilt and weights of the basis functions.
-    fit = scaled_rows.fit(scaled_noise, request.smoothing_weight, guessed_half_length)
+    fit = fit_problem.fit(scaled_noise, request.smoothing_weight, guessed_half_length)
     # A straight line through the points bends by round-off alone: `profile_heights` are the fitted
     # heights without offset and tilt. And a middle at the last point has no points beyond.
     # _LEAST_HEIGHT_RANGE_SHARE: 1e-9; _LONGEST_HALF_LENGTH: 0.98, also the farthest middle
@@ -632,7 +632,7 @@ def _is_half_a_profile(x: Array, h: Array) -> bool:
 
 
 def fitted_again(
-    profile: Any, standard_noise: Array | None = None, smoothing: float = 1.0
+    profile: Any, standard_noise: Array | None = None, smoothing_factor: float = 1.0
 ) -> dict[str, Any] | None:
     """Repeat the fit of a fitted profile, to its measured points or to simulated ones, to see how
     uncertain the fit is: the keys of the new profile; None where no convex profile fits.
@@ -646,7 +646,7 @@ def fitted_again(
     standard_noise
         (n,) random heights of standard deviation 1, one for each fitted point. Times the standard
         deviation `fitted.noise` they are added to the first fit; None: the measured points
-    smoothing
+    smoothing_factor
         factor on the smoothing weight of the first fit
     """
     record = profile.fitted
@@ -664,7 +664,7 @@ def fitted_again(
         noise=record.noise,
         centre=None if record.centre_fitted else 0.0,
         tilt=None if record.tilt_fitted else record.tilt,
-        smoothing_weight=smoothing * record.weight,
+        smoothing_weight=smoothing_factor * record.weight,
         first_guess=(0.0, getattr(profile, "flat_half_length", 0.0)),
     )
 
@@ -776,7 +776,7 @@ def _non_negative_weights(equations: Array) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class _ScaledRows:
+class _FitProblem:
     """Dimensionless measured points, and what is fitted to them.
 
     Attributes
@@ -893,7 +893,7 @@ class _ScaledRows:
             + np.count_nonzero(basis_weights)
         )
         return _Fit(
-            rows=self,
+            problem=self,
             middle=middle,
             flat_half_length=flat_half_length,
             basis_weights=basis_weights,
@@ -1131,7 +1131,7 @@ class _Fit:
         of what it adds to the sum of squares
     """
 
-    rows: _ScaledRows
+    problem: _FitProblem
     middle: float
     flat_half_length: float
     basis_weights: Array
@@ -1147,15 +1147,15 @@ class _Fit:
         """The fitted profile as keys of a scene file: kind, then radius, flat, polynomial or table
         of points, in the units of the trace.
 
-        The kind fitted is `rows.kind`; `basis_weights` w_j multiply its basis functions.
+        The kind fitted is `problem.kind`; `basis_weights` w_j multiply its basis functions.
         `length_unit` and `height_unit` are the units of x and h of this fit [length]. The offset
         and the tilt are no part of the profile.
         """
-        match self.rows.kind:
+        match self.problem.kind:
             case "hertz" | "flat_rounded":
                 # The one basis function is s^2/2: its weight is the curvature.
                 radius = length_unit**2 / height_unit / float(self.basis_weights[0])
-                if self.rows.kind == "hertz":
+                if self.problem.kind == "hertz":
                     return {"kind": "hertz", "radius": radius}
                 return {
                     "kind": "flat_rounded",
@@ -1171,8 +1171,8 @@ class _Fit:
 
         # A smoothing spline becomes a table of points on it.
         # _N_SPLINE_ROWS: 61; `knots` are distances of the spline's knots from the middle
-        distances = np.linspace(0.0, self.rows.knots[-1], _N_SPLINE_ROWS)
-        heights = self.rows.basis_functions(distances, 0.0) @ self.basis_weights
+        distances = np.linspace(0.0, self.problem.knots[-1], _N_SPLINE_ROWS)
+        heights = self.problem.basis_functions(distances, 0.0) @ self.basis_weights
         return {
             "kind": "tabulated",
             "points": np.column_stack([length_unit * distances, height_unit * heights]),

@@ -495,16 +495,12 @@ class CyclicLoad(BulkAndTilt[W], Generic[W]):
         `key_values` are what the scene states for the two: a wave or a sum of waves, a number, or
         None for 0.
         """
-        # waves(): mean and (amplitude, phase in radians) of each cosine.
-        means, waves = zip(
-            *(
-                key_value.waves()
-                if isinstance(key_value, Wave | WaveSum)
-                else (key_value or 0.0, ())
-                for key_value in key_values
-            ),
-            strict=True,
-        )
+        # waves(): mean and (amplitude, phase in radians) of each cosine; a number has none.
+        mean_and_waves_of_each = [
+            key_value.waves() if isinstance(key_value, Wave | WaveSum) else (key_value or 0.0, ())
+            for key_value in key_values
+        ]
+        means, waves = zip(*mean_and_waves_of_each, strict=True)
         return [
             HarmonicSegment(segment.start, segment.end, means, *waves) for segment in path.cycle
         ]
@@ -625,7 +621,7 @@ class EllipseLoad(CyclicLoad[Wave]):
             parabola = parabola_segment(start_time - math.pi, start_time, first_loads, 0.0)
             return LoadPath((parabola,), (revolution,))
 
-        # Otherwise straight lines through the stated points, each half a revolution long.
+        # Otherwise straight lines through the stated points, each over half a revolution.
         loading = straight_loading(self.initial_loading, revolution, math.pi)
         return LoadPath(loading, (revolution,))
 
@@ -992,7 +988,7 @@ class TimeSeriesLoad(StraightLoad, FromFile):
     ([2.0, 0.5], -1.5)
     """
 
-    table = "rows"
+    key_of_rows = "rows"
     quantities: ClassVar[dict[str, Kind]] = {"time": "time", "P": "load", "Q": "load"}
     optional_column_kinds: ClassVar[dict[str, Kind]] = {
         "bulk_stress_lower": "stress",
@@ -1305,6 +1301,7 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         is not stated leaves out no row.
         """
         times = self.rows.values[:, 0]
+        # `argmax` finds the first True: at the True behind the last row where no time satisfies.
         first_row = 0
         row_after_last = len(self.rows)
         if isinstance(self.start, RecordRow):

@@ -144,7 +144,7 @@ class ColumnUnit:
         "in its heading", "in the line of units", or "stated"
     factor
         from the numbers of the file to the unit of the scene; 1 where no unit is known
-    per_length
+    is_per_length
         whether it is a force per length
     fault
         why the word is no unit that can be used; empty where it can
@@ -155,12 +155,12 @@ class ColumnUnit:
     word: str
     source: str
     factor: float
-    per_length: bool
+    is_per_length: bool
     fault: str
     remark: str
 
     @property
-    def known(self) -> bool:
+    def is_known(self) -> bool:
         """Whether there is a unit, and it was understood."""
         return bool(self.word) and not self.fault
 
@@ -207,14 +207,14 @@ def unit_of_column(
 
     # Factor to the scene's unit, and whether the unit is one of force per length.
     factor = 1.0
-    per_length = False
+    is_per_length = False
     fault = ""
     if not word:
         # A missing unit of time needs no remark, since it changes no result.
         remark = "" if unit_kind == "time" else "no unit stated: taken to be in that of the scene"
     else:
         try:
-            factor, per_length = unit_factor(word, unit_kind, scene_units)
+            factor, is_per_length = unit_factor(word, unit_kind, scene_units)
             remark = f"{word} ({source}), times {factor:.9g}"
         except ValueError as reason:
             fault = str(reason)
@@ -223,7 +223,7 @@ def unit_of_column(
         word=word,
         source=source,
         factor=factor,
-        per_length=per_length,
+        is_per_length=is_per_length,
         fault=fault,
         remark=remark,
     )
@@ -262,7 +262,7 @@ class _ColumnReading(NamedTuple):
         number of the file that means zero
     factor
         to the units of the scene
-    unit_known
+    has_known_unit
         whether there is a unit, and it was understood
     description
         all this for the user
@@ -270,7 +270,7 @@ class _ColumnReading(NamedTuple):
 
     zero: float
     factor: float
-    unit_known: bool
+    has_known_unit: bool
     description: str
 
 
@@ -281,7 +281,7 @@ class FromFile(Frozen):
     A number of the scene is sign x scale x unit x (number of the file - zero) / thickness.
     """
 
-    table: ClassVar[str]
+    key_of_rows: ClassVar[str]
     """Name of the key that holds the rows."""
     quantities: ClassVar[dict[str, Kind]]
     """Columns of the rows in their order, and the kind of unit of each."""
@@ -307,8 +307,8 @@ class FromFile(Frozen):
         Columns of bulk stress, tilt or moment become the keys of these names. The key `read_as`
         then describes, for the user, how each column was read.
 
-        `self.table` is the name of the key that holds the rows. `column_kinds` holds quantity and
-        kind of unit of each column, `optional_column_kinds` those of bulk stress, tilt or moment.
+        `self.key_of_rows` is the name of the key that holds the rows. `column_kinds` holds quantity
+        and kind of unit of each column, `optional_column_kinds` those of bulk stress and the like.
         `validation.context` holds the folder of the scene file and the units of the scene.
 
         Raises
@@ -317,11 +317,11 @@ class FromFile(Frozen):
             For a file or a unit that is not understood, and for a quantity stated twice.
         """
         # pydantic's `model_fields_set`: the keys that were given.
-        if self.table in self.model_fields_set:
+        if self.key_of_rows in self.model_fields_set:
             return self
         if self.file is None:
             raise PydanticCustomError(
-                "key_missing", "the key {key} is missing", {"key": self.table}
+                "key_missing", "the key {key} is missing", {"key": self.key_of_rows}
             )
 
         path = _folder(validation) / self.file
@@ -383,7 +383,7 @@ class FromFile(Frozen):
             column_reading = self._reading_of_column(
                 path, file_table, column_index, name, unit_kind, scene_units
             )
-            is_converted = is_converted or (column_reading.unit_known and unit_kind != "time")
+            is_converted = is_converted or (column_reading.has_known_unit and unit_kind != "time")
             # Numbers that are not finite are refused later, with their row.
             with np.errstate(over="ignore", invalid="ignore"):
                 file_table.values[:, column_index] -= column_reading.zero
@@ -397,8 +397,8 @@ class FromFile(Frozen):
         return descriptions
 
     def _keys_of_columns(self, values: Array, optional_names: Sequence[str]) -> dict[str, Any]:
-        """Values of the scene's keys that the columns of a file fill in, by key: the rows of the
-        table `self.table`, and each optional column, such as bulk stress, as a key of its name.
+        """Values of the scene's keys that the columns of a file fill in, by key: the rows
+        under `self.key_of_rows`, and each optional column, such as bulk stress, under its name.
 
         `values` (n, columns) are in the scene's units; the optional columns come last. Quantities
         that the scene states in place of columns are put into the rows.
@@ -406,7 +406,7 @@ class FromFile(Frozen):
         all_values = Table.of_rows(self._with_stated_quantities(values)).values
         n_table_columns = all_values.shape[1] - len(optional_names)
         values_of_keys: dict[str, Any] = {
-            self.table: Table.of_rows(all_values[:, :n_table_columns])
+            self.key_of_rows: Table.of_rows(all_values[:, :n_table_columns])
         }
         for index, name in enumerate(optional_names):
             values_of_keys[name] = tuple(all_values[:, n_table_columns + index].tolist())
@@ -482,7 +482,7 @@ class FromFile(Frozen):
         # The unit with its factor to the scene's, and a remark for the user.
         column_unit = self._understood_unit(path, table, column_index, name, unit_kind, scene_units)
         thickness = getattr(self, "thickness", None) if unit_kind == "load" else None
-        if column_unit.known and unit_kind == "load":
+        if column_unit.is_known and unit_kind == "load":
             _check_thickness(path, name, column_unit, thickness)
 
         # What the scene states for this column: factor, number that means zero, sign.
@@ -490,7 +490,7 @@ class FromFile(Frozen):
         zero = _values_by_column(getattr(self, "zero", None)).get(name)
         stated_sign = _values_by_column(getattr(self, "sign", None)).get(name, 1)
         # Without a line of headings, `heading` is the reader's own word, such as "column 2".
-        phrases = [repr(heading) if table.heading_line else heading]
+        phrases = [repr(heading) if table.heading_line_number else heading]
         if is_time_of_day:
             phrases.append(f"times of day: seconds since {table.first_clock_text}")
         elif column_unit.remark:
@@ -510,7 +510,7 @@ class FromFile(Frozen):
         return _ColumnReading(
             zero=0.0 if zero is None else zero,
             factor=factor,
-            unit_known=column_unit.known,
+            has_known_unit=column_unit.is_known,
             description=", ".join(phrases),
         )
 
@@ -592,21 +592,21 @@ class FromFile(Frozen):
 
         Where the file, or how it is read, changes, the rows that were read from the old file are
         left out. Where the rows change, the file and the keys on how it is read are left out.
-        `self.table` is the name of the key that holds the rows.
+        `self.key_of_rows` is the name of the key that holds the rows.
         """
         keys = super().merged(changes)
         # Optional columns, such as bulk stress, that the scene names.
         optional_names = self._optional_columns_in(getattr(self, "columns", None))
         # Keys that were filled in from the file.
         keys_from_file = {"read_as"} | (set(optional_names) - changes.keys())
-        rows_change = self.table in changes
+        rows_change = self.key_of_rows in changes
         # READING_KEYS: keys on how a file is read, such as "columns" and "units"
         reading_changes = not changes.keys().isdisjoint(("file", *READING_KEYS))
         outdated_keys: set[str] = set()
         if rows_change and "file" not in changes:
             outdated_keys = {"file", *READING_KEYS} | keys_from_file
         elif not rows_change and keys.get("file") is not None and reading_changes:
-            outdated_keys = {self.table} | keys_from_file
+            outdated_keys = {self.key_of_rows} | keys_from_file
         for key in outdated_keys:
             keys.pop(key, None)
         return keys
@@ -621,15 +621,15 @@ class FromFile(Frozen):
         with the line of the file that they come from. Keys on how a file is read are refused too,
         where no file is named.
 
-        `self.table` is the name of the key that holds the rows. `file` is the name of the text
-        file, None where the scene states the rows itself. `validation` holds the folder of the
+        `self.key_of_rows` is the name of the key that holds the rows. `file` is the name of the
+        text file, None where the scene states the rows itself. `validation` holds the folder of the
         scene file.
         """
         try:
             self.check_rows()
         except RowError as fault:
             path = _folder(validation) / (self.file or "")
-            place = f"{self.table}, row {fault.row + 1}"
+            place = f"{self.key_of_rows}, row {fault.row + 1}"
             if self.file is not None and path.is_file():  # where the rows came from
                 from scenes.text_tables import text_table
 
@@ -641,8 +641,8 @@ class FromFile(Frozen):
         unused_keys = [key for key in READING_KEYS if getattr(self, key, None) is not None]
         if self.file is None and unused_keys:
             raise ValueError(
-                f"{unused_keys[0]} says how a file is read, and `{self.table}` stand in the units"
-                " of the scene: leave it out"
+                f"{unused_keys[0]} says how a file is read, and `{self.key_of_rows}` stand in the"
+                " units of the scene: leave it out"
             )
         return self
 
@@ -660,17 +660,17 @@ def _check_thickness(
     name
         quantity of the column, such as "P"
     column_unit
-        `per_length`: whether it is a force per length; the word in the file, and where it stands
+        `is_per_length`: whether it is a force per length; the word in the file, and where it stands
     thickness
         of the contact out of the plane [length], or None
     """
-    if column_unit.per_length != (thickness is not None):
+    if column_unit.is_per_length != (thickness is not None):
         return
     fault_text = (
         "a force, and loads are per unit thickness: state the key thickness, the length of"
         " the contact out of the plane, by which it is divided"
     )
-    if column_unit.per_length:
+    if column_unit.is_per_length:
         fault_text = "per length already: leave out the key thickness"
     raise InputError(
         f"{path}: {name} is in {column_unit.word} ({column_unit.source}), {fault_text}"

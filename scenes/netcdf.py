@@ -175,7 +175,7 @@ def _require_format(path: Path, attributes: Mapping[str, Any], newest_format: st
     names. `attributes` are those of the file as a whole; a format is a name and a number, such as
     "halfplane solution 2".
     """
-    kind, _, newest_version = newest_format.rpartition(" ")
+    format_name, _, newest_version = newest_format.rpartition(" ")
     if "format" not in attributes:
         if "engine" in attributes:
             raise InputError(
@@ -184,9 +184,9 @@ def _require_format(path: Path, attributes: Mapping[str, Any], newest_format: st
             )
         return
     stated_format = str(attributes["format"])
-    stated_kind, _, stated_version = stated_format.rpartition(" ")
+    stated_name, _, stated_version = stated_format.rpartition(" ")
     if (
-        stated_kind == kind
+        stated_name == format_name
         and stated_version.isdecimal()
         and int(stated_version) > int(newest_version)
     ):

@@ -753,7 +753,7 @@ class Tabulated(FromFile):
     [0.005, 0.5]
     """
 
-    table = "points"
+    key_of_rows = "points"
     quantities: ClassVar[dict[str, Kind]] = {"x": "length", "h": "length"}
     keys_of_program = ("fitted",)
     arc: ClassVar[None] = None
@@ -859,7 +859,11 @@ class Tabulated(FromFile):
         """The keys of the profile that `fit` makes of the rows: what stands in a scene in place of
         this one.
         """
-        origin = {"source": self.file or self.table, "rows": self.points, "read_as": self.read_as}
+        origin = {
+            "source": self.file or self.key_of_rows,
+            "rows": self.points,
+            "read_as": self.read_as,
+        }
         return self._keys | {"fitted": self._keys["fitted"] | origin}
 
     def spline(self) -> Spline:

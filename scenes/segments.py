@@ -533,11 +533,12 @@ class StraightSegment(LoadSegment):
         is_near_start = t - self.start <= self.end - t
         # `_choose` is `numpy.where` for single numbers.
         choose = _choose if isinstance(t, float) else np.where
+        # Below 0 before the last end.
         time_from_nearer_end = t - choose(is_near_start, self.start, self.end)
-        share_of_segment = time_from_nearer_end / (self.end - self.start)
+        signed_share_of_segment = time_from_nearer_end / (self.end - self.start)
         p, q = (
             choose(is_near_start, first_load, last_load)
-            + (last_load - first_load) * share_of_segment
+            + (last_load - first_load) * signed_share_of_segment
             for first_load, last_load in zip(self.first_point, self.last_point, strict=True)
         )
         return p, q
@@ -1139,12 +1140,12 @@ class ChebyshevSegment(LoadSegment):
         # `_series` (2, m): Chebyshev coefficients of P and of Q.
         largest_coefficient = float(np.abs(combination) @ np.max(np.abs(self._series), axis=1))
         # _ROUND_OFF_SHARE: 1e-14 of the largest term
-        significant_orders = np.flatnonzero(
+        significant_degrees = np.flatnonzero(
             np.abs(rate_series) > _ROUND_OFF_SHARE * largest_coefficient
         )
-        if not len(significant_orders) or significant_orders[-1] == 0:
+        if not len(significant_degrees) or significant_degrees[-1] == 0:
             return []
-        roots = chebyshev.chebroots(rate_series[: significant_orders[-1] + 1])
+        roots = chebyshev.chebroots(rate_series[: significant_degrees[-1] + 1])
         # Within 1e-5, the distance that round-off leaves between the roots of a double one.
         is_real = np.abs(roots.imag) < _DISTANCE_OF_DOUBLE_ROOTS
         is_inside = np.abs(roots.real) < 1 + _DISTANCE_OF_DOUBLE_ROOTS

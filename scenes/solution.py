@@ -432,8 +432,9 @@ class ContactSolution:
         }
         # _SIDE_COORDINATE: "side", the coordinate of arrays with a left and a right side
         arrays = {_SIDE_COORDINATE: StoredArray((_SIDE_COORDINATE,), np.array(["left", "right"]))}
-        # Fields and time series; None for those of other kinds of scenes. The metadata of each hold
-        # its description ("words"), its dimensions ("over") and the kind of its unit.
+        # Fields and time series; None for those of other kinds of scenes. "iterations" belongs to
+        # the record of the run. The metadata of each hold its description ("words"), its dimensions
+        # ("over") and the kind of its unit.
         for name, array_field in _ARRAY_FIELDS.items():
             values = getattr(self.record if name == "iterations" else self, name)
             if values is None:

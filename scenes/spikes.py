@@ -43,18 +43,18 @@ def rows_that_stand_out(x: Array, h: Array, sigma: float) -> Rows:
     """
     # Rows that are no spikes so far, and those that are.
     remaining_rows = np.arange(len(x))
-    spikes: list[int] = []
+    spike_rows: list[int] = []
     most_spikes = LARGEST_FRACTION_OF_SPIKES * len(x)
-    while len(remaining_rows) > 2 * _N_NEIGHBOURS and len(spikes) <= most_spikes:
+    while len(remaining_rows) > 2 * _N_NEIGHBOURS and len(spike_rows) <= most_spikes:
         # Difference of each row from its cubic, over the standard deviation of that by noise.
         residuals = _standardised_residuals(x[remaining_rows], h[remaining_rows]) / sigma
         index_of_largest_residual = int(np.argmax(residuals))
         if residuals[index_of_largest_residual] <= LEAST_RESIDUAL_OF_SPIKE:
-            return np.array(sorted(spikes), dtype=np.int64)
+            return np.array(sorted(spike_rows), dtype=np.int64)
         # The row, or near an end the three rows that share one cubic.
-        indices_of_spike = _rows_with_same_window(index_of_largest_residual, len(remaining_rows))
-        spikes += remaining_rows[indices_of_spike].tolist()
-        remaining_rows = np.delete(remaining_rows, indices_of_spike)
+        indices_to_remove = _rows_with_same_window(index_of_largest_residual, len(remaining_rows))
+        spike_rows += remaining_rows[indices_to_remove].tolist()
+        remaining_rows = np.delete(remaining_rows, indices_to_remove)
     return np.array([], dtype=np.int64)
 
 
@@ -89,8 +89,8 @@ def _standardised_residuals(x: Array, heights: Array) -> Array:
     # _N_NEIGHBOURS: 4 rows nearest to a row
     n_rows_before = _N_NEIGHBOURS // 2
     # Rows of each window of five: the row itself, and its four neighbours.
-    first_row = np.clip(np.arange(n_rows) - n_rows_before, 0, n_rows - _N_NEIGHBOURS - 1)
-    window_rows = first_row[:, None] + np.arange(_N_NEIGHBOURS + 1)
+    first_rows = np.clip(np.arange(n_rows) - n_rows_before, 0, n_rows - _N_NEIGHBOURS - 1)
+    window_rows = first_rows[:, None] + np.arange(_N_NEIGHBOURS + 1)
     is_row_itself = window_rows == np.arange(n_rows)[:, None]
     neighbours = window_rows[~is_row_itself].reshape(n_rows, _N_NEIGHBOURS)
 

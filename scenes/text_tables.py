@@ -92,7 +92,7 @@ class TextTable:
         of these columns in the file, empty where none stands there
     separator, decimal_sign, encoding
         words
-    heading_line
+    heading_line_number
         number (from 1) of the line of headings, 0 where there is none
     n_lines_above
         number of lines above it, or above the rows, that are no comments
@@ -113,7 +113,7 @@ class TextTable:
     separator: str
     decimal_sign: str
     encoding: str
-    heading_line: int
+    heading_line_number: int
     n_lines_above: int
     unread_headings: tuple[str, ...] = ()
     lines_left_out: tuple[str, ...] = ()
@@ -138,11 +138,11 @@ class _Layout:
         (n,) as written in the file, empty where a column has none
     columns_read
         indices (from 0) of the columns that are read
-    heading_line, first_row_line
+    heading_line_number, first_row_line_number
         line numbers (from 1) of the headings, 0 for none, and of the first row
     n_lines_above
         lines above the headings, or above the rows of a table without headings
-    lines_between
+    numbers_of_lines_between
         numbers of the lines between headings and rows that hold neither units nor numbers
     time_column
         index (from 0) of the column that may hold times of day, None for no such column
@@ -152,10 +152,10 @@ class _Layout:
     headings: tuple[str, ...]
     units: tuple[str, ...]
     columns_read: tuple[int, ...]
-    heading_line: int
-    first_row_line: int
+    heading_line_number: int
+    first_row_line_number: int
     n_lines_above: int
-    lines_between: tuple[int, ...] = ()
+    numbers_of_lines_between: tuple[int, ...] = ()
     time_column: int | None = None
 
 
@@ -231,7 +231,7 @@ class _Request:
 
 def text_table(
     path: Path,
-    columns: tuple[str, ...] = (),
+    quantities: tuple[str, ...] = (),
     stated_columns: Mapping[str, str | int] | None = None,
     kind: TableKind = TableKind(),
 ) -> TextTable:
@@ -244,28 +244,26 @@ def text_table(
     ----------
     path
         of the file
-    columns
-        quantities to be read, such as "time" or "normal_load". The column of each is found by its
+    quantities
+        those to be read, such as "time" or "normal_load". The column of each is found by its
         usual headings, listed in `column_names`. A file of these columns alone, in this order,
         needs no headings, and a # in a row begins a comment. Empty: every column is read
     stated_columns
         quantity -> heading of its column, or column number (from 1), where the user names it
     kind
         what the table is to the user, and what to do about one that is too large (`role_of_file`,
-        `advice_on_size`), for messages; and which headings to expect where `columns` is empty
+        `advice_on_size`), for messages; and which headings to expect where `quantities` is empty
 
     Raises
     ------
     InputError
         One sentence that names file, line, column, value and rule.
     """
-    # `columns` are the quantities to be read; `stated_columns`: where in the file each of them
-    # stands, by the user.
-    request = _Request(path, columns, stated_columns or {}, kind)
+    request = _Request(path, quantities, stated_columns or {}, kind)
     request.require_column_numbers_from_1()
     # _MOST_CHARACTERS_OF_LINE, _MOST_CHARACTERS_WITH_ALL_COLUMNS: 100,000, and 10,000,000 for
     # tables of all columns
-    most_characters = _MOST_CHARACTERS_OF_LINE if columns else _MOST_CHARACTERS_WITH_ALL_COLUMNS
+    most_characters = _MOST_CHARACTERS_OF_LINE if quantities else _MOST_CHARACTERS_WITH_ALL_COLUMNS
     try:
         # LARGEST_TEXT_BYTES: 268 MB
         require_readable_size(path, kind.role_of_file, LARGEST_TEXT_BYTES, kind.advice_on_size)
@@ -322,7 +320,7 @@ def _table_in_lines(
     rows = _read_rows(request, read_lines, layout, has_decimal_comma)
     # `columns_read`: indices (from 0) of the columns that are read.
     headings = tuple(layout.headings[k] for k in layout.columns_read)
-    if not layout.heading_line:
+    if not layout.heading_line_number:
         headings = tuple(f"column {k + 1}" for k in layout.columns_read)
     # SEPARATORS_IN_WORDS: name of each separator
     # `n_lines_above`: how many lines stand above the headings.
@@ -335,7 +333,7 @@ def _table_in_lines(
         separator=SEPARATORS_IN_WORDS[layout.separator],
         decimal_sign="comma" if has_decimal_comma else "point",
         encoding=encoding_in_words,
-        heading_line=layout.heading_line,
+        heading_line_number=layout.heading_line_number,
         n_lines_above=layout.n_lines_above,
         unread_headings=_headings_of_unread_columns(layout),
         lines_left_out=(*_skipped_lines_in_words(layout), *rows.lines_left_out),
@@ -368,7 +366,7 @@ def _encodings_of(first_bytes: bytes) -> list[str]:
 
 def _headings_of_unread_columns(layout: _Layout) -> tuple[str, ...]:
     """Headings of the columns that are not read."""
-    if not layout.heading_line:
+    if not layout.heading_line_number:
         return ()
     return tuple(
         name
@@ -379,9 +377,9 @@ def _headings_of_unread_columns(layout: _Layout) -> tuple[str, ...]:
 
 def _skipped_lines_in_words(layout: _Layout) -> list[str]:
     """The lines between headings and rows that are left out."""
-    if not layout.lines_between:
+    if not layout.numbers_of_lines_between:
         return []
-    lines = ", ".join(map(str, layout.lines_between[:5]))
+    lines = ", ".join(map(str, layout.numbers_of_lines_between[:5]))
     return [f"line {lines}, between the headings and the rows: no numbers"]
 
 
@@ -468,8 +466,8 @@ def _layout_of_bare_rows(lines: list[Line]) -> _Layout | None:
                 headings=tuple(f"column {k + 1}" for k in range(n_columns)),
                 units=("",) * n_columns,
                 columns_read=tuple(range(n_columns)),
-                heading_line=0,
-                first_row_line=line_number,
+                heading_line_number=0,
+                first_row_line_number=line_number,
                 n_lines_above=0,
             )
     return None
@@ -664,7 +662,7 @@ def _layout_with_headings(
     may_skip_lines
         whether lines without numbers may stand between headings and rows
     """
-    heading_line, _ = lines[index]
+    heading_line_number, _ = lines[index]
     # _COMMENT_MARKS: beginnings of comments: #, **, % and //
     lines_below = [
         (line_number, text)
@@ -679,7 +677,7 @@ def _layout_with_headings(
     # Units of the columns by lines above and below, "" where none; `rows`: (line number, text) of
     # the lines from the first row on.
     units_above = _labelled_units(lines_above, separator, len(columns.headings))
-    units_below, lines_between, rows = _lines_below_headings(
+    units_below, numbers_of_lines_between, rows = _lines_below_headings(
         lines_below, separator, columns, may_skip_lines
     )
 
@@ -691,19 +689,19 @@ def _layout_with_headings(
         )
     ]
 
-    first_row_line = heading_line + 1
+    first_row_line_number = heading_line_number + 1
     text_of_first_row = None
     if rows:
-        first_row_line, text_of_first_row = rows[0]
+        first_row_line_number, text_of_first_row = rows[0]
     layout = _Layout(
         separator=separator,
         headings=tuple(columns.headings),
         units=tuple(units),
         columns_read=columns.columns_read,
-        heading_line=heading_line,
-        first_row_line=first_row_line,
+        heading_line_number=heading_line_number,
+        first_row_line_number=first_row_line_number,
         n_lines_above=len(lines_above),
-        lines_between=lines_between,
+        numbers_of_lines_between=numbers_of_lines_between,
         time_column=_time_column(request, columns.headings, columns.columns_read),
     )
     return layout, text_of_first_row
@@ -813,8 +811,8 @@ def _are_units(cells: Sequence[str]) -> bool:
     (True, True, False)
     """
     words = [cell.strip("[](){}<> ") for cell in cells]
-    is_in_brackets = [cell[:1] in "[({<" and cell[-1:] in "])}>" for cell in cells if cell]
-    if is_in_brackets and all(is_in_brackets):
+    full_cells = [cell for cell in cells if cell]
+    if full_cells and all(cell[0] in "[({<" and cell[-1] in "])}>" for cell in full_cells):
         return True
     # _RAW_UNITS: V, mV, counts and the like
     return any(is_unit(word) or word.lower() in _RAW_UNITS for word in words)
@@ -989,20 +987,20 @@ def _layout_without_headings(request: _Request, lines: list[Line]) -> _Layout:
 
 
 def _columns_by_number_or_order(
-    request: _Request, n_columns: int, first_row_line: int
+    request: _Request, n_columns: int, first_row_line_number: int
 ) -> tuple[int, ...]:
     """Indices (from 0) of the columns of a text table that are read: those that the user states by
     number, where `takes_columns_by_number`, else the first ones, in the order of the quantities.
 
-    InputError for a column beyond the `n_columns` of the first row; `first_row_line` is the number
-    of its line in the file.
+    InputError for a column beyond the `n_columns` of the first row, whose line in the file has the
+    number `first_row_line_number`.
     """
     columns_read = tuple(range(len(request.quantities)))
     if request.takes_columns_by_number:
         columns_read = tuple(int(request.stated_columns[name]) - 1 for name in request.quantities)
     if max(columns_read) >= n_columns:
         raise InputError(
-            f"{request.path}, line {first_row_line}: there is no column"
+            f"{request.path}, line {first_row_line_number}: there is no column"
             f" {max(columns_read) + 1}: the line has {n_columns}"
         )
     return columns_read
@@ -1030,16 +1028,16 @@ def _layout_of_rows(request: _Request, lines: list[Line], first_row: FirstRow) -
         For a column number beyond the cells of the row.
     """
     row_index, separator, cells_of_row = first_row
-    first_row_line, _ = lines[row_index]
+    first_row_line_number, _ = lines[row_index]
     n_columns = len(cells_of_row)
-    columns_read = _columns_by_number_or_order(request, n_columns, first_row_line)
+    columns_read = _columns_by_number_or_order(request, n_columns, first_row_line_number)
 
     # A column is named by its quantity; others "column 3" and so on.
     quantity_of_column = dict(zip(columns_read, request.quantities, strict=True))
     column_names = [quantity_of_column.get(k, f"column {k + 1}") for k in range(n_columns)]
 
     # Headings and units above the row: line number 0 and nothing where there are none.
-    heading_line, headings, units_above = _headings_above_rows(
+    heading_line_number, headings, units_above = _headings_above_rows(
         lines[:row_index], separator, n_columns
     )
     labelled_units = _labelled_units(lines, separator, n_columns)
@@ -1050,15 +1048,15 @@ def _layout_of_rows(request: _Request, lines: list[Line], first_row: FirstRow) -
         )
     )
     n_lines_above = row_index
-    if heading_line:
-        n_lines_above = sum(line_number < heading_line for line_number, _ in lines)
+    if heading_line_number:
+        n_lines_above = sum(line_number < heading_line_number for line_number, _ in lines)
     return _Layout(
         separator=separator,
         headings=headings or tuple(column_names),
         units=units,
         columns_read=columns_read,
-        heading_line=heading_line,
-        first_row_line=first_row_line,
+        heading_line_number=heading_line_number,
+        first_row_line_number=first_row_line_number,
         n_lines_above=n_lines_above,
         time_column=_time_column(request, column_names, columns_read),
     )
@@ -1251,7 +1249,7 @@ def _headings_above_rows(
 
     Returns
     -------
-    heading_line
+    heading_line_number
         number (from 1) of the line of headings; 0 where no line has so many cells, or where other
         lines stand between headings and row
     headings, units
@@ -1271,15 +1269,15 @@ def _headings_above_rows(
             lines_with_all_cells.pop()
     if not lines_with_all_cells:
         return 0, (), ()
-    heading_line, headings = lines_with_all_cells[-1]
+    heading_line_number, headings = lines_with_all_cells[-1]
     last_line, _ = lines[-1]
     # One line may stand between: the line of units.
-    if heading_line < last_line - 1:
+    if heading_line_number < last_line - 1:
         return 0, (), ()
     units_of_columns = [
         unit or unit_in(heading)[1] for unit, heading in zip(units, headings, strict=True)
     ]
-    return heading_line, tuple(headings), tuple(units_of_columns)
+    return heading_line_number, tuple(headings), tuple(units_of_columns)
 
 
 def _has_decimal_comma(lines: Iterator[Line], layout: _Layout) -> bool:
@@ -1298,7 +1296,7 @@ def _has_decimal_comma(lines: Iterator[Line], layout: _Layout) -> bool:
         0) of the columns that are read
     """
     for line_number, text in lines:
-        if line_number < layout.first_row_line or not ("," in text or "." in text):
+        if line_number < layout.first_row_line_number or not ("," in text or "." in text):
             continue
         cells = _cells_of_line(text, layout.separator)
         cells_read = [cells[k] for k in layout.columns_read if k < len(cells)]
@@ -1373,11 +1371,11 @@ class _RowReader:
         # Where every column is read, as those of result files are, a # may belong to a cell.
         may_end_in_comment = bool(self.request.quantities)
         line_numbers = self.line_numbers
-        first_row_line = self.layout.first_row_line
+        first_row_line_number = self.layout.first_row_line_number
         del line_numbers[:]
         for line_number, text in self.read_lines():
             # _COMMENT_MARKS: beginnings of comments: #, **, % and //
-            if line_number < first_row_line or text.startswith(_COMMENT_MARKS):
+            if line_number < first_row_line_number or text.startswith(_COMMENT_MARKS):
                 continue
             # MOST_ROWS: 2,000,000 rows are read
             if len(line_numbers) == MOST_ROWS:

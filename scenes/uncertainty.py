@@ -68,9 +68,9 @@ def _number_and_unit(text: str) -> _NumberAndUnit | None:
     return _NumberAndUnit(float(match[1]), "%" if unit.lower() in _SPELLINGS_OF_PERCENT else unit)
 
 
-def _require_uncertainty_text(kind: UncertaintyKind, value: Any) -> str:
+def _require_uncertainty_text(kind: UncertaintyKind, stated_uncertainty: Any) -> str:
     """Check the text of a standard uncertainty and return it without blanks at its ends: a
-    percentage of the value, such as "5 %", or an amount with a unit, such as "0.1 mm".
+    percentage of the input's value, such as "5 %", or an amount with a unit, such as "0.1 mm".
 
     `kind` "share" takes a percentage alone, "length" and "stress" also an amount.
 
@@ -82,29 +82,28 @@ def _require_uncertainty_text(kind: UncertaintyKind, value: Any) -> str:
     """
     # _EXAMPLES_BY_KIND: examples of what to write
     what_to_write = f"write {_EXAMPLES_BY_KIND[kind]}, in quotation marks"
-    if not isinstance(value, str):
+    quoted_text = shortened_repr(stated_uncertainty)
+    if not isinstance(stated_uncertainty, str):
         raise ValueError(
-            f"{shortened_repr(value)} is a bare number, which may be a share or an amount;"
-            f" {what_to_write}"
+            f"{quoted_text} is a bare number, which may be a share or an amount; {what_to_write}"
         )
     # Number and unit, "%" for a percentage; None where the text does not begin with a number.
-    parsed_text = _number_and_unit(value)
+    parsed_text = _number_and_unit(stated_uncertainty)
     if parsed_text is None:
-        raise ValueError(f"{shortened_repr(value)} does not begin with a number; {what_to_write}")
+        raise ValueError(f"{quoted_text} does not begin with a number; {what_to_write}")
     if not parsed_text.unit:
         raise ValueError(
-            f"{shortened_repr(value)} has no unit: it may be a share or an amount; {what_to_write}"
+            f"{quoted_text} has no unit: it may be a share or an amount; {what_to_write}"
         )
     if not 0 < parsed_text.number < math.inf:
         raise ValueError(
-            f"{shortened_repr(value)} is not above 0; leave the key out for an input that is known"
-            " exactly"
+            f"{quoted_text} is not above 0; leave the key out for an input that is known exactly"
         )
     if parsed_text.unit == "%":
-        _require_small(parsed_text.number / 100, value)
+        _require_small(parsed_text.number / 100, stated_uncertainty)
     elif kind == "share":
-        raise ValueError(f"{shortened_repr(value)} is not in per cent; {what_to_write}")
-    return value.strip()
+        raise ValueError(f"{quoted_text} is not in per cent; {what_to_write}")
+    return stated_uncertainty.strip()
 
 
 def _require_small(share: float, value: Any) -> None:
@@ -534,11 +533,11 @@ def _value_of_input(scene: HasInputs, key: str) -> float | None:
     """
     if "." not in key:
         return _value_of_load_input(scene, key)
-    table, *body_names, name = key.split(".")
+    table_name, *body_names, name = key.split(".")
     # The part of the scene that has the input, or the reason why none has it.
     reason = ""
-    part_of_scene: Any = getattr(scene, table)
-    if table == "material":
+    part_of_scene: Any = getattr(scene, table_name)
+    if table_name == "material":
         is_one_material = scene.material.alike
         if not body_names and not is_one_material:
             reason = "the bodies are of two materials; state it under upper and lower"
@@ -549,12 +548,14 @@ def _value_of_input(scene: HasInputs, key: str) -> float | None:
         part_of_scene = getattr(part_of_scene, body_names[0])
 
     # The radius of cylinders, which is that of the profile, is no input of its own.
-    if table == "profile" and scene.bodies.relative_radius() is not None:
+    if table_name == "profile" and scene.bodies.relative_radius() is not None:
         reason = "the profile follows from the cylinders; state the radius of the bodies"
     value = getattr(part_of_scene, name, None)
     if not reason and value is None:
         kind = getattr(part_of_scene, "kind", "")
-        reason = f"{table}{f' of kind {kind!r}' if kind else ''} has no {name} here; leave it out"
+        reason = (
+            f"{table_name}{f' of kind {kind!r}' if kind else ''} has no {name} here; leave it out"
+        )
     if reason:
         raise ValueError(f"uncertainty.{key} is refused: {reason}")
     assert value is not None
@@ -639,8 +640,9 @@ def moved_scene(scene: S, changes: Mapping[str, float]) -> S:
         else:
             # The part of the scene that holds the input, such as "bodies", and its new value,
             # nested as in the scene file; merged with other changes of that part.
-            table, entries = _changed_entry(scene, key, change)
-            changed_tables[table] = _merged_entries(changed_tables.get(table, {}), entries)
+            table_name, entries = _changed_entry(scene, key, change)
+            present_entries = changed_tables.get(table_name, {})
+            changed_tables[table_name] = _merged_entries(present_entries, entries)
 
     if changes_of_load:
         changed_tables["load"] = _changed_load(scene, changes_of_load)
@@ -658,9 +660,9 @@ def _changed_entry(scene: HasInputs, key: str, change: float) -> tuple[str, dict
     `key` is "table.name", such as "profile.radius", or "table.body.name". One material of both
     bodies has "table.name".
     """
-    table, *body_names, name = key.split(".")
-    part_of_scene: Any = getattr(scene, table)
-    if table == "material" and not body_names:
+    table_name, *body_names, name = key.split(".")
+    part_of_scene: Any = getattr(scene, table_name)
+    if table_name == "material" and not body_names:
         part_of_scene = part_of_scene.upper
     for body_name in body_names:
         part_of_scene = getattr(part_of_scene, body_name)
@@ -668,7 +670,7 @@ def _changed_entry(scene: HasInputs, key: str, change: float) -> tuple[str, dict
     entries: dict[str, Any] = {name: getattr(part_of_scene, name) * (1 + change)}
     for body_name in body_names:
         entries = {body_name: entries}
-    return table, entries
+    return table_name, entries
 
 
 def _merged_entries(entries: dict[str, Any], further_entries: dict[str, Any]) -> dict[str, Any]:

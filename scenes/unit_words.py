@@ -130,8 +130,8 @@ def fault_of_units(units: str) -> str:
     ]
     if stress_word in consistent_words:
         return ""
-    unit_of_stress = f"{consistent_words[0]}, " if consistent_words else ""
-    fault_text = f"{force_word}/{length_word}^2 is {unit_of_stress}not {stress_word}"
+    right_unit_text = f"{consistent_words[0]}, " if consistent_words else ""
+    fault_text = f"{force_word}/{length_word}^2 is {right_unit_text}not {stress_word}"
     return (
         f"{fault_text}: one set of units is needed, such as 'N, mm, MPa', with every number of the"
         " scene in it"
@@ -259,11 +259,15 @@ def _unit_symbol(word: str) -> str:
     >>> _unit_symbol("millimètres"), _unit_symbol("Sekunden")
     ('mm', 's')
     """
-    letters = unicodedata.normalize("NFKD", word.strip().rstrip("."))
-    word_alone = "".join(letter for letter in letters if not unicodedata.combining(letter)).lower()
+    letters_and_accents = unicodedata.normalize("NFKD", word.strip().rstrip("."))
+    word_without_accents = "".join(
+        letter for letter in letters_and_accents if not unicodedata.combining(letter)
+    ).lower()
     # _SPELLED_UNITS: unit written out -> symbol
     return (
-        _SPELLED_UNITS.get(word_alone) or _SPELLED_UNITS.get(word_alone.removesuffix("s")) or word
+        _SPELLED_UNITS.get(word_without_accents)
+        or _SPELLED_UNITS.get(word_without_accents.removesuffix("s"))
+        or word
     )
 
 
@@ -304,7 +308,7 @@ def unit_factor(unit: str, kind: Kind, units: str) -> tuple[float, bool]:
             f"{unit!r} is no unit of {quantity} that is known; known are"
             f" {', '.join(_UNITS_OF_FILES[kind]) or 'none'}"
         )
-    si_size, per_length = size_and_is_per_length
+    si_size, is_per_length = size_and_is_per_length
     if kind in ("time", "angle"):
         return si_size, False
 
@@ -315,15 +319,15 @@ def unit_factor(unit: str, kind: Kind, units: str) -> tuple[float, bool]:
     length_size = UNITS["length"].get(words_of_scene[1], 0.0)
     stress_size = UNITS["stress"].get(words_of_scene[2], 0.0)
     load_size = force_size
-    if per_length:
+    if is_per_length:
         load_size = force_size / (length_size or math.inf)
 
     # Size in SI units of the scene's unit of this kind.
-    size_in_scene = {"length": length_size, "load": load_size, "stress": stress_size}[kind]
-    if not size_in_scene:
+    size_of_scene_unit = {"length": length_size, "load": load_size, "stress": stress_size}[kind]
+    if not size_of_scene_unit:
         raise ValueError(
             f"{unit!r} can't be turned into the units of the scene, {units!r}, which are no known"
             " words; use scale"
         )
     # To twelve digits: kN over kN is 1, whatever the round-off of the sizes.
-    return float(f"{si_size / size_in_scene:.12g}"), per_length
+    return float(f"{si_size / size_of_scene_unit:.12g}"), is_per_length

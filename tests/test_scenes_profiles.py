@@ -408,7 +408,7 @@ def test_the_uncertainty_of_a_spline_covers_what_smoothing_takes_from_a_flat():
 
     random = np.random.default_rng(0)
     changes = [change(fitted_again(scene.profile, random.standard_normal(61))) for _ in range(10)]
-    closer = abs(change(fitted_again(scene.profile, smoothing=0.1)))
+    closer = abs(change(fitted_again(scene.profile, smoothing_factor=0.1)))
     assert closer > abs(np.mean(changes))
     assert half_width.uncertainty == pytest.approx(2 * np.std(changes) + closer, rel=1e-9)
 

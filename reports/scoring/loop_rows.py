@@ -158,7 +158,7 @@ def _names_of_columns(table: TextTable, mapping: Mapping, file_name: str) -> tup
     # notation: Q tangential load, U relative tangential displacement
     """
     names = table.names
-    has_two_nameless_columns = not table.heading_line and len(names) == 2
+    has_two_nameless_columns = not table.heading_line_number and len(names) == 2
     load_name = name_of_column(
         mapping, "tangential_load", names, file_name, is_needed=not has_two_nameless_columns
     )
@@ -291,14 +291,14 @@ def _factor_by_heading(
     unit = unit_of_column(table, table.names.index(name), factor_name, scene.units)
     if unit.word == unit_of_scene:  # whatever words the scene has for its units
         words_on_unit = f"{unit.word} (in its heading), times 1"
-        unit = replace(unit, factor=1.0, per_length=is_load, fault="", remark=words_on_unit)
+        unit = replace(unit, factor=1.0, is_per_length=is_load, fault="", remark=words_on_unit)
     if has_thickness and "/" in unit.word:
         raise InputError(
             f"{file_name}: the column {name!r} is in {unit.word}, a force per length, and the"
             " mapping states a thickness, by which forces are divided: take thickness out of"
             " the mapping, or state factors.load"
         )
-    is_plain_force = is_load and unit.known and not unit.per_length
+    is_plain_force = is_load and unit.is_known and not unit.is_per_length
     if unit.fault or (is_plain_force and not has_thickness):
         hint_on_thickness = ""
         if is_plain_force:
