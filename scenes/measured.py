@@ -808,8 +808,10 @@ def rows_of_turning_points(values: Array, threshold: float) -> Rows:
         (*values[extreme_rows].tolist(), float(values[-1])),
         strict=True,
     ):
-        row_of_largest_value = row if value > values[row_of_largest_value] else row_of_largest_value
-        row_of_least_value = row if value < values[row_of_least_value] else row_of_least_value
+        if value > values[row_of_largest_value]:
+            row_of_largest_value = row
+        if value < values[row_of_least_value]:
+            row_of_least_value = row
         if swing_direction >= 0 and values[row_of_largest_value] - value > threshold:
             turning_rows.append(row_of_largest_value)
             swing_direction = -1

@@ -848,7 +848,7 @@ def _time_column(
 ) -> int | None:
     """Index (from 0) of the column of time, which may hold times of day; None without one.
 
-    Where quantities are to be read, it is the column of "time" among them, if it is. Where every
+    Where quantities are to be read, it is the column of "time", if that is one of them. Where every
     column is read, it is the first whose heading is a usual one of time. `columns_read` are the
     indices of the quantities' columns, in their order.
     """
