@@ -308,6 +308,7 @@ class Scene(Frozen):
         cylinder_radius = self.bodies.relative_radius()
         # Half the length of the flat, and the radius of the arcs beside it; None for other shapes.
         arc = self.profile.arc
+        arc_radius = None if arc is None else arc[1]
         # LARGEST_NUMBER: 1e100; products of larger numbers may overflow
         if not 1 / LARGEST_NUMBER <= datum_length <= LARGEST_NUMBER:
             raise ValueError(
@@ -316,9 +317,11 @@ class Scene(Frozen):
             )
 
         if cylinder_radius is not None and not (
-            self.profile.kind == "hertz" and arc and abs(arc[1] / cylinder_radius - 1) <= 1e-9
+            self.profile.kind == "hertz"
+            and arc_radius is not None
+            and abs(arc_radius / cylinder_radius - 1) <= 1e-9
         ):
-            is_wider = arc is not None and arc[1] > cylinder_radius
+            is_wider = arc_radius is not None and arc_radius > cylinder_radius
             raise ValueError(
                 "profile is not that of the cylinders: it is kind = 'hertz' with radius ="
                 f" {cylinder_radius:.12g} (1/R is the sum of 1/radius over the cylinders)"
