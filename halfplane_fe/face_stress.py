@@ -323,12 +323,20 @@ class NodalTractions:
     def has_slip_zones(self, *, of_nodes: int) -> bool:
         """Whether there is a stick zone between two slip zones of at least `of_nodes` nodes each,
         among the touching nodes at `x`, ascending; in full slip the stick edges are NaN.
+
+        In full stick they are the edges of contact, which may lie inside the outermost nodes.
         """
+        left_stick_edge, right_stick_edge = self.stick_edges
+        left_edge, right_edge = self.contact_edges
+        # _ROUND_OFF: of places, over the width of the contact
+        same_edge = _ROUND_OFF * (right_edge - left_edge)
         return (
             len(self.x) > of_nodes
-            and math.isfinite(self.stick_edges[0])
-            and self.stick_edges[0] > self.x[of_nodes - 1]
-            and self.stick_edges[1] < self.x[-of_nodes]
+            and math.isfinite(left_stick_edge)
+            and left_stick_edge > self.x[of_nodes - 1]
+            and right_stick_edge < self.x[-of_nodes]
+            and left_stick_edge > left_edge + same_edge
+            and right_stick_edge < right_edge - same_edge
         )
 
 

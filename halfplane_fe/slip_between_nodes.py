@@ -139,7 +139,8 @@ def _largest_by_right_edge(
     # Range of the nodes inside of the place while that is in contact.
     inner_node = int(np.searchsorted(x, place, side="right")) - 1
     beyond_inner_node = max(inner_node - _NODES_INWARDS, 0)
-    rows = (left_edge <= place) & (right_edge >= place)
+    same_edge = _SAME_EDGE * (x[inner_node + 1] - x[inner_node])
+    rows = (left_edge <= place + same_edge) & (right_edge >= place - same_edge)
     range_of_inner_node = _range(slip[rows, inner_node])
     change_inwards = range_of_inner_node - _range(slip[rows, beyond_inner_node])
     change_to_nodes = abs(change_inwards) / _NODES_INWARDS
