@@ -9,7 +9,7 @@ Unknowns z = (p, q, delta, U); each node has two equations, by its state:
 
 and two equations for the loads; U = 0 is the second where Q is zero by symmetry, or where there is
 no shear. Where the movement of an actuator stands in the place of a load, its equation is that of
-`Actuators`. A state of a node is a choice of equations, so that the matrix of a set differs from
+`actuators`. A state of a node is a choice of equations, so that the matrix of a set differs from
 that of a base set in a few rows alone (Sherman-Morrison-Woodbury).
 
 An equation pairs a displacement with the force in its direction: gap with pressure, slip with

@@ -127,8 +127,9 @@ class SeriesAsPowers:
         place_in_part = distance_in_parts
         place_in_part -= part
         place_in_part -= 0.5
-        # Column of the part's powers; `_PARTS_OF_INTERVAL`: 8 a function.
-        column = part + np.ravel(function_number) * _PARTS_OF_INTERVAL
+        # Column of the part's powers, also in place; `_PARTS_OF_INTERVAL`: 8 a function.
+        column = np.ravel(function_number) * _PARTS_OF_INTERVAL
+        column += part
 
         # Horner's rule from the highest power down.
         # `_power_coefficients` (n_powers, 8 n): a row for each power, a column for each part.
